@@ -1,6 +1,6 @@
 """Headless Chromium over its DevTools pipe: it opens pages from disk, without any network.
 
-Not by playwright or selenium: the one brings Node.js and wants browsers of its own, the other talks over a port.
+It does not use playwright, which needs Node.js and browsers of its own, nor selenium, which talks over a port.
 """
 
 from __future__ import annotations
@@ -42,24 +42,24 @@ PATIENCE = 120.0  # s
 
 
 def find() -> str | None:
-    """Path of a Chromium on this machine."""
+    """Returns the path of a Chromium on this machine."""
     return next((path for name in NAMES if (path := shutil.which(name))), None)
 
 
 class Browser:
-    """One headless browser with one page; a context manager, which leaves neither process nor profile behind.
+    """A headless browser with one page; a context manager, which leaves neither process nor profile behind.
 
     Args:
-        width: of the page, in pixels.
-        height: of the page, in pixels.
+        width: width of the page, in pixels.
+        height: height of the page, in pixels.
 
     Attributes:
-        errors: errors logged to the console, exceptions, and what the security policy refused.
+        errors: errors logged to the console, exceptions, and refusals of the security policy.
         requests: addresses the page asked for.
 
     Raises:
         MissingProgram: there is no Chromium.
-        SpearError: it ends or does not answer (as in every method).
+        SpearError: Chromium ends or does not answer (in every method).
     """
 
     def __init__(self, width: int = 1280, height: int = 720) -> None:
@@ -97,7 +97,7 @@ class Browser:
         stack.callback(self._end)
 
     def _end(self) -> None:
-        """End the browser with all its processes: kindly, then for certain."""
+        """Ends the browser with all its processes: first by a request, then by force."""
         try:
             self.send("Browser.close")
             self._process.wait(20)
@@ -125,11 +125,11 @@ class Browser:
         self.close()
 
     def close(self) -> None:
-        """End the browser and remove its profile."""
+        """Ends the browser and removes its profile."""
         self._stack.close()
 
     def open(self, path: Path, fragment: str = "") -> None:
-        """Open a file and wait until its player has started."""
+        """Opens a file and waits until its player has started."""
         self.send("Page.navigate", page=True, url="about:blank")
         self.send("Page.navigate", page=True, url=path.absolute().as_uri() + fragment)
         self._wait_for("document.readyState === 'complete' && 'player' in window")
@@ -137,18 +137,18 @@ class Browser:
         self.run("new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(r))))")
 
     def run(self, script: str) -> Any:
-        """Value of a JavaScript expression, awaited."""
+        """Returns the value of a JavaScript expression, awaited."""
         answer = self.send("Runtime.evaluate", page=True, expression=script, awaitPromise=True, returnByValue=True)
         if "exceptionDetails" in answer:
             raise SpearError(f"the page failed: {answer['exceptionDetails']}")
         return answer["result"].get("value")
 
     def capture(self) -> bytes:
-        """Picture of the page as it looks, a PNG."""
+        """Returns a picture of the page as a PNG."""
         return base64.b64decode(self.send("Page.captureScreenshot", page=True, format="png")["data"])
 
     def send(self, method: str, *, page: bool = False, **params: Any) -> dict[str, Any]:
-        """The answer to a DevTools command."""
+        """Sends a DevTools command and returns the answer."""
         self._count += 1
         message: dict[str, Any] = {"id": self._count, "method": method, "params": params}
         if page:

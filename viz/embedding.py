@@ -1,4 +1,4 @@
-"""Parts of a page that holds several playbacks and drawings, and asks for nothing."""
+"""Parts of a page that holds several playbacks and drawings, and loads nothing else."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ ENLARGED = 1.3  # figures on a screen beside those on paper
 
 
 def shared(pages: Iterable[str]) -> tuple[str, list[tuple[str, str]]]:
-    """The viewer that pages of `player` have in common, and what stands before and after it in each.
+    """Returns the viewer that pages of `player` have in common, and the text before and after it in each page.
 
     Raises:
-        BadValue: they have not the same viewer.
+        BadValue: the pages do not have the same viewer.
     """
     parts = []
     for text in pages:
@@ -32,12 +32,12 @@ def shared(pages: Iterable[str]) -> tuple[str, list[tuple[str, str]]]:
 
 
 def drawing(svg: bytes, name: str, label: str) -> Markup:
-    """A figure of matplotlib as an element of a page; of its ids those that it refers to, made its own.
+    """Returns a figure of matplotlib as an element of a page; keeps only ids that it uses, and makes them unique.
 
     Args:
         svg: the file.
-        name: of the figure on the page.
-        label: what it shows, in words.
+        name: name of the figure on the page.
+        label: description of the figure, in words.
     """
     source = svg.decode()
     source = source[source.index("<svg") :]

@@ -1,7 +1,7 @@
-"""A trajectory as an MCAP file, a log of timed messages that Foxglove and others read.
+"""A trajectory as an MCAP file, a log of timed messages that Foxglove and other programs read.
 
-Places, joints, shapes, forces and events are messages of Foxglove's schemas, in protobuf; every sample as it is in
-tables is a JSON message beside them. Times are those of the trajectory, as nanoseconds from zero.
+Places, joints, shapes, forces and events are messages of Foxglove's schemas, in protobuf. Every sample is also a JSON
+message, as in tables. Times are those of the trajectory, as nanoseconds from zero.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ LEAST = 1e-3  # of the largest force, below which no arrow is drawn
 
 @dataclass(frozen=True)
 class Message:
-    """Something that is logged.
+    """A logged message.
 
     Attributes:
-        time: in ns.
+        time: time in ns.
         topic: name of the channel.
         content: a message of protobuf, or an object of JSON.
     """
@@ -55,17 +55,17 @@ class Message:
 
 @typed
 def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
-    """Write a trajectory as an MCAP file, whole or not at all.
+    """Writes a trajectory as an MCAP file, whole or not at all.
 
     Topics are `/tf` (every link and toe in the world), `/joint_states` (effort: `tau`), `/scene/robot` (its shapes,
-    once), `/scene/ground` (once), `/scene/forces` (arrows), `/events` and `/samples` (all columns, by their names); of
-    a robot that was cut out of another `/whole/joint_states` has the joints of that. The file that it was loaded
-    from is attached.
+    once), `/scene/ground` (once), `/scene/forces` (arrows), `/events` and `/samples` (all columns, by their names). If
+    the robot was cut out of another, `/whole/joint_states` has the joints of that robot. The file from which it was
+    loaded is attached.
 
     Args:
-        robot: that moved.
-        trajectory: what it did.
-        path: of the file.
+        robot: the robot that moved.
+        trajectory: motion of the robot.
+        path: path of the file.
 
     Raises:
         MissingExtra: the libraries are not installed.
@@ -191,7 +191,7 @@ def _samples(trajectory: Trajectory, times: list[int], names: list[str], table: 
 
 
 def _schema(trajectory: Trajectory, names: list[str]) -> dict[str, Any]:
-    """JSON schema of a sample, each number with its unit."""
+    """Returns the JSON schema of a sample, each number with its unit."""
     units = trajectory.units()
     said = {name: {"description": units[name]} if units[name] else {} for name in names}
     numbers = {name: {"type": ["number", "null"], **said[name]} for name in names}
@@ -201,7 +201,7 @@ def _schema(trajectory: Trajectory, names: list[str]) -> dict[str, Any]:
 
 
 def _attached(robot: Robot) -> dict[str, bytes]:
-    """The file that the robot, or that out of which it was cut, was loaded from, if it is there."""
+    """Returns the file from which the robot, or the robot it was cut from, was loaded, if it exists."""
     try:
         path = describe(robot if robot.cut is None else robot.cut.robot).path
         return {path.name: path.read_bytes()}

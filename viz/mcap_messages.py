@@ -31,7 +31,7 @@ SHAFT, HEAD = 0.012, 0.03  # m, diameters of an arrow
 
 
 class Anchor(NamedTuple):
-    """A named frame that moves with a joint, and its place in that of the joint."""
+    """A named frame that moves with a joint, and its place in the joint's frame."""
 
     name: str
     placement: pin.SE3
@@ -49,10 +49,10 @@ class JointState:
 
 
 def load() -> Schemas:
-    """The classes of the messages.
+    """Returns the classes of the messages.
 
     Raises:
-        MissingExtra: they, or what writes them, are not installed.
+        MissingExtra: the messages, or the library that writes them, are not installed.
     """
     try:
         for package in ("mcap.writer", "mcap_protobuf.schema"):
@@ -66,7 +66,7 @@ def load() -> Schemas:
 
 
 def anchors(model: pin.Model) -> list[Anchor]:
-    """A named frame for each joint, the world's first: its first body where it has one."""
+    """Returns a named frame for each joint, the world's first: its first body where it has one."""
     found = [Anchor(WORLD, STAY)]
     for joint in range(1, model.njoints):
         bodies = (frame for frame in model.frames if frame.parentJoint == joint and frame.type == BODY)
@@ -76,7 +76,7 @@ def anchors(model: pin.Model) -> list[Anchor]:
 
 
 def frames(robot: Robot) -> dict[str, int]:
-    """Names of links, of joints without any, and of toes, with their numbers among the model's frames."""
+    """Returns names of links, of joints without any, and of toes, with their numbers among the model's frames."""
     model = robot.model
     links = {frame.name: number for number, frame in enumerate(model.frames) if frame.type == BODY}
     there = {int(model.frames[number].parentJoint) for number in links.values()}
@@ -88,7 +88,7 @@ def frames(robot: Robot) -> dict[str, int]:
 
 
 def transforms(schemas: Schemas, data: pin.Data, numbers: Mapping[str, int], time: int) -> Any:
-    """Places of frames in the world."""
+    """Returns places of frames in the world."""
     message = schemas.FrameTransforms()
     for name, number in numbers.items():
         place = data.oMf[number]
@@ -105,7 +105,7 @@ def transforms(schemas: Schemas, data: pin.Data, numbers: Mapping[str, int], tim
 
 
 def joints_of(model: pin.Model, q: Array, v: Array, a: Array, effort: Array) -> list[JointState]:
-    """States of the joints that turn or slide about one axis."""
+    """Returns states of the joints that turn or slide about one axis."""
     found = []
     for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
         if joint.nv == 1:
@@ -116,9 +116,9 @@ def joints_of(model: pin.Model, q: Array, v: Array, a: Array, effort: Array) -> 
 
 
 def uncut(cut: Cut, states: Iterable[JointState]) -> list[JointState]:
-    """States of the joints of the robot that a cut came from: those that turn with it, and those that are held.
+    """Returns states of the joints of the robot from which a cut came: those that turn with it, and fixed ones.
 
-    Of a pair of legs that is one in the plane each has half the effort.
+    If a pair of legs is one leg in the plane, each leg has half the effort.
     """
     there = {state.name: state for state in states}
     found = [JointState(name, 0.0, 0.0, 0.0, 0.0) for name in cut.held]
@@ -141,18 +141,18 @@ def uncut(cut: Cut, states: Iterable[JointState]) -> list[JointState]:
 
 
 def joint_states(schemas: Schemas, states: Iterable[JointState], time: int) -> Any:
-    """States of joints."""
+    """Returns states of joints as a message."""
     joints = [schemas.JointState(**vars(state)) for state in states]
     return schemas.JointStates(timestamp=stamp(schemas, time), joints=joints)
 
 
 def log(schemas: Schemas, message: str, name: str, time: int) -> Any:
-    """A line of a log."""
+    """Returns a line of a log."""
     return schemas.Log(timestamp=stamp(schemas, time), level=schemas.Log.INFO, message=message, name=name)
 
 
 def scene(schemas: Schemas, shapes: Sequence[Shape], anchored: Sequence[Anchor], time: int) -> Any:
-    """Shapes, each moving with the frame that its joint is anchored by."""
+    """Returns shapes, each moving with the frame that its joint is anchored by."""
     update = schemas.SceneUpdate()
     for number, anchor in enumerate(anchored):
         those = [shape for shape in shapes if shape.joint == number]
@@ -165,7 +165,7 @@ def scene(schemas: Schemas, shapes: Sequence[Shape], anchored: Sequence[Anchor],
 
 
 def arrows(schemas: Schemas, drawn: Iterable[tuple[str, Array, Array | None]], time: int) -> Any:
-    """Arrows at toes: name, place in the world, and direction with length, in m, or None where there is none."""
+    """Returns arrows at toes: name, place in the world, and direction with length, in m, or None if there is none."""
     update = schemas.SceneUpdate()
     for name, place, along in drawn:
         entity = _entity(schemas, f"force {name}", WORLD, time)
@@ -188,7 +188,7 @@ def arrows(schemas: Schemas, drawn: Iterable[tuple[str, Array, Array | None]], t
 
 
 def strip(schemas: Schemas, name: str, line: Array, half: float, color: Sequence[float], time: int) -> Any:
-    """A surface along a line of places (x, z) in the world, (n, 2), so far to either side of it, in m."""
+    """Returns a surface along a line of places (x, z) in the world, (n, 2), up to `half` to either side, in m."""
     update, entity = schemas.SceneUpdate(), _entity(schemas, name, WORLD, time)
     sides = [schemas.Point3(x=x, y=y, z=z) for x, z in line.tolist() for y in (-half, half)]
     pieces = [(2 * i + np.array([[0, 2, 3], [0, 3, 1]])).ravel() for i in range(len(line) - 1)]
@@ -205,7 +205,7 @@ def strip(schemas: Schemas, name: str, line: Array, half: float, color: Sequence
 
 
 def stamp(schemas: Schemas, time: int) -> Any:
-    """A time, in ns."""
+    """Returns a time stamp for a time in ns."""
     seconds, nanos = divmod(time, 1_000_000_000)
     return schemas.Timestamp(seconds=seconds, nanos=nanos)
 

@@ -17,17 +17,17 @@ HEADER = 80  # bytes of a binary STL, before the number of its faces
 
 
 def write_meshes(robot: Robot, folder: Path) -> tuple[list[MeshFile], tuple[str, ...]]:
-    """Write the meshes that a robot's file shows into a folder, which is made if there are some.
+    """Writes the meshes that a robot's file shows into a folder, which is made if there are some.
 
     Args:
-        robot: as it was loaded.
-        folder: beside the file that will name them.
+        robot: the robot as it was loaded.
+        folder: folder next to the file that will name them.
 
     Returns:
-        The files, each with its path from the folder's parent on; and in a line each what is not drawn as it is.
+        The files, each with its path from the folder's parent on; and one line for each part not drawn as it is.
 
     Raises:
-        BadFile: one cannot be written.
+        BadFile: a mesh cannot be written.
         OSError: the folder cannot be made.
     """
     looks = read_looks(robot, FACES)
@@ -49,7 +49,7 @@ def write_meshes(robot: Robot, folder: Path) -> tuple[list[MeshFile], tuple[str,
 
 
 def _stl(triangles: Array) -> bytes:
-    """A binary STL file of triangles, (f, 3, 3)."""
+    """Returns a binary STL file of triangles, (f, 3, 3)."""
     records = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")])
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     size = np.linalg.norm(normals, axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""Record a trajectory as one HTML page that plays from disk, or play it in a live viewer."""
+"""Recording of a trajectory as one HTML page that plays from disk, and playing in a live viewer."""
 
 from __future__ import annotations
 
@@ -46,16 +46,16 @@ def record(
     ghost: TrajectoryLike | None = None,
     notes: Sequence[str] = (),
 ) -> Path:
-    """Write one HTML file that plays a trajectory in any browser, without server or network.
+    """Writes one HTML file that plays a trajectory in any browser, without server or network.
 
-    Beside the robot it plots the trajectory's columns; the page says by `?` which keys it knows. The file is written
-    whole or not at all. Appending `#t=0.12` to its address opens it paused at that time, in s.
+    Next to the robot it plots the trajectory's columns; the key `?` shows the page's keys. The file is written whole or
+    not at all. With `#t=0.12` added to its address it opens paused at that time, in s.
 
     Args:
         robot: the robot that moves.
-        trajectory: what it does, see `TrajectoryLike`.
+        trajectory: motion of the robot, see `TrajectoryLike`.
         path: the file to write; its folder must exist.
-        title: shown above; by default the robot's name.
+        title: title of the page; by default the robot's name.
         ghost: another trajectory of the robot, drawn translucent; both begin at the same instant.
         notes: sentences that the page shows below its legend.
 
@@ -64,7 +64,7 @@ def record(
 
     Raises:
         BadValue: the trajectory or the ghost cannot be played or is too long for a file of 2 MB, in space of 4 MB (see
-            `shortened`), or there is no such folder.
+            `shortened`), or the folder does not exist.
         BadFile: the file cannot be written.
         UnknownName: a spring's joint is not one of the robot's.
     """
@@ -86,7 +86,7 @@ def page(
     ghost: TrajectoryLike | None = None,
     notes: Sequence[str] = (),
 ) -> str:
-    """The text of the page that `record` writes, with as many frames as it may hold."""
+    """Returns the text of the page that `record` writes, with as many frames as it may hold."""
     rate = _first_rate(trajectory)
     while rate >= WORST_RATE:
         text, share = _attempt(robot, trajectory, rate, title or robot.name, ghost, notes)
@@ -103,12 +103,12 @@ def page(
 def shortened(
     robot: Robot, trajectory: TrajectoryLike, piece: Callable[[TrajectoryLike, float], Part] = last
 ) -> TrajectoryLike:
-    """Trajectory as far as a page can show it: all of it, or a part, with some `PART_RATE` frames a second.
+    """Returns the trajectory, or a part that a page can show with some `PART_RATE` frames a second.
 
     Args:
         robot: the robot that moves.
-        trajectory: what it does.
-        piece: cuts so many seconds out of it, `trajectory.first` or `trajectory.last`.
+        trajectory: motion of the robot.
+        piece: function that cuts the number of seconds from it, `trajectory.first` or `trajectory.last`.
 
     Raises:
         BadValue: the trajectory cannot be played.
@@ -132,7 +132,7 @@ def _attempt(
     ghost: TrajectoryLike | None = None,
     said: Sequence[str] = (),
 ) -> tuple[str, float]:
-    """A page with so many frames a second, and the room for its animation by what that takes: too little below 1."""
+    """Returns a page with a frame rate, and the room for its animation over what it needs: below 1 is too little."""
     frames = resample(robot, trajectory, rate)
     scene = moving(robot, frames, None if ghost is None else resample(robot, ghost, rate, "ghost"))
     animation = encoded(c.set_animation(scene.clips, frames.duration))
@@ -158,11 +158,11 @@ def _most_bytes(robot: Robot) -> int:
 
 
 def live(robot: Robot, trajectory: TrajectoryLike, *, speed: float = 1.0) -> Any:
-    """Play a trajectory over and over in a meshcat viewer, in real time or slower.
+    """Plays a trajectory over and over in a meshcat viewer, in real time or slower.
 
     Args:
         robot: the robot that moves.
-        trajectory: what it does, see `TrajectoryLike`.
+        trajectory: motion of the robot, see `TrajectoryLike`.
         speed: 1 for real time, less for slower.
 
     Returns:
@@ -180,7 +180,7 @@ def live(robot: Robot, trajectory: TrajectoryLike, *, speed: float = 1.0) -> Any
 
 
 def viewer(robot: Robot, q: ArrayLike) -> Any:
-    """Show a robot in a configuration, (nq,), in a meshcat viewer; returns and stays as `live`."""
+    """Shows a robot in a configuration, (nq,), in a meshcat viewer; returns the viewer as `live` does."""
     configuration = np.asarray(q, dtype=np.float64)
     if configuration.shape != (robot.nq,) or not np.isfinite(configuration).all():
         raise BadValue("q", q, f"{robot.nq} finite numbers ({listed(robot.coordinates, 8)})")
@@ -188,13 +188,13 @@ def viewer(robot: Robot, q: ArrayLike) -> Any:
 
 
 def _first_rate(trajectory: TrajectoryLike) -> float:
-    """Frames per second to try first."""
+    """Returns the number of frames per second to try first."""
     duration = float(np.ptp(read_times(trajectory)))
     return min(BEST_RATE, MOST_FRAMES / duration)
 
 
 def as_data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[str, Any]:
-    """A scene and its frames as the scripts of pages read them; the animation as of `encoded`."""
+    """Returns a scene and its frames in the form for the scripts of pages; `encoded` gives the animation."""
     force = (
         "ground force"
         + " on each foot" * scene.paired
@@ -231,7 +231,7 @@ def as_data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[st
 
 
 def in_words(name: str) -> str:
-    """A domain or event as a reader says it: "double_1 anterior slip+" is "double stance 1, anterior slipping"."""
+    """Returns a domain or event in words: "double_1 anterior slip+" is "double stance 1, anterior slipping"."""
     head, *rest = re.split(r" (?=slip[+-]|\w+ slip[+-])", name)
     words = re.sub(r"^double\b", "double stance", head.replace("_", " "))
     legs = " and ".join(word for word in rest if not word.startswith("slip"))
@@ -239,7 +239,7 @@ def in_words(name: str) -> str:
 
 
 def encoded(command: c.Command) -> str:
-    """A command of meshcat as pages hold it."""
+    """Returns a command of meshcat in the form in which pages hold it."""
     return base64.b64encode(c.pack(command)).decode()
 
 

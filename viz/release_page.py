@@ -1,4 +1,4 @@
-"""Play a release of the push test: the leg held for a moment, let go, and where its pinned toe would pull."""
+"""Playback of a release of the push test: the leg held for a moment, let go, and where its pinned toe would pull."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class _Event:
 
 @dataclass(frozen=True)
 class _Played:
-    """A release as the player takes it."""
+    """A release in the form for the player."""
 
     t: Array
     q: Array
@@ -37,14 +37,14 @@ class _Played:
 
 
 def record_release(leg: PinnedLeg, knee: PassiveKnee, release: Release, path: str | Path, *, title: str = "") -> Path:
-    """Write one HTML file that plays a release, see `spear_pin.viz.player.record`; of a long one the beginning.
+    """Writes one HTML file that plays a release, see `spear_pin.viz.player.record`; of a long one the beginning.
 
     Args:
-        leg: that was released.
-        knee: what acts on its knee.
+        leg: the leg that was released.
+        knee: torque law of the knee.
         release: the motion.
-        path: of the file.
-        title: shown above.
+        path: path of the file.
+        title: title of the page.
 
     Raises:
         BadValue: there is no such folder.
@@ -53,7 +53,7 @@ def record_release(leg: PinnedLeg, knee: PassiveKnee, release: Release, path: st
 
 
 def playback(leg: PinnedLeg, knee: PassiveKnee, release: Release) -> TrajectoryLike:
-    """Playback of a release: the hand's hold, and as much of the motion as a page holds."""
+    """Returns the playback of a release: the hand's hold, and as much of the motion as a page holds."""
     q = leg.configuration(release.angle).T
     held = float(release.angle[0])
     sinking = float(leg.configuration.derivative().at(held)[0])  # of the hip, in m/rad

@@ -1,4 +1,4 @@
-"""Pages that hold everything themselves: Jinja templates of this package, its scripts and styles, meshcat's viewer."""
+"""Self-contained pages: Jinja templates of this package, its scripts and styles, meshcat's viewer."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ POLICY = "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-sr
 
 @cache
 def environment(**filters: Callable[..., Any]) -> Environment:
-    """Where the templates of this package stand, by their paths below `viz`; what they are given is escaped.
+    """Returns the environment of this package's templates, by their paths below `viz`; values are escaped.
 
     Args:
-        filters: that they may use, beside those of all pages.
+        filters: filters that they may use, besides those of all pages.
     """
     # most of what imports this module makes no page
     from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -44,24 +44,24 @@ def environment(**filters: Callable[..., Any]) -> Environment:
 
 
 def asset(name: str) -> Markup:
-    """A style or script of this package, by its path below `viz`: no template, for braces have a meaning there."""
+    """Returns a style or script of this package, by its path below `viz`; it is not a template: it has braces."""
     return Markup(files("spear_pin.viz").joinpath(name).read_text(encoding="utf-8"))
 
 
 def library() -> Markup:
-    """The script of meshcat's viewer."""
+    """Returns the script of meshcat's viewer."""
     return Markup((_folder() / "dist" / "main.min.js").read_text(encoding="utf-8"))
 
 
 def licences() -> Markup:
-    """Those of all that is in it, as they may stand in a comment of HTML."""
+    """Returns the licences of all that is in that script, in a form for a comment of HTML."""
     papers = "LICENSE", "dist/main.min.js.LICENSE.txt", "dist/main.min.js.THIRD_PARTY_LICENSES.json"
     paths = (_folder() / paper for paper in papers)
     return _comment("\n\n".join(path.read_text(encoding="utf-8") for path in paths if path.is_file()))
 
 
 def licence(name: str) -> Markup:
-    """The licence of a script of others, by the licence's path below `viz`, as it may stand in a comment of HTML."""
+    """Returns the licence of a foreign script, by the licence's path below `viz`, in a form for a comment of HTML."""
     return _comment(str(asset(name)))
 
 
@@ -78,7 +78,7 @@ def _folder() -> Path:
 
 
 def script_json(data: Mapping[str, Any]) -> Markup:
-    """Data as JSON that may stand in a script: a title may hold the end of one, or of a comment.
+    """Returns data as JSON that is safe in a script: a title may hold the end of a script, or of a comment.
 
     Jinja's `tojson` would escape every quote, ampersand and `>` of the scripts that a report holds as data, too.
     """
@@ -86,5 +86,5 @@ def script_json(data: Mapping[str, Any]) -> Markup:
 
 
 def css(color: tuple[float, float, float]) -> str:
-    """A colour, each part from 0 to 1, as CSS has it."""
+    """Returns a colour, each part from 0 to 1, in CSS notation."""
     return "#" + "".join(f"{round(255 * value):02x}" for value in color)

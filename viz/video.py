@@ -1,4 +1,4 @@
-"""A trajectory as a film or a picture: the recorded page, seen by a headless Chromium one frame after the other."""
+"""A trajectory as a film or a picture: a headless Chromium shows the recorded page frame by frame."""
 
 from __future__ import annotations
 
@@ -42,21 +42,21 @@ SHOW = """new Promise((done) => {
 def still(
     robot: Robot, trajectory: TrajectoryLike, path: str | Path, *, time: float, size: Size = SIZE, title: str = ""
 ) -> Path:
-    """Write a PNG of a trajectory at a time, as the page of `player.record` shows it.
+    """Writes a PNG of a trajectory at a time, as the page of `player.record` shows it.
 
     Args:
         robot: the robot that moves.
-        trajectory: what it does, see `TrajectoryLike`.
+        trajectory: motion of the robot, see `TrajectoryLike`.
         path: the file to write.
-        time: of the trajectory, in s.
+        time: time of the trajectory, in s.
         size: width and height, in pixels.
-        title: shown above; by default the robot's name.
+        title: title of the picture; by default the robot's name.
 
     Returns:
         The path of the file.
 
     Raises:
-        BadValue: the trajectory cannot be played, or does not have that time; or the size is none.
+        BadValue: the trajectory cannot be played, or does not have that time; or the size is not valid.
         MissingProgram: there is no Chromium.
         SpearError: Chromium fails.
     """
@@ -80,23 +80,23 @@ def film(
     title: str = "",
     on_frame: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Write an MP4 (H.264) of a trajectory, as the page of `player.record` shows it; every frame is of its own time.
+    """Writes an MP4 (H.264) of a trajectory, as the page of `player.record` shows it; each frame has its exact time.
 
     Args:
         robot: the robot that moves.
-        trajectory: what it does, see `TrajectoryLike`.
+        trajectory: motion of the robot, see `TrajectoryLike`.
         path: the file to write.
         fps: frames a second of the film.
         speed: seconds of the motion a second of the film; 1 for real time, less for slower.
         size: width and height, in pixels, both even.
-        title: shown above; by default the robot's name.
-        on_frame: told how many frames are done, and of how many.
+        title: title of the film; by default the robot's name.
+        on_frame: called with the number of finished frames, and of all.
 
     Returns:
         The path of the file.
 
     Raises:
-        BadValue: the trajectory cannot be played; or speed, rate or size is none, or gives too many frames.
+        BadValue: the trajectory cannot be played; or speed, rate or size is not valid, or gives too many frames.
         MissingProgram: there is no Chromium, or no ffmpeg.
         SpearError: Chromium or ffmpeg fails.
     """
@@ -116,7 +116,7 @@ def film(
 
 
 def _frame_times(trajectory: TrajectoryLike, fps: float, speed: float) -> NDArray[np.float64]:
-    """Times of the frames, in s from the start."""
+    """Returns the times of the frames, in s from the start."""
     for name, value, unit in (("fps", fps, ", in frames a second"), ("speed", speed, "")):
         if not (np.isfinite(value) and value > 0):
             raise BadValue(name, value, f"a finite number > 0{unit}")
@@ -130,7 +130,7 @@ def _frame_times(trajectory: TrajectoryLike, fps: float, speed: float) -> NDArra
 
 @contextmanager
 def _camera(robot: Robot, trajectory: TrajectoryLike, size: Size, title: str) -> Iterator[Callable[[float], bytes]]:
-    """Function that takes the picture, a PNG, of a time in s from the start."""
+    """Returns a function that takes the picture, a PNG, at a time in s from the start."""
     if not all(LEAST_SIDE <= side <= MOST_SIDE for side in size):
         raise BadValue("size", size, f"width and height of {LEAST_SIDE} to {MOST_SIDE} pixels")
     text = page(robot, trajectory, title=title)
@@ -150,7 +150,7 @@ def _camera(robot: Robot, trajectory: TrajectoryLike, size: Size, title: str) ->
 
 @contextmanager
 def _encoder(program: str, path: Path, fps: float) -> Iterator[Callable[[bytes], None]]:
-    """Function that adds a PNG to a film; ffmpeg ends with the block, killed if that fails."""
+    """Returns a function that adds a PNG to a film; ffmpeg ends with the block, killed if that fails."""
     command = [
         *(program, "-loglevel", "error", "-y", "-f", "image2pipe", "-c:v", "png", "-framerate", repr(float(fps))),
         *("-i", "-", "-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),

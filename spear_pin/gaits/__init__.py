@@ -1,1 +1,1 @@
-"""Gaits of the robot: control laws, their automata, gait search."""
+"""Gaits of the robot: control laws, their automata, and the search for gaits."""

@@ -1,4 +1,4 @@
-"""Attempts at a gait: Newton's method from a state, from one that has settled, or from target to target."""
+"""Attempts to find a gait: Newton's method from a state, from a settled state, or from target to target."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ from spear_pin.hybrid.translation import translations, without
 Measure = Callable[[Run], float]
 
 SETTLING = Options(rtol=1e-7, max_evaluations=EVALUATIONS)  # of each of these
-STRAINED = 2  # cycles with more evaluations than any gait's, after which a search is given up
-ENOUGH = 200_000  # evaluations after which no continuation is begun or refined
-ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # of the integrator and of Newton's method until a solution is near
-A_CYCLE = 2000  # evaluations that one with derivatives is counted as
-MEANT = 1e-6  # of a measure, or its unit: what differs by more is not what was meant by its name
-SHORTEST_STEP = 1.0 / 16.0  # of the way to the targets: the first one, and the last where steps have to shrink
+STRAINED = 2  # a search ends after so many cycles with more evaluations than any gait's
+ENOUGH = 200_000  # no continuation begins or is refined after so many evaluations
+ROUGH_RTOL, ROUGH_TOLERANCE = 1e-8, 1e-6  # for the integrator and Newton's method until a solution is near
+A_CYCLE = 2000  # a cycle with derivatives counts as so many evaluations
+MEANT = 1e-6  # relative to a measure or its unit: a larger difference means another quantity
+SHORTEST_STEP = 1.0 / 16.0  # share of the way to the targets: first and shortest step
 WHY: Mapping[str, str] = {
     NO_START: "the cycle does not close at the starting point",
     NO_NEIGHBOUR: "the cycle does not close near an iterate",
@@ -58,7 +58,7 @@ def sought(
     rtol: float,
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> Search:
-    """Search for a gait; arguments as of `find_gait`. With derivatives, where something compiles the cycles."""
+    """Searches for a gait; see `find_gait` for the arguments. Uses derivatives where an engine compiles the cycles."""
     measures = tuple(name if callable(name) else system.measures[name] for name in target)
     exact = tangent_cycles(system, vary, tuple(target))
     return Search(tuple(vary), measures, np.array([*target.values()], dtype=float), rtol, on_iteration, exact)
@@ -66,12 +66,12 @@ def sought(
 
 @dataclass
 class Effort:
-    """What a search has done so far.
+    """How much work a search has done so far.
 
     Attributes:
-        evaluations: right-hand sides of its cycles.
-        strained: cycles that ran into the cap on evaluations.
-        reached: the farthest that a continuation came.
+        evaluations: evaluations of the right-hand side in its cycles.
+        strained: cycles that reached the cap on evaluations.
+        reached: the farthest point of a continuation.
     """
 
     evaluations: int = 0
@@ -81,7 +81,7 @@ class Effort:
 
 @dataclass(frozen=True)
 class Search:
-    """Search for the gait: what is varied, measured and wanted, and cycles with derivatives, if there are any."""
+    """Search for the gait: the varied parameters, the targets, and cycles with derivatives, if there are any."""
 
     vary: tuple[str, ...]
     measures: tuple[Measure, ...]
@@ -92,11 +92,11 @@ class Search:
     effort: Effort = field(default_factory=Effort)
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
-        """The system and state that meet the targets, by Newton's method."""
+        """Finds the system and state that meet the targets by Newton's method."""
         return self.newton(*self.roughly(system, state, self.wanted), self.wanted, self.rtol, min(TOLERANCE, self.rtol))
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
-        """The system and state, from the fixed point of the system as it is, the targets moved step by step."""
+        """Finds the system and state from the fixed point of the system as it is; moves the targets step by step."""
         unasked = replace(sought(system, (), {}, self.rtol, self.on_iteration), effort=self.effort)
         system, state = unasked.roughly(system, state, self.wanted[:0])
         begin = self.measure(return_map(system, state, self.rtol))
@@ -114,13 +114,13 @@ class Search:
         return self.directly(system, state)
 
     def roughly(self, system: HybridSystem, state: State, wanted: Array) -> tuple[HybridSystem, State]:
-        """The system and state that meet the targets to a few digits, at less than half the cost."""
+        """Finds the system and state that meet the targets to a few digits, at less than half the cost."""
         return self.newton(system, state, wanted, max(ROUGH_RTOL, self.rtol), ROUGH_TOLERANCE)
 
     def newton(
         self, system: HybridSystem, state: State, wanted: Array, rtol: float, tolerance: float
     ) -> tuple[HybridSystem, State]:
-        """Newton's method from a state on the section and the system's own parameters."""
+        """Runs Newton's method from a state on the section and the system's own parameters."""
         local, before = chart(system, state), self._cycles
         shooting = self._shooting(local, system, wanted, rtol)
         roots = shooting.solve(self._values(system)[None], tolerance, on_iterates=self._tell)
@@ -131,7 +131,7 @@ class Search:
         return with_parameters(system, self.named(roots.x[0, local.dimension :])), (q[0], v[0])
 
     def _shooting(self, local: Chart, system: HybridSystem, wanted: Array, rtol: float) -> Shooting:
-        """The equations about a state, with derivatives where there are some."""
+        """Returns the equations about a state, with derivatives where there are some."""
 
         def cycle(begun: State, values: Array) -> tuple[Run, Array] | str:
             try:
@@ -148,11 +148,11 @@ class Search:
 
     @property
     def _cycles(self) -> int:
-        """How many there were with derivatives."""
+        """Number of cycles that had derivatives."""
         return 0 if self.exact is None else self.exact.count
 
     def named(self, values: Array) -> dict[str, float]:
-        """Values of what varies, by name."""
+        """Returns the values of the varied parameters, by name."""
         return dict(zip(self.vary, values.tolist(), strict=True))
 
     def _tell(self, lanes: Lanes, iteration: Lanes, norm: Array) -> None:
@@ -160,7 +160,7 @@ class Search:
             self.on_iteration(n, residual)
 
     def _look_after(self, result: Run) -> None:
-        """Count, and give the search up when too many cycles took more evaluations than any gait's."""
+        """Counts evaluations, and gives the search up when too many cycles took more than any gait's."""
         self.effort.evaluations += result.evaluations
         if result.reason == "evaluation_cap":
             self.effort.strained += 1
@@ -168,11 +168,11 @@ class Search:
                 raise Hopeless
 
     def measure(self, result: Run) -> Array:
-        """The measures of a one-cycle run."""
+        """Returns the measures of a one-cycle run."""
         return np.array([measure(result) for measure in self.measures], dtype=float)
 
     def gait(self, system: HybridSystem, state: State) -> Gait:
-        """The gait at a solution, checked on the whole state, and on the cycle after it."""
+        """Returns the gait at a solution, checked on the whole state and on the cycle after it."""
         result = return_map(system, state, self.rtol)
         error = float(np.abs(displacement(system, state, result.state)).max())
         allowed = max(RESIDUAL, 10.0 * self.rtol)
@@ -193,7 +193,7 @@ class Search:
         )
 
     def _multipliers(self, system: HybridSystem, state: State) -> NDArray[np.complex128]:
-        """Floquet multipliers, exact where derivatives are."""
+        """Returns Floquet multipliers, exact where derivatives are."""
         if self.exact is not None:
             local = chart(system, state)
             d, here = local.dimension, np.concatenate([np.zeros(local.dimension), self._values(system)])
@@ -204,7 +204,7 @@ class Search:
         return multipliers(system, state, self.rtol)
 
     def settled(self, system: HybridSystem) -> State:
-        """The system's guess, followed for a few cycles towards a stable gait; where that breaks off, the guess.
+        """Follows the system's guess for a few cycles towards a stable gait; returns the guess if that breaks off.
 
         Raises:
             Hopeless: one cycle takes more evaluations than any gait's.
@@ -216,7 +216,7 @@ class Search:
             if after is None:
                 try:
                     result = run(system, moment, 1, SETTLING)
-                except BadValue:  # so roughly integrated that a toe is below the ground: that is as near as it gets
+                except BadValue:  # rough integration put a toe below the ground; keep the nearest state so far
                     break
                 if result.reason == "evaluation_cap":
                     raise Hopeless
@@ -228,15 +228,15 @@ class Search:
         return without(along, moment.q) + (guess[0] - without(along, guess[0])), moment.v  # back to where it began
 
     def _values(self, system: HybridSystem) -> Array:
-        """What varies, in a system, (k,)."""
+        """Returns the values of the varied parameters in a system, (k,)."""
         return np.array([parameter(system, name) for name in self.vary])
 
 
 def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float) -> None:
-    """The next cycle, which remembers the first, closes as well.
+    """Checks that the next cycle, which remembers the first, closes as well.
 
     Raises:
-        NoGait: something latched before the section acts after it, so that (q, v) is not all that a cycle depends on.
+        NoGait: a value latched before the section acts after it, so that a cycle depends on more than (q, v).
     """
     moment = Moment(*cycle.state, cycle.domain.phase, cycle.held)
     again = run(system, moment, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
@@ -246,4 +246,4 @@ def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float)
 
 
 class Hopeless(Exception):
-    """Cycles take more evaluations than any gait's."""
+    """Raised when cycles take more evaluations than any gait's."""

@@ -1,8 +1,8 @@
 """Q-SPEAR bounding: the automaton of Fig. 5.4, completed.
 
-Beside posterior and anterior stance and the flights between them there are double stances, entered
-when the next foot comes down before the other has lifted, and slip in each; so a disturbed run goes
-on where four phases would have no answer.
+Besides posterior and anterior stance and the flights between them there are double stances, which begin when the next
+foot lands before the other has lifted, and slip in each of these phases. So a disturbed run goes on where a model with
+four phases would stop.
 """
 
 from __future__ import annotations
@@ -57,24 +57,23 @@ def bounding(
     *,
     ground: Ground | None = None,
 ) -> HybridSystem:
-    """The bounding automaton of Figure 5.4 with double stances and slip.
+    """Returns the bounding automaton of Figure 5.4 with double stances and slip.
 
-    Touchdown latches the leg's spring and its angle, lift-off releases it; every event that changes
-    the phase resets the virtual constraints so that the outputs stay at zero, (5.22).
+    Touchdown latches the leg's spring and its angle; lift-off releases the spring. Every event that changes the phase
+    resets the virtual constraints so that the outputs stay at zero, (5.22).
 
     Args:
         robot: Q-SPEAR in the sagittal plane, or another quadruped as `spear_pin.sagittal` cuts it.
         law: parameters of the controller, for instance those of a shipped gait.
-        spring: the knee springs, of a pair of legs; by default 2 · 56 N·m/rad (source: Table 5.1), without damping
-            (the source gives none for the quadruped), of another quadruped as of `Spring.scaled`. One with a rest
-            angle, in flexion, is never let go.
+        spring: the knee springs of a pair of legs; by default 2 · 56 N·m/rad (source: Table 5.1), without damping (the
+            source gives none for the quadruped), or `Spring.scaled` for another quadruped. A spring with a rest angle,
+            in flexion, never releases.
         contact: friction of level ground; by default 0.8 (assumption).
-        ground: the ground, in place of `contact`.
+        ground: the ground, instead of `contact`.
 
     Raises:
-        BadValue: the robot has not the coordinates, toes and motors of `q_spear`, both contact and ground are given,
-            or the law has event feedback, which goes by the torso's height, and the
-            ground is not level at height zero.
+        BadValue: the robot lacks coordinates, toes or motors of `q_spear`, both contact and ground are given, or the
+            law has event feedback, which uses the torso's height, and the ground is not level at height zero.
 
     Example:
         >>> from spear_pin import Gait, bounding, load
@@ -112,7 +111,7 @@ def _spring(robot: Robot) -> Spring:
 
 
 def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]:
-    """From each leg's stance by way of flight, or of a double stance, to the other's."""
+    """Returns the domains from each leg's stance, through flight or a double stance, to the other leg's stance."""
     legs, phases = legs_of(robot), phases_of(robot)
     stances = {phase.bearing: phase for phase in phases if phase.bearing}
     flights = {phase.lifted: phase for phase in phases if phase.lifted}
@@ -121,7 +120,7 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
 
     def sprung(bearing: tuple[Leg, ...]) -> tuple[tuple[Mount, ...], tuple[Guard, ...]]:
-        """Springs that act while some legs bear, and where they go slack."""
+        """Returns the springs that act while some legs are on the ground, and where they go slack."""
         acting = bearing if spring.rest is None else legs
         undamped = replace(spring, damping=0.0)  # as what is let go
         mounts = tuple(mount(leg, spring if leg in bearing else undamped) for leg in acting)
@@ -150,7 +149,7 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
 
 
 def _engagement(legs: tuple[Leg, Leg], spring: Spring) -> Engage:
-    """What is latched of the springs as a leg begins to bear: its own where it is, or once and for all."""
+    """Returns the spring values that are latched as a leg lands: at its own angle, or fixed once and for all."""
 
     def switched(leg: Leg, q: Sequence[float], held: Held) -> Held:
         return {f"{leg.name}_rest": q[leg.knee], f"{leg.name}_taut": 1.0}
@@ -171,7 +170,7 @@ def _engagement(legs: tuple[Leg, Leg], spring: Spring) -> Engage:
 
 
 def _lands(leg: Leg, phase: Phase | str, engage: Engage, name: str = "touchdown", *, resumed: bool = False) -> Guard:
-    """The leg touches down; `resumed` keeps its leg angle, as its stance goes on."""
+    """Makes the leg touch down; `resumed` keeps its leg angle, as its stance goes on."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
         bears = {**engage(leg, q, held), **_bear(leg, q, v, held, p, resumed)}
@@ -184,7 +183,7 @@ def _lands(leg: Leg, phase: Phase | str, engage: Engage, name: str = "touchdown"
 
 
 def _lifts(leg: Leg, phase: Phase, remaining: Leg | None, spring: Spring) -> Reset:
-    """The leg lifts off, into flight or into the stance of the one that remains."""
+    """Makes the leg lift off, into flight or into the stance of the remaining leg."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
         return _fly(phase, q, v, held, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
@@ -196,7 +195,7 @@ def _lifts(leg: Leg, phase: Phase, remaining: Leg | None, spring: Spring) -> Res
 
 
 def _passing(phase: Phase) -> Guard:
-    """The phase variable passes 1, either way."""
+    """Returns guards for the phase variable passing 1, either way."""
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         return (1.0 - 2.0 * held["past"]) * (1.0 - progress(phase.outputs, evolution(held), q, ops))
@@ -210,7 +209,7 @@ def _passing(phase: Phase) -> Guard:
 def _bear(
     leg: Leg, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw, resumed: bool
 ) -> dict[str, Any]:
-    """A leg begins to bear: its torques are set, event feedback included."""
+    """Starts a leg's stance: sets its torques, with event feedback."""
     name, first = leg.name, leg.name == "posterior"
     adjust = held.get("adjust", NO_ADJUSTMENT)
     if first and not resumed:
@@ -227,7 +226,7 @@ def _bear(
 
 
 def _adjustment(p: BoundingLaw, state: Sequence[float]) -> tuple[float, ...]:
-    """Adjustment of `INPUTS` by event feedback for a stride, within its limits."""
+    """Returns the adjustment of `INPUTS` by event feedback for a stride, within its limits."""
     if not p.feedback:
         return NO_ADJUSTMENT
     error = [now - then for now, then in zip(state, p.nominal, strict=True)]
@@ -236,7 +235,7 @@ def _adjustment(p: BoundingLaw, state: Sequence[float]) -> tuple[float, ...]:
 
 
 def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
-    """The other leg begins to swing while this one supports."""
+    """Starts the swing of the other leg while this leg is on the ground."""
     whole = getattr(p, f"{phase.name}_span")
     left = 1.0 - (value(leg.angle, q) - held[f"{leg.name}_leg"]) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
@@ -244,7 +243,7 @@ def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held:
 
 
 def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
-    """Flight begins: one leg trails, the other is brought to its touchdown angles."""
+    """Starts a flight: one leg trails, and the other is brought to its touchdown angles."""
     shapes: list[Sequence[float]] = []
     adjust = held.get("adjust", NO_ADJUSTMENT)
     for i, leg in enumerate(phase.legs):

@@ -1,4 +1,4 @@
-"""What a leg of a bound has in the plane and in space alike: its spring, its lift-off by the knee, and overload."""
+"""Parts of a bounding leg that are the same in the plane and in space: spring, lift-off by the knee, and overload."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.model.spring import Spring
 
 OVERLOAD = 1e4  # N·m: a hundred times what Q-SPEAR's gaits take
-BEYOND = 1e-3  # rad: a knee that flexed so far beyond θ̄ has something to come back from
-SHORTEST_SPAN = 0.2  # of a stance's span: what is left of it when a swing begins late
+BEYOND = 1e-3  # rad: a knee must flex so far beyond θ̄ before its return lifts the leg
+SHORTEST_SPAN = 0.2  # share of a stance's span that remains at least when a swing begins late
 
 
 class Kneed(Protocol):
-    """A leg, as far as its knee goes: the name of the leg and of the knee, and where and how far it flexes."""
+    """The leg's knee: the names of leg and knee, the side to which the knee flexes, and how far it is flexed."""
 
     @property
     def name(self) -> str: ...  # noqa: D102
@@ -26,12 +26,12 @@ class Kneed(Protocol):
 
 
 def mount(leg: Kneed, spring: Spring) -> Mount:
-    """The leg's spring, by what is latched of it."""
+    """Returns the leg's spring, given by its latched values."""
     return Mount(leg.joint, spring, rest=f"{leg.name}_rest", taut=f"{leg.name}_taut", side=leg.side)
 
 
 def knee_back(leg: Kneed, reset: Reset) -> tuple[Guard, Guard]:
-    """The knee passes θ̄ of (5.5)-(5.6), the law's `knee_rest`, as it flexes, and comes back to it."""
+    """Returns guards for the knee passing θ̄ of (5.5)-(5.6), the law's `knee_rest`, as it flexes and comes back."""
     name = f"{leg.name}_flexed"
 
     def flexes(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
@@ -45,7 +45,7 @@ def knee_back(leg: Kneed, reset: Reset) -> tuple[Guard, Guard]:
 
 
 def overload(most: float = OVERLOAD) -> Guard:
-    """The decoupling matrix is all but singular, and the torques grow without bound, beyond `most` in N·m."""
+    """Returns the guard that ends a run at torques beyond `most` in N·m: the decoupling matrix is nearly singular."""
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         return most**2 - sum(torque * torque for torque in dyn.u)

@@ -1,6 +1,6 @@
 """The bounding controller: its parameters, its legs and phases, and the torques of (5.4)-(5.6), (5.15), (5.20).
 
-A leg of the sagittal model is a pair; torques are those of the pair, a motor's are half.
+A leg of the sagittal model is a pair of legs. Torques are those of the pair; each motor gives half.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from spear_pin.model.robot import Robot
 Shape = tuple[tuple[float, ...], ...]
 AHEAD, PITCH = 0, 2  # indices of the torso's travel and pitch
 SIDES = (1.0, -1.0)  # to which Q-SPEAR's knees flex
-ALIKE = 1e-9  # of a length: thigh and shank, whose leg angle is then linear
+ALIKE = 1e-9  # relative: thigh and shank count as equally long, and the leg angle is linear
 LEGS = ("posterior", "anterior")
-PAIR = 2  # legs that one of the sagittal model stands for, and so motors of a joint
+PAIR = 2  # a leg of the sagittal model stands for so many legs, so a joint has so many motors
 INPUTS = (
     "posterior_hip_torque",
     "posterior_knee_torque",
@@ -55,26 +55,26 @@ NO_ADJUSTMENT = (0.0,) * len(INPUTS)
 class BoundingLaw:
     """Parameters of the bounding controller.
 
-    The source gives k's equivalent (Fig. 5.6), θ̄ and the form of the law; every other number is a
-    result of a search, see `spear_pin.gaits.optimize`. Leg angles γ are those of the line from hip
-    to toe from straight down, > 0 with the toe ahead.
+    The source gives k's equivalent (Fig. 5.6), θ̄ and the form of the law. Every other number is a result of a search,
+    see `spear_pin.gaits.optimize`. A leg angle γ is the angle of the line from hip to toe from straight down, > 0 with
+    the toe ahead.
 
     Attributes:
         posterior_hip_torque: β_sp of (5.4), in N·m.
         anterior_hip_torque: β_sa of (5.4), in N·m.
         posterior_knee_torque: |ū_p| of (5.5), extending, in N·m.
         anterior_knee_torque: |ū_a| of (5.6), extending, in N·m.
-        posterior_leg_touchdown: γ the posterior leg lands with, in rad.
-        anterior_leg_touchdown: γ the anterior leg lands with, in rad.
+        posterior_leg_touchdown: γ at which the posterior leg lands, in rad.
+        anterior_leg_touchdown: γ at which the anterior leg lands, in rad.
         posterior_stance_span: Δ_sp of (5.10), in rad, negative.
         anterior_stance_span: Δ_sa of (5.10), in rad, negative.
         flight_1_span: Δ of (5.19) in the flight after posterior stance, in m.
         flight_2_span: Δ of (5.19) in the flight after anterior stance, in m.
         posterior_stance_swing: Bézier coefficients from the third on of the anterior leg's angle and
             knee in posterior stance (the first two follow from the state, (5.22)).
-        anterior_stance_swing: those of the posterior leg in anterior stance.
-        flight_1_trailing: those of the posterior leg, just lifted.
-        flight_2_trailing: those of the anterior leg, just lifted.
+        anterior_stance_swing: the same for the posterior leg in anterior stance.
+        flight_1_trailing: the same for the posterior leg, which has just lifted.
+        flight_2_trailing: the same for the anterior leg, which has just lifted.
         flight_1_landing: the third coefficient of the anterior leg's angle and knee; the last three
             are the touchdown values, so that the leg comes to rest.
         flight_2_landing: the same for the posterior leg.
@@ -82,15 +82,15 @@ class BoundingLaw:
         knee_rest: θ̄ of (5.5)-(5.6), by magnitude, in rad (source: 40°).
         knee_touchdown: knee angle of a landing leg, by magnitude, in rad (source: 40°).
         epsilon: ε of (5.16), in s (not in the source).
-        lift_off: "knee": a leg is lifted when its knee is back at θ̄ (what the source implies), or
-            earlier if its foot bears nothing; a knee that never flexes beyond θ̄ has nothing to come
-            back from. "force": when the foot bears nothing.
-        nominal: section state (q, v) of the gait, without torso_x; what feedback compares with.
+        lift_off: "knee": a leg lifts when its knee is back at θ̄ (implied by the source), or earlier if its foot
+            carries no force; a knee that never flexes beyond θ̄ cannot come back. "force": a leg lifts when the foot
+            carries no force.
+        nominal: section state (q, v) of the gait, without torso_x, with which feedback compares.
         feedback: event feedback, one row for each of `INPUTS`, one column for each of `nominal`.
         feedback_limits: largest adjustment of each of `INPUTS`, in N·m and rad.
         speed_gain: gain of β += K (ẋ_td - ẋ*) at each touchdown, posterior and anterior, in N·s.
         speed_nominal: ẋ* just after posterior and anterior touchdown, in m/s.
-        units: of the numbers that are one each, by name.
+        units: units of the scalar numbers, by name.
 
     Example:
         >>> from dataclasses import replace
@@ -136,7 +136,7 @@ class BoundingLaw:
     }
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         valid: dict[str, tuple[Callable[[float], bool], str]] = {
             "virtual_stiffness": (lambda k: k >= 0, "a number >= 0, in N·m/rad"),
             "epsilon": (lambda e: e > 0, "a number > 0, in s"),
@@ -169,7 +169,7 @@ class BoundingLaw:
 
 
 def has_shape(value: Any, shape: tuple[int, ...]) -> bool:
-    """Whether these are nested tuples of so many finite numbers."""
+    """Tells whether a value consists of nested tuples of a given shape that hold finite numbers."""
     if not shape:
         return isinstance(value, Real) and math.isfinite(value)
     fits = isinstance(value, tuple) and len(value) == shape[0]
@@ -184,15 +184,15 @@ def leg_angle(
     signs: Sequence[float] = (1.0, 1.0),
     zeros: Sequence[float] = (0.0, 0.0),
 ) -> Variable:
-    """γ, the angle of the line from hip to toe: pitch + hip - knee / 2 where thigh and shank are alike.
+    """Returns γ, the angle of the line from hip to toe: pitch + hip - knee / 2 where thigh and shank are equally long.
 
     Args:
         pitch: index of the torso's pitch.
         hip: index of the hip.
         knee: index of the knee.
-        lengths: of thigh and shank, in m.
-        signs: of the own angles of hip and knee; those of the convention are sign (q - zero).
-        zeros: of these, in rad.
+        lengths: lengths of thigh and shank, in m.
+        signs: signs of the own angles of hip and knee; angles of the convention are sign (q - zero).
+        zeros: zeros of these angles, in rad.
     """
     thigh, shank = lengths
     above = (pitch, 1.0), (hip, signs[0])
@@ -203,12 +203,12 @@ def leg_angle(
 
 
 def turned(index: int, sign: float, zero: float) -> Variable:
-    """An angle of the convention, sign (q - zero)."""
+    """Returns an angle of the convention, sign (q - zero)."""
     return shifted(((index, sign),), -sign * zero)
 
 
 def shifted(variable: Variable, by: float) -> Variable:
-    """A variable and a constant, if that is not zero."""
+    """Adds a constant to a variable, if the constant is not zero."""
     return Shifted(variable, by) if by else variable
 
 
@@ -218,11 +218,11 @@ class Leg:
 
     Attributes:
         name: "posterior" or "anterior".
-        hip: index of its hip.
-        knee: index of its knee.
+        hip: index of the leg's hip.
+        knee: index of the leg's knee.
         side: +1 if the knee flexes to positive angles, -1 if to negative.
-        lengths: of thigh and shank, in m.
-        motors: columns of its motors.
+        lengths: lengths of thigh and shank, in m.
+        motors: columns of the leg's motors.
     """
 
     name: str
@@ -234,26 +234,26 @@ class Leg:
 
     @property
     def toe(self) -> str:
-        """Name of its toe."""
+        """Name of the leg's toe."""
         return f"{self.name}_toe"
 
     @property
     def joint(self) -> str:
-        """Name of its knee."""
+        """Name of the leg's knee."""
         return f"{self.name}_knee"
 
     @property
     def angle(self) -> Variable:
-        """Its leg angle γ."""
+        """Leg angle γ."""
         return leg_angle(PITCH, self.hip, self.knee, self.lengths)
 
     @property
     def rows(self) -> tuple[Variable, ...]:
-        """Its controlled variables: γ and the knee."""
+        """Controlled variables: γ and the knee."""
         return self.angle, ((self.knee, 1.0),)
 
     def flexion(self, q: Any) -> Any:
-        """How far the knee is flexed, in rad."""
+        """Returns how far the knee is flexed, in rad."""
         return self.side * q[self.knee]
 
 
@@ -262,9 +262,9 @@ class Phase:
     """A phase in which some leg swings.
 
     Attributes:
-        name: its name.
-        legs: those that swing, in the order of the outputs.
-        outputs: what is controlled.
+        name: name of the phase.
+        legs: legs that swing, in the order of the outputs.
+        outputs: the controlled outputs.
         bearing: the leg on the ground, in a stance.
         lifted: the leg that lifted last, in a flight.
         landing: the leg that lands next, in a flight.
@@ -279,9 +279,9 @@ class Phase:
 
 
 def support(leg: Leg, q: Any, held: Mapping[str, Any], p: BoundingLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
-    """Motor torques of a supporting leg, (5.4)-(5.6) with corrected signs, as (column, torque).
+    """Returns motor torques of a supporting leg, (5.4)-(5.6) with corrected signs, as (column, torque).
 
-    The virtual spring is shared: the motor gives what the physical one does not.
+    The virtual spring is shared: the motor gives the part that the physical spring does not.
     """
     hip, knee = leg.motors
     flexed = leg.flexion(q) - p.knee_rest
@@ -290,10 +290,10 @@ def support(leg: Leg, q: Any, held: Mapping[str, Any], p: BoundingLaw, dyn: Dyna
 
 
 def phases_of(robot: Robot) -> tuple[Phase, ...]:
-    """The four phases of the gait in order.
+    """Returns the four phases of the gait in order.
 
     Raises:
-        BadValue: as of `legs_of`.
+        BadValue: the robot lacks the legs of `q_spear`; see `legs_of`.
     """
     posterior, anterior = legs_of(robot)
     return (
@@ -305,11 +305,11 @@ def phases_of(robot: Robot) -> tuple[Phase, ...]:
 
 
 def legs_of(robot: Robot) -> tuple[Leg, Leg]:
-    """The posterior and the anterior leg.
+    """Returns the posterior and the anterior leg.
 
     Raises:
-        BadValue: the robot has not the coordinates, signs, toes and motors of `q_spear`, or it is not known to which
-            side a knee flexes.
+        BadValue: the robot lacks coordinates, signs, toes or motors of `q_spear`, or the side to which a knee flexes is
+            unknown.
     """
     joints = tuple(f"{name}_{part}" for name in LEGS for part in ("hip", "knee"))
     expected = ("torso_x", "torso_z", "pitch", *joints)
@@ -324,30 +324,30 @@ def legs_of(robot: Robot) -> tuple[Leg, Leg]:
 
 
 def _side(robot: Robot, leg: RobotLeg, usual: float) -> float:
-    """To which side a knee flexes: if its limits do not tell, and it was not cut out of another, as Q-SPEAR's."""
+    """Returns the side to which a knee flexes by its limits; a robot that was not cut from another has Q-SPEAR's."""
     in_convention(simple(leg))
     return float(leg.side or usual) if robot.cut is None else float(sided(leg).side)
 
 
 def _stance(leg: Leg, other: Leg) -> Phase:
-    """Single stance: the other leg swings, s from the supporting leg's angle."""
+    """Returns a single stance: the other leg swings, and s depends on the supporting leg's angle."""
     return Phase(f"{leg.name}_stance", (other,), Outputs(other.rows, leg.angle, other.motors), bearing=leg)
 
 
 def _flight(name: str, lifted: Leg, landing: Leg) -> Phase:
-    """Flight: both legs swing, s from the torso's travel."""
+    """Returns a flight: both legs swing, and s depends on the torso's travel."""
     first, second = legs = sorted((lifted, landing), key=lambda leg: leg.hip)
     outputs = Outputs((*first.rows, *second.rows), ((AHEAD, 1.0),), (*first.motors, *second.motors))
     return Phase(name, tuple(legs), outputs, lifted=lifted, landing=landing)
 
 
 def evolution(held: Mapping[str, Any]) -> Evolution:
-    """The desired evolution that is held."""
+    """Returns the latched desired evolution."""
     return Evolution(held["alpha"], held["origin"], held["span"], held["past"])
 
 
 def stance_law(leg: Leg, phase: Phase) -> Law:
-    """Torques in single stance: (5.4)-(5.6) for the leg that bears, (5.15) for the other."""
+    """Returns the law for torques in single stance: (5.4)-(5.6) for the leg on the ground, (5.15) for the other."""
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         given = support(leg, q, held, p, dyn)
@@ -358,7 +358,7 @@ def stance_law(leg: Leg, phase: Phase) -> Law:
 
 
 def flight_law(phase: Phase) -> Law:
-    """Torques in flight, (5.20)."""
+    """Returns the law for torques in flight, (5.20)."""
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         return zeroing(phase.outputs, evolution(held), q, v, p.epsilon, (), dyn, ops)
@@ -367,7 +367,7 @@ def flight_law(phase: Phase) -> Law:
 
 
 def double_law(legs: tuple[Leg, Leg]) -> Law:
-    """Torques in double stance: (5.4)-(5.6) for both legs."""
+    """Returns the law for torques in double stance: (5.4)-(5.6) for both legs."""
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         return _ordered([*support(legs[0], q, held, p, dyn), *support(legs[1], q, held, p, dyn)])

@@ -1,4 +1,4 @@
-"""Nodes of the bounding programme: their unknowns, where these begin and what bounds them, at the robot's scale."""
+"""Nodes of the bounding programme: their unknowns, with guesses and bounds, at the robot's scale."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_of
 
-WITHIN, AWAY = 0.95, 0.01  # of a torque's or a rate's limit, and rad from an angle's: collocation's error uses it up
+WITHIN, AWAY = 0.95, 0.01  # share of torque and rate limits, rad from angle limits; error needs it
 KNEE_REST, HEIGHT = BoundingLaw.knee_rest, 0.57  # rad, m: of Q-SPEAR's knees, and of the hips they hold up
 
 
@@ -34,7 +34,7 @@ class Node:
 
 
 class Units(NamedTuple):
-    """What a robot's configurations and so on are of order one in, (7,) each: Q-SPEAR's are in SI units."""
+    """Units in which configurations and so on are of order one, (7,) each; Q-SPEAR's are SI units."""
 
     q: Array
     v: Array
@@ -43,7 +43,7 @@ class Units(NamedTuple):
 
     @classmethod
     def of(cls, scale: Scale) -> Units:
-        """Those of a robot of a size."""
+        """Returns the units for a robot of a given size."""
         q = np.array([scale.length, scale.length, *5 * (1.0,)])
         force = np.array([scale.force, scale.force, *5 * (scale.torque,)])
         return cls(q, q / scale.time, q / scale.time**2, force)
@@ -51,11 +51,11 @@ class Units(NamedTuple):
 
 @dataclass(frozen=True)
 class Room:
-    """Room that a robot, and what is asked of it, leave to the unknowns of a node.
+    """Bounds that a robot and a request put on the unknowns of a node.
 
     Attributes:
-        robot: in the plane.
-        request: what is asked.
+        robot: the robot in the plane.
+        request: the request for the gait.
     """
 
     robot: Robot
@@ -68,12 +68,12 @@ class Room:
 
     @cached_property
     def units(self) -> Units:
-        """Of its coordinates and forces."""
+        """Units of the robot's coordinates and forces."""
         return Units.of(self.scale)
 
     @cached_property
     def legs(self) -> tuple[Leg, Leg]:
-        """Posterior and anterior."""
+        """The posterior and the anterior leg."""
         return legs_of(self.robot)
 
     @cached_property
@@ -98,7 +98,7 @@ class Room:
         return lower, upper
 
     def joints(self, what: str) -> Array:
-        """Limits of joints' "velocity" or "effort", (7,), infinite where there is none or it does not count."""
+        """Returns limits of joints' "velocity" or "effort", (7,), infinite where there is none or it does not count."""
         if not self.request.within_limits:
             return np.full(self.robot.nv, np.inf)
         limits = [
@@ -108,12 +108,12 @@ class Room:
         return np.array([WITHIN * limit if 0.0 < limit < UNKNOWN else np.inf for limit in limits])
 
     def posture(self, phase: str, x: float, s: float) -> Array:
-        """A rough guess of the configuration: level torso, legs sweeping, swing knees flexed.
+        """Returns a rough guess of the configuration: level torso, sweeping legs, flexed swing knees.
 
         Args:
-            phase: its name.
-            x: of the torso, in m.
-            s: how much of the phase has gone.
+            phase: name of the phase.
+            x: x of the torso, in m.
+            s: fraction of the phase that has passed.
         """
         rest = self.request.knee_rest
         bearing, bears, swings = 0.22 - 0.44 * s, rest + 0.2 * math.sin(math.pi * s), rest + 0.6
@@ -132,14 +132,14 @@ class Room:
         return np.array(q)
 
     def node(self, programme: Programme, phase: str, s: float, posture: Array, rng: np.random.Generator) -> Node:
-        """Unknowns at a node, about a guess.
+        """Adds unknowns at a node, about a guess.
 
         Args:
-            programme: that they are added to.
-            phase: name of the phase; one with "stance" in it has a ground force, and its swing leg's torques.
-            s: how much of the phase has gone.
+            programme: the programme to which they are added.
+            phase: name of the phase; a phase with "stance" in its name has a ground force and torques of its swing leg.
+            s: fraction of the phase that has passed.
             posture: the guess, (7,).
-            rng: perturbs it.
+            rng: random numbers that perturb the guess.
         """
         scale, units, stance = self.scale, self.units, "stance" in phase
 
@@ -161,6 +161,6 @@ class Room:
 
 
 def _reach(leg: Leg, knee: float) -> float:
-    """From hip to toe, in m."""
+    """Returns the distance from hip to toe, in m."""
     thigh, shank = leg.lengths
     return math.hypot(shank * math.sin(knee), thigh + shank * math.cos(knee))

@@ -31,15 +31,15 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_of
 from spear_pin.model.spring import PAIR_STIFFNESS
 
-CONE = 0.98  # of the friction asked for: what the collocation's error may use up
-STIFFEST = 2000.0  # N·m/rad: of free springs, those of the law too, of a pair of Q-SPEAR's legs
-END = {True: 0.98, False: 1.02}  # s at the end of a stance, where the polynomial is not to run out, and of a flight
+CONE = 0.98  # share of the requested friction; the collocation's error may use the rest
+STIFFEST = 2000.0  # N·m/rad: limit of free springs, also the law's, of a pair of Q-SPEAR's legs
+END = {True: 0.98, False: 1.02}  # s at the end of a stance, before the polynomial ends, and of a flight
 ANGLES, FLEXIONS = (-STEEPEST, STEEPEST), (-0.2, FLEXED)  # rad: of Bézier coefficients of leg angles and knees
 
 
 @dataclass
 class Transcription:
-    """The nonlinear programme of a request, and how to read its solution."""
+    """The nonlinear programme for a request, with a method that reads its solution."""
 
     request: Request
     scale: Scale
@@ -50,7 +50,7 @@ class Transcription:
     durations: dict[str, Any] = field(default_factory=dict)
 
     def read(self, solution: Solution) -> tuple[BoundingLaw, tuple[Array, Array], float]:
-        """The law, the section state and the springs' stiffness at a solution."""
+        """Returns the law, the section state and the springs' stiffness at a solution."""
         values = {name: _read(self.programme, entry, solution) for name, entry in self.law.items()}
         first = next(iter(self.nodes.values()))[0]
         q, v = (self.programme.read(part, solution) for part in (first.q, first.v))
@@ -75,17 +75,17 @@ def _read(programme: Programme, entry: Any, solution: Solution) -> Any:
 def transcribe(
     robot: Robot, request: Request, intervals: int, *, seed: int = 0, start: Guess | None = None
 ) -> Transcription:
-    """The nonlinear programme of a request.
+    """Builds the nonlinear programme for a request.
 
     Args:
         robot: Q-SPEAR in the sagittal plane, or another quadruped as `spear_pin.sagittal` cuts it.
-        request: what is asked.
-        intervals: of each phase.
-        seed: of the perturbation of the initial guess.
+        request: the request for the gait.
+        intervals: number of intervals of each phase.
+        seed: seed of the perturbation of the initial guess.
         start: values to start from, by name.
 
     Raises:
-        BadValue: the robot is none of these, or what is asked is beyond what the search considers.
+        BadValue: the robot is not such a quadruped, or the request is outside the range of the search.
     """
     request.check(scale_of(robot))
     writer = _Writer(robot, request, Programme(start), np.random.default_rng(seed))
@@ -99,7 +99,7 @@ def transcribe(
 
 
 class _Writer:
-    """Writer of the programme, with what its parts share while they are written."""
+    """Writer of the programme; holds what its parts share while they are written."""
 
     def __init__(self, robot: Robot, request: Request, programme: Programme, rng: np.random.Generator) -> None:
         self.request, self.programme, self.rng = request, programme, rng
@@ -117,7 +117,7 @@ class _Writer:
         self.result = Transcription(request, self.scale, programme, self.law, self.stiffness)
 
     def add_phase(self, phase: Phase, intervals: int, travelled: float) -> float:
-        """One phase by itself; returns how far its guess travels."""
+        """Adds one phase by itself; returns how far its guess travels."""
         programme, request, bearing = self.programme, self.request, phase.bearing
         label, stance, time = _words(phase), bearing is not None, self.scale.time
         guess, shortest = (0.1 * time, request.minimum_stance) if stance else (0.06 * time, SHORTEST_FLIGHT * time)
@@ -150,7 +150,7 @@ class _Writer:
         return request.speed * guess
 
     def keep(self, node: Node) -> None:
-        """Torques within what the robot's file allows."""
+        """Requires torques within the limits of the robot's file."""
         coordinates = self.room.robot.coordinates
         for joint, torque, most in zip(
             coordinates[3:], casadi().vertsplit(node.u), self.room.joints("effort")[3:], strict=True
@@ -159,7 +159,7 @@ class _Writer:
                 at_most(self.programme, f"torque of the {joint}", torque, float(most), self.scale)
 
     def fly(self, label: str, node: Node, inside: bool) -> None:
-        """Motion in the air, with the toes above the ground."""
+        """Requires motion in the air, with the toes above the ground."""
         terms = self.dynamics(node.q, node.v)
         applied = casadi().vertcat(casadi().SX.zeros(3), node.u)
         for leg in self.legs if self.request.rest is not None else ():
@@ -171,7 +171,7 @@ class _Writer:
             self.programme.require(f"toes in the air in {label}", terms[leg.toe][0][1], 0.0, scale=0.1, unit=length)
 
     def stand(self, label: str, phase: Phase, leg: Leg, node: Node, inside: bool, last: bool) -> None:
-        """Motion with a toe at rest, its force within the cone, the other leg clear of the ground."""
+        """Requires motion with one toe at rest, its force within the cone, and the other leg clear of the ground."""
         ca, programme, request, scale = casadi(), self.programme, self.request, self.scale
         held = {f"{leg.name}_{part}_torque": self.law[f"{leg.name}_{part}_torque"] for part in ("hip", "knee")}
         elastic = self.spring(leg, node.q)
@@ -211,11 +211,11 @@ class _Writer:
         programme.require(f"sweep of the leg in {label}", rate, -30.0, -0.3, unit=1.0 / scale.time)
 
     def friction(self, v: Any) -> Any:
-        """Viscous friction of the joints."""
+        """Returns viscous friction of the joints."""
         return casadi().DM(self.room.robot.model.damping) * v
 
     def spring(self, leg: Leg, q: Any) -> Any:
-        """Torque of the physical spring, smooth about its rest angle where the knee may pass that."""
+        """Returns the torque of the physical spring, smooth about its rest angle where the knee may pass that."""
         if self.request.rest is not None:
             fixed = with_fields(self.request.spring(0.0), {"stiffness": self.stiffness})
             return leg.side * fixed.torque(leg.side * q[leg.knee] - self.request.rest)
@@ -227,13 +227,13 @@ class _Writer:
         return leg.side * spring.torque(deflection, SimpleNamespace(maximum=casadi().fmax))
 
     def cone(self, label: str, F: Any, scale: float, unit: str) -> None:
-        """A force or impulse inside the friction cone."""
+        """Requires that a force or impulse lies inside the friction cone."""
         for side in (1.0, -1.0):
             inside = CONE * self.request.friction * F[1] + side * F[0]
             self.programme.require(label, inside, 0.0, scale=scale, wish=unit)
 
     def join(self, before: Phase, after: Phase) -> None:
-        """One phase follows another: by an impact, or by a toe that leaves the ground."""
+        """Requires that one phase follows another: by an impact, or by a toe that leaves the ground."""
         label, programme = f"motion in {_words(after)}", self.programme
         last, first = self.result.nodes[before.name][-1], self.result.nodes[after.name][0]
         programme.require(label, first.q - last.q, 0.0, 0.0, unit=self.units.q)
@@ -248,7 +248,7 @@ class _Writer:
         programme.require(f"toe leaves the ground into {_words(after)}", rises, 5.0, scale=10.0, unit=unit)
 
     def strike(self, leg: Leg, before: Node, v: Any) -> None:
-        """The leg touches down: the toe reaches the ground, falling, and stops, by an impulse within the cone."""
+        """Requires a touchdown: the toe falls onto the ground and stops, by an impulse within the cone."""
         label, programme, scale, push = (
             f"{leg.name} touchdown",
             self.programme,
@@ -268,7 +268,7 @@ class _Writer:
         self.cone(f"friction at {label}", impulse, 10.0 * scale.force * scale.time, "N·s")
 
     def close(self) -> None:
-        """Periodicity, speed, duration, and what is minimised."""
+        """Requires periodicity, speed and duration, and sets the objective."""
         programme, request, result, scale = self.programme, self.request, self.result, self.scale
         everything = list(result.nodes.values())
         first, last = everything[0][0], everything[-1][-1]
@@ -294,7 +294,7 @@ def _words(phase: Phase) -> str:
 
 
 def _law(programme: Programme, request: Request, scale: Scale) -> dict[str, Any]:
-    """The unknowns among the law's parameters that belong to no phase."""
+    """Adds the unknowns among the law's parameters that belong to no phase."""
     knee, bounds, least, unit = request.knee_touchdown, request.leg_touchdown, request.minimum_knee_torque, scale.torque
     if knee is None:
         freely = math.radians(20.0), math.radians(70.0) + request.knee_rest - KNEE_REST
@@ -313,7 +313,7 @@ def _law(programme: Programme, request: Request, scale: Scale) -> dict[str, Any]
 
 
 def _dynamics(planar: Planar) -> Callable[[Any, Any], dict[str, Any]]:
-    """D, h and (position, J, drift) of each toe from symbols."""
+    """Returns D, h and (position, J, drift) of each toe as functions of symbols."""
     ca = casadi()
     q, v = ca.SX.sym("q", planar.nv), ca.SX.sym("v", planar.nv)
     terms = planar.terms(ca.vertsplit(q), ca.vertsplit(v), ca)
@@ -332,7 +332,7 @@ def _dynamics(planar: Planar) -> Callable[[Any, Any], dict[str, Any]]:
 
 
 def _shapes(programme: Programme, law: dict[str, Any], phase: Phase) -> Any:
-    """Bézier coefficients from the third on, as the law holds them, new unknowns among them."""
+    """Returns Bézier coefficients from the third on, as the law holds them; some are new unknowns."""
     shapes: list[tuple[Any, ...]] = []
     for leg in phase.legs:
         if leg == phase.landing:
@@ -357,7 +357,7 @@ def _knee(programme: Programme, name: str, leg: Leg) -> Any:
 
 
 def _follow(programme: Programme, label: str, phase: Phase, begun: Evolution, node: Node, scale: Scale) -> None:
-    """ÿ = 0."""
+    """Requires ÿ = 0."""
     ca, measured = casadi(), phase.outputs.phase
     ahead, unit = gradient(measured, node.q, ca), 1.0 / scale.time**2
     rate = dot(ahead, node.v) / begun.span

@@ -1,7 +1,7 @@
 """Direct collocation: a nonlinear programme with named constraints, Hermite-Simpson defects, IPOPT.
 
-Needs CasADi (the extra `optimize`). Not by its `Opti`: that knows no names of unknowns and constraints, by which starts
-are taken over from other meshes and violations are told.
+It needs CasADi (the extra `optimize`). It does not use CasADi's `Opti`, which has no names for unknowns and
+constraints. These names carry starts over from other meshes, and name the violations.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ Guess = Callable[[str], Array | None]
 
 
 def casadi() -> Any:
-    """The CasADi module.
+    """Returns the CasADi module.
 
     Raises:
-        MissingExtra: it is not installed.
+        MissingExtra: CasADi is not installed.
     """
     try:
         import casadi as module
@@ -35,15 +35,15 @@ def casadi() -> Any:
 
 @dataclass(frozen=True)
 class Solution:
-    """Where the optimiser ended.
+    """The end of an optimisation.
 
     Attributes:
         values: the unknowns by name, in their own units.
-        objective: its value.
+        objective: value of the objective.
         violations: largest violation of each named constraint, in its own unit.
-        success: whether it converged to a local optimum that satisfies every constraint.
-        status: what IPOPT says.
-        iterations: how many it took.
+        success: whether the optimiser converged to a local optimum that satisfies every constraint.
+        status: status that IPOPT reports.
+        iterations: number of iterations.
     """
 
     values: dict[str, Array]
@@ -56,12 +56,12 @@ class Solution:
 
 @dataclass(frozen=True)
 class Margin:
-    """By how much a wish may be missed.
+    """Margin by which a wish may be missed.
 
     Attributes:
-        unknown: its name among the unknowns.
-        scale: what it counts in.
-        unit: of the scale.
+        unknown: name of the margin among the unknowns.
+        scale: scale in which the margin counts.
+        unit: unit of the scale.
     """
 
     unknown: str
@@ -72,10 +72,10 @@ class Margin:
 class Programme:
     """A nonlinear programme under construction.
 
-    `variable` and `require` collect it; `solve` hands it to IPOPT.
+    `variable` and `require` collect unknowns and constraints; `solve` hands the programme to IPOPT.
 
     Args:
-        start: values to start from by name, where it has one; from an earlier `Solution`, see `resampled`.
+        start: initial values by name, where there are any; from an earlier `Solution`, see `resampled`.
     """
 
     def __init__(self, start: Guess | None = None) -> None:
@@ -94,15 +94,15 @@ class Programme:
         *,
         unit: ArrayLike = 1.0,
     ) -> Any:
-        """New unknowns, as many as the guess has numbers.
+        """Adds new unknowns, as many as the guess has numbers.
 
         Args:
-            name: of them.
-            guess: where to begin.
-            lower: bounds.
-            upper: bounds.
-            scale: by which they are divided internally.
-            unit: in which all of these are.
+            name: name of the unknowns.
+            guess: initial values.
+            lower: lower bounds.
+            upper: upper bounds.
+            scale: scale by which they are divided internally.
+            unit: unit of all these numbers.
         """
         first = np.atleast_1d(np.asarray(guess, dtype=float)) * unit
         given = self._start(name) if self._start is not None else None
@@ -127,17 +127,17 @@ class Programme:
         unit: ArrayLike = 1.0,
         wish: str = "",
     ) -> None:
-        """Require least <= expression <= most.
+        """Requires least <= expression <= most.
 
         Args:
-            label: its name, in words; several may share one.
+            label: label of the constraint, in words; several constraints may share one.
             expression: scalars or a vector.
             least: lower bounds.
             most: upper bounds.
-            scale: what it has to be divided by to be of order one.
-            unit: in which bounds and scale are; both one number if it is a wish.
-            wish: unit of the expression if this was asked for, and may be given up to find out what is
-                in the way; the laws of motion may not.
+            scale: scale that divides the expression to order one.
+            unit: unit of bounds and scale; both are one number if the constraint is a wish.
+            wish: unit of the expression if the request asks for it: the relaxed programme may then violate the
+                constraint to find the obstacle. Laws of motion must always hold.
         """
         row = casadi().vertcat(expression)
         low, high, size = (
@@ -148,7 +148,7 @@ class Programme:
     def solve(
         self, *, iterations: int = 500, tolerance: float = 1e-8, on_iteration: Progress | None = None
     ) -> Solution:
-        """A local optimum from the guess."""
+        """Finds a local optimum from the guess."""
         ca = casadi()
         x = ca.vertcat(*[unknown.symbol for unknown in self._unknowns])
         problem = {"x": x, "f": self.objective, "g": ca.vertcat(*[condition.row for condition in self._conditions])}
@@ -203,7 +203,7 @@ class Programme:
         )
 
     def relaxed(self, start: Guess) -> tuple[Programme, dict[str, Margin]]:
-        """The programme in which each named wish may be missed by a margin of its own, at the cost of the margin.
+        """Returns the programme in which each named wish may be missed by its own margin, at the cost of the margin.
 
         Returns:
             the programme; the margin of each wish.
@@ -229,7 +229,7 @@ class Programme:
         }
 
     def read(self, expression: Any, solution: Solution) -> Array:
-        """An expression's value at a solution."""
+        """Returns an expression's value at a solution."""
         ca = casadi()
         symbols = ca.vertcat(*[unknown.symbol for unknown in self._unknowns])
         x = np.concatenate([solution.values[unknown.name] / unknown.scale for unknown in self._unknowns])
@@ -237,12 +237,12 @@ class Programme:
 
 
 def node_name(phase: str, fraction: float, part: str) -> str:
-    """Name of the unknowns at a node, by how much of the phase has gone."""
+    """Returns the name of the unknowns at a node, by the fraction of the phase that has passed."""
     return f"{phase}@{fraction:.6f}@{part}"
 
 
 def resampled(solution: Solution) -> Guess:
-    """A solution's values by name; at nodes that it does not have, interpolated between those it has."""
+    """Returns a solution's values by name; values at missing nodes are interpolated."""
     series: dict[tuple[str, str], tuple[list[float], list[Array]]] = {}
     for name, value in solution.values.items():
         if "@" in name:
@@ -286,7 +286,7 @@ class _Condition:
 def hermite_simpson(
     programme: Programme, label: str, duration: Any, x: Sequence[Any], slope: Sequence[Any], unit: ArrayLike = 1.0
 ) -> None:
-    """Defects of x' = slope over equal intervals; nodes at their ends and middles, 2 n + 1 of them."""
+    """Requires x' = slope over equal intervals by their defects; nodes are at their ends and middles, 2 n + 1."""
     step = duration / ((len(x) - 1) // 2)
     for k in range(0, len(x) - 2, 2):
         (x0, x1, x2), (f0, f1, f2) = x[k : k + 3], slope[k : k + 3]
@@ -295,7 +295,7 @@ def hermite_simpson(
 
 
 def quadrature(duration: Any, values: Sequence[Any]) -> Any:
-    """Simpson's rule over the nodes of `hermite_simpson`."""
+    """Returns the integral by Simpson's rule over the nodes of `hermite_simpson`."""
     step = duration / ((len(values) - 1) // 2)
     return sum(step / 6.0 * (values[k] + 4.0 * values[k + 1] + values[k + 2]) for k in range(0, len(values) - 2, 2))
 

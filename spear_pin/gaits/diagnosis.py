@@ -1,4 +1,4 @@
-"""Why a hop was not found, and one thing to try: what is told from the system and the farthest cycle of the search."""
+"""Why a hop was not found, and one thing to try, from the system and the farthest cycle of the search."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from spear_pin.hybrid.result import State
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.scale import Scale, scale_of
 
-KIND = "hopping"  # of systems of which this tells something
+KIND = "hopping"  # kind of the systems that can be diagnosed
 ASIDE = 0.35  # rad: between the line from hip to toe at touchdown and straight down
-OFF = 2.0  # factor between a number and what is scaled from SPEAR-II's
-SWITCHED = 1e-6  # of a period: a stance that ends so near to the end of the square wave's is ended by it
+OFF = 2.0  # factor between a number and SPEAR-II's scaled one
+SWITCHED = 1e-6  # share of a period: the square wave ends a stance that ends so near to its end
 USUAL = 0.2  # s: flight of SPEAR-II
 DAMPING = "damping of the spring"
 HARMLESS = {"friction": 1, DAMPING: -1}  # to which side a number may be far off
-LONGER, FARTHER = 1.25, 1.5  # than the flight that was asked for, and than the last that there is
+LONGER, FARTHER = 1.25, 1.5  # factors over the wanted flight time, and over the last one found
 COARSE = 1e-8  # relative tolerance of the cycle that is looked at
 
 
@@ -47,7 +47,7 @@ class _Case(NamedTuple):
     vary: Collection[str]
     target: Mapping[Any, float]
     reached: Reached | None
-    law: Any  # of SPEAR-II, scaled to the robot, as `spring`
+    law: Any  # SPEAR-II's law, scaled to the robot, like `spring`
     spring: Any
 
 
@@ -58,14 +58,14 @@ def explained(
     target: Mapping[Any, float],
     reached: Reached | None = None,
 ) -> NoGait:
-    """The failure of a search, with the cause and what to try where it was for a hop and something is told.
+    """Returns the failure of a search; for a hop it adds the cause and what to try, where these are known.
 
     Args:
-        failure: of the search.
-        system: with the parameters that it began with.
-        vary: names of those that it varied.
+        failure: failure of the search.
+        system: the system with the parameters with which the search began.
+        vary: names of the parameters that it varied.
         target: wanted values of measures.
-        reached: the farthest that its continuation came.
+        reached: the farthest point of its continuation.
     """
     if system.kind != KIND:
         return failure
@@ -79,10 +79,10 @@ def explained(
 def diagnosis(
     system: HybridSystem, vary: Collection[str], target: Mapping[Any, float], reached: Reached | None = None
 ) -> Diagnosis | None:
-    """What speaks against a hop, the most certain first; arguments as of `explained`.
+    """Lists causes that speak against a hop, the most certain first; see `explained` for the arguments.
 
     Raises:
-        BadValue: the robot has not one leg with SPEAR-II's signs.
+        BadValue: the robot does not have one leg with SPEAR-II's signs.
     """
     from spear_pin.gaits.hopping import HoppingLaw
     from spear_pin.model.spring import Spring
@@ -95,7 +95,7 @@ def diagnosis(
 
 
 def _knee_side(system: HybridSystem) -> Diagnosis | None:
-    """A knee that flexes to the other side, or axes and zeros that are not SPEAR-II's."""
+    """Diagnoses a knee that flexes to the other side, or axes and zeros that are not SPEAR-II's."""
     legs = system.robot.legs
     if len(legs) != 1:
         return None
@@ -113,7 +113,7 @@ def _knee_side(system: HybridSystem) -> Diagnosis | None:
 
 
 def _toe_aside(case: _Case) -> Diagnosis | None:
-    """A toe that is not below the hip at touchdown."""
+    """Diagnoses a toe that is not below the hip at touchdown."""
     law, (leg,) = case.system.law, case.system.robot.legs
     own = leg.lean(law.knee_touchdown)
     hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
@@ -128,7 +128,7 @@ def _toe_aside(case: _Case) -> Diagnosis | None:
 
 
 def _off_scale(case: _Case) -> Diagnosis | None:
-    """A number that is far from what does for SPEAR-II, scaled."""
+    """Diagnoses a number that is far from SPEAR-II's, scaled."""
     law, spring, friction = case.system.law, case.system.spring, case.system.contact.friction
     pairs = {
         "friction": (friction, Contact().friction, ""),
@@ -160,7 +160,7 @@ def _off_scale(case: _Case) -> Diagnosis | None:
 
 
 def _gap(case: _Case) -> Diagnosis | None:
-    """A continuation to a flight time that ended where the square wave ends stance."""
+    """Diagnoses a continuation to a flight time that ended where the square wave ends stance."""
     if case.reached is None or FLIGHT not in case.target or case.reached.share >= 1.0:
         return None
     cycle = return_map(case.reached.system, case.reached.state, COARSE)
@@ -187,20 +187,20 @@ def _gap(case: _Case) -> Diagnosis | None:
 
 
 def _below(value: float) -> str:
-    """A number > 0 as text, rounded down to three digits: what is less was reached on the way."""
+    """Formats a number > 0, rounded down to three digits: smaller values were reached on the way."""
     digits = 2 - math.floor(math.log10(value))
     return f"{math.floor(value * 10.0**digits) / 10.0**digits:g}"
 
 
 def _of_limit(case: _Case) -> str:
-    """How the torque that was reached compares with the knee's limit, where it is more."""
+    """Says how the torque that was reached compares with the knee's limit, where it is larger."""
     limit = case.system.robot.limits["knee"].effort
     torque = (case.system if case.reached is None else case.reached.system).law.stance_torque
     return f", {torque / limit:.2g} times the knee's limit" if 0.0 < limit < min(torque, UNKNOWN) else ""
 
 
 def _torque(case: _Case) -> Diagnosis | None:
-    """A stance torque that the joint cannot have."""
+    """Diagnoses a stance torque that the joint cannot have."""
     said = _of_limit(case)
     if not said:
         return None
@@ -209,7 +209,7 @@ def _torque(case: _Case) -> Diagnosis | None:
 
 
 def _ended(case: _Case) -> Diagnosis | None:
-    """The first cycle, which breaks off."""
+    """Diagnoses a first cycle that breaks off."""
     system = case.system
     cycle = return_map(system, system.guess(), COARSE)
     if cycle.cycles or cycle.reason in NUMERICAL:

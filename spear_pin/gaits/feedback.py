@@ -21,20 +21,20 @@ from spear_pin.hybrid.shooting import Shooting
 from spear_pin.kinds import typed
 
 SCALES = {name: 0.05 if name.endswith("touchdown") else 50.0 for name in INPUTS}  # rad and N·m: what counts as one
-GAINS, GAIN_STEP = (-150.0, 150.0), 20.0  # N·s: among which the best is sought, and between those simulated
+GAINS, GAIN_STEP = (-150.0, 150.0), 20.0  # N·s: range of the search, and step between simulated gains
 
 
 @typed
 def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
-    """A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
+    """Returns A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
 
-    They are exact where the fast engine runs the gait and no events meet in it, which gives each side of it derivatives
-    of its own; else central differences of the reference engine's cycles, in the mean of both sides.
+    They are exact where the fast engine runs the gait and no events meet in it, because each side of a meeting has its
+    own derivatives. Else they are central differences of the reference engine's cycles, the mean of both sides.
 
     Args:
         gait: the gait.
-        inputs: names of parameters, each held through a stride.
-        rtol: of the integrator.
+        inputs: names of parameters, each constant through a stride.
+        rtol: relative tolerance of the integrator.
 
     Raises:
         NoGait: a perturbed cycle does not close.
@@ -66,16 +66,16 @@ def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[
 
 @typed
 def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, rtol: float = 1e-10) -> Gait:
-    """The gait with discrete linear-quadratic feedback of its section state to parameters of the law.
+    """Returns the gait with discrete linear-quadratic feedback of its section state to parameters of the law.
 
-    Once a stride, just after posterior touchdown, w = -K ξ is added to the `inputs`; K minimises
-    Σ ξᵀξ + weight Σ (w / scale)², scales being 50 N·m and 0.05 rad.
+    Once a stride, just after posterior touchdown, w = -K ξ is added to the `inputs`. K minimises Σ ξᵀξ + weight Σ (w /
+    scale)²; the scales are 50 N·m and 0.05 rad.
 
     Args:
         gait: a bounding gait without such feedback.
-        inputs: which of `INPUTS` it may use.
-        weight: of the inputs; the larger, the gentler.
-        rtol: of the integrator.
+        inputs: names among `INPUTS` that it may use.
+        weight: weight of the inputs; a larger weight gives gentler feedback.
+        rtol: relative tolerance of the integrator.
 
     Raises:
         UnknownName: an input is not among `INPUTS`.
@@ -109,13 +109,13 @@ def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, r
 
 @typed
 def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None, rtol: float = 1e-9) -> Gait:
-    """The gait with β += K (ẋ - ẋ*) at each touchdown, one gain for both stances.
+    """Returns the gait with β += K (ẋ - ẋ*) at each touchdown, with one gain for both stances.
 
     Args:
         gait: a bounding gait without event feedback.
-        gain: K, in N·s, or one for posterior and one for anterior touchdown; None takes the single one
-            with the least spectral radius, to 1 N·s.
-        rtol: of the integrator in the search of that one.
+        gain: K, in N·s, or one for posterior and one for anterior touchdown; None takes the single gain with the least
+            spectral radius, to 1 N·s.
+        rtol: relative tolerance of the integrator in the search for that gain.
 
     Raises:
         BadValue: the gait has feedback already.
@@ -132,9 +132,10 @@ def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None,
 
 
 def _best_gain(trial: Callable[[float], Gait], rtol: float) -> float:
-    """The gain of least spectral radius.
+    """Returns the gain with the least spectral radius.
 
-    A stride's Jacobian is the product of one for each half of it, either linear in the gain: so three give all.
+    A stride's Jacobian is the product of the Jacobians of its two halves, each linear in the gain. So three Jacobians
+    give all.
     """
     less, none, more = (linearized(trial(k), (), rtol)[0] for k in (-GAIN_STEP, 0.0, GAIN_STEP))
     slope, curvature = (more - less) / (2.0 * GAIN_STEP), (more + less - 2.0 * none) / (2.0 * GAIN_STEP**2)
@@ -154,5 +155,5 @@ def _without_feedback(gait: Gait) -> None:
 
 
 def _multiplied(gait: Gait, rtol: float) -> Gait:
-    """The gait with its multipliers anew."""
+    """Returns the gait with its multipliers computed again."""
     return replace(gait, multipliers=eigenvalues(linearized(gait, (), rtol)[0]))

@@ -59,12 +59,12 @@ class Gait(Shown):
     """A fixed point of the return map.
 
     Attributes:
-        system: the system, solved parameters in it.
+        system: the system with the solved parameters.
         state: (q, v) on the section.
         parameters: the parameters that were solved for.
         residual: ‖P(x) - x‖∞.
         multipliers: Floquet multipliers, by decreasing modulus.
-        durations: seconds in each phase.
+        durations: duration of each phase in s.
 
     Example:
         >>> from spear_pin import Gait
@@ -91,11 +91,11 @@ class Gait(Shown):
 
     @property
     def period(self) -> float:
-        """Seconds of one cycle."""
+        """Duration of one cycle in s."""
         return float(sum(self.durations.values()))
 
     def with_law(self, **values: object) -> Gait:
-        """The gait with other values in its law, such as feedback, that leave its orbit alone; multipliers are kept."""
+        """Returns the gait with other values in its law, such as feedback, that keep its orbit; multipliers stay."""
         system = self.system
         for name in values:
             if name not in vars(system.law):
@@ -110,34 +110,36 @@ class Gait(Shown):
         keep: Sequence[str] = (),
         motors: Mapping[str, Motor | Drive] = NO_MOTORS,
     ) -> Sensitivity:
-        """What a change of any parameters does to the gait: exact derivatives of its state, measures and multipliers.
+        """Returns exact derivatives of the gait's state, measures and multipliers with respect to parameters.
 
         Args:
-            over: parameters, by the names of law, springs, ground or robot, such as "stiffness" or "knee_ratio".
-            vary: parameters that are solved for, so that measures stay as they are.
-            keep: names of as many measures.
-            motors: of joints, by name: motors, for the measures `heat_JOINT`, in J a cycle, and `energy`, the net work
-                of all motors and this heat, behind gears that lose nothing, or drives, for `electricity_JOINT`, in J a
-                cycle, `electricity` where all joints have one, and `reserve_JOINT`, in N·m; ratios are the robot's.
+            over: parameters, by the names of numbers of law, springs, ground or robot, such as "stiffness" or
+                "knee_ratio".
+            vary: parameters that are solved for, so that the measures in `keep` keep their values.
+            keep: as many measures as there are names in `vary`.
+            motors: by the name of each joint, a motor or a drive. Motors give the measures `heat_JOINT`, in J a cycle,
+                and `energy`, the net work of all motors and this heat, behind gears that lose nothing. Drives give
+                `electricity_JOINT`, in J a cycle, `electricity` where all joints have one, and `reserve_JOINT`, in N·m.
+                Gear ratios are the robot's.
 
         Raises:
-            UnknownName: there is no parameter, measure or joint with a motor of a name.
+            UnknownName: there is no parameter, measure or joint with a motor that has such a name.
             BadValue: names do not fit together, a parameter is zero and with it part of the equations, a motor's
                 resistance or torque constant is not known, or the gait is in space or has hardware.
             NotDifferentiable: the cycle has no derivative; the text says why.
         """
-        from spear_pin.gaits.sensitivity.sensitivity import sensitivity  # which compiles: only who asks for it waits
+        from spear_pin.gaits.sensitivity.sensitivity import sensitivity  # a late import: it compiles
 
         return sensitivity(self.system, self.state, over, vary, keep, motors)
 
     @typed
     def save(self, path: str | Path) -> Path:
-        """Write as JSON.
+        """Writes the gait as JSON.
 
         Raises:
-            BadValue: the system has what the file could not say: hardware, dry friction of joints, a rotary boom, a
-                robot that was no file, or was cut out of one and cannot be cut again as it was, another change, a
-                builder of its own under the name of another, or a limit that is not finite.
+            BadValue: the file could not describe the system, because it has hardware, dry friction of joints, a rotary
+                boom, a robot that was not read from a file or was cut from one and cannot be cut again in the same way,
+                another change, a builder of its own under the name of another, or a limit that is not finite.
             BadFile: the file cannot be written.
         """
         if left_out := _unsaid(self.system):
@@ -161,16 +163,16 @@ class Gait(Shown):
     @classmethod
     @typed
     def load(cls, path: str | Path, like: HybridSystem | None = None) -> Gait:
-        """Read a shipped gait by its name, or what `save` wrote by its path, and rebuild the system.
+        """Reads a shipped gait by its name, or a file that `save` wrote by its path, and rebuilds the system.
 
         Args:
             path: a name, or a path.
-            like: for an automaton that is not the package's, any system of it.
+            like: for an automaton that is not the package's, any system with that automaton.
 
         Raises:
-            UnknownName: no gait of that name ships, and it is not a path (it has no suffix or separator).
-            BadFile: it cannot be read, or is not a gait: a field is missing, unknown, or not of its kind, a number
-                is not finite or not valid.
+            UnknownName: no shipped gait has that name, and it is not a path (it has no suffix or separator).
+            BadFile: the file cannot be read, or is not a gait: a field is missing, unknown, or of another kind, or a
+                number is not finite or not valid.
         """
         if str(path) in (*library.names(), *library.IN_SPACE) or not ({"/", "\\", "."} & set(str(path))):
             path = library.path(str(path))
@@ -200,12 +202,12 @@ class Gait(Shown):
 
 
 def built_as_named(system: HybridSystem) -> bool:
-    """Whether a system of a kind that is known by its name was made by the builder of that kind."""
+    """Tells whether the builder of a system's kind, which is known by its name, made the system."""
     return system.kind not in KINDS or system.made["builder"] is KINDS[system.kind][0]
 
 
 def _unsaid(system: HybridSystem) -> list[str]:
-    """Properties of a system that a file does not say, in words."""
+    """Lists properties of a system that a file does not describe, in words."""
     has = {
         "hardware": system.hardware is not None,
         "dry friction of joints": any(domain.rubs for domain in system.domains),
@@ -219,14 +221,14 @@ def _unsaid(system: HybridSystem) -> list[str]:
 
 
 def _check(data: Any) -> None:
-    """Refuse what has not all that a gait has, each of its kind; the system is checked as it is built."""
+    """Refuses data in which a part of a gait is missing or of another kind; the system is checked as it is built."""
     if not isinstance(data, dict):
         raise ValueError("it is no JSON object")
     objects = ("robot", *PARTS, "state", "parameters", "durations")
     check_keys("field", data, ("format", "kind", *objects, "residual", "multipliers"), ("limits",))
     if data["format"] != FORMAT:
         raise BadValue("format", data["format"], repr(FORMAT))
-    data = {"limits": {}, **data}  # a file from before they were kept has none
+    data = {"limits": {}, **data}  # older files have no limits
     for name in (*objects, "limits"):
         if not isinstance(data[name], dict):
             raise BadValue(name, data[name], "a JSON object")
@@ -245,7 +247,7 @@ def _check(data: Any) -> None:
 
 
 def _numbers(name: str, values: Any, count: int | None = None) -> NDArray[np.float64]:
-    """Numbers of a JSON list, so many of them."""
+    """Reads `count` numbers from a JSON list."""
     right = isinstance(values, list) and all(type(value) in (int, float) for value in values)
     if not right or count not in (None, len(values)):
         raise BadValue(name, values, "numbers" if count is None else f"{count} numbers")
@@ -253,7 +255,7 @@ def _numbers(name: str, values: Any, count: int | None = None) -> NDArray[np.flo
 
 
 def _part(kind: type, values: Mapping[str, Any]) -> Any:
-    """A system's part, from its fields; those that a file from before them lacks have their defaults."""
+    """Returns a system's part from its fields; fields that an older file lacks have their defaults."""
     truths = {field.name for field in fields(kind) if field.type in ("bool", bool)}
     parts = {name: hint for name, hint in get_type_hints(kind).items() if is_dataclass(hint)}
     for name, value in values.items():
@@ -263,12 +265,12 @@ def _part(kind: type, values: Mapping[str, Any]) -> Any:
 
 
 def _field(kind: Any, value: Any) -> Any:
-    """A field's value; that of a part of its own, such as the plane's law in that of space, from its fields."""
+    """Returns a field's value; a part of its own, such as the plane's law in that of space, is read from its fields."""
     return _tuples(value) if kind is None or not isinstance(value, dict) else _part(kind, value)
 
 
 def _tuples(value: Any, deep: int = 1) -> Any:
-    """JSON's lists as the tuples that they were, which hold no truth values, nor lists in lists in lists."""
+    """Turns JSON's lists into the tuples that they were; refuses truth values, and lists that are too deep."""
     if not isinstance(value, list):
         return value
     if deep > DEEPEST:

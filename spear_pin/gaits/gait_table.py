@@ -1,4 +1,4 @@
-"""Very many gaits that were looked for, and why each was found or not."""
+"""Outcomes of a search for very many gaits, and why each gait was found or not."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ REASONS: Mapping[str, str] = {
 
 @dataclass(frozen=True, repr=False)
 class GaitTable(Shown):
-    """Outcomes of the lanes, a row each; NaN where no fixed point was found.
+    """Outcomes of the lanes, one row each; NaN where no fixed point was found.
 
     Attributes:
         q: configurations on the section, (n, nq).
-        v: velocities there, (n, nv).
-        parameters: those given and those solved for, by name, (n,) each.
+        v: velocities on the section, (n, nv).
+        parameters: given and solved parameters, by name, (n,) each.
         residual: ‖P(x) - x‖∞, (n,), in m, rad, m/s, rad/s.
         multipliers: Floquet multipliers by decreasing modulus, (n, d); NaN beyond the section's dimension.
-        durations: seconds in each phase, (n,) each.
+        durations: duration of each phase in s, (n,) each.
         reason: a key of `REASONS`, (n,).
     """
 
@@ -49,7 +49,7 @@ class GaitTable(Shown):
     reason: NDArray[np.str_]
 
     def __len__(self) -> int:
-        """Number of lanes."""
+        """Returns the number of lanes."""
         return len(self.reason)
 
     def __repr__(self) -> str:

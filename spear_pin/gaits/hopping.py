@@ -23,7 +23,7 @@ from spear_pin.model.scale import only_leg, scale_of, spear_ii, touchdown_inerti
 from spear_pin.model.spring import Spring
 
 LONGEST, FALLING = 5.0, 0.8  # s, m/s: a phase of SPEAR-II, and how fast it lands in a guess
-FLAT = 1e-9  # 1/m: a normal force that falls less than this with the torque is not changed by it
+FLAT = 1e-9  # 1/m: a smaller change of the normal force with the torque counts as zero
 
 
 @typed
@@ -46,16 +46,16 @@ class HoppingLaw:
         knee_gain: K_knee, in N·m/rad (source).
         knee_damping: |K_D,knee|, in N·m·s/rad (source).
         hip_stance_torque: τ̄_hip, in N·m (source: negligible).
-        virtual_stiffness: of a spring that the motor imitates in stance, in N·m/rad, latched and slack as the real
-            one would be.
-        hold_extension: keep extending after the first period, where the printed square wave would
-            flex again.
+        virtual_stiffness: stiffness of a spring that the motor imitates in stance, in N·m/rad, latched and slack like
+            the real spring.
+        hold_extension: whether to keep extending after the first period, where the printed square wave would flex
+            again.
         minimum_force: if not None, flexion in the first half period is limited so that the normal
             force stays at or above this, in N, as far as less flexion can keep it there.
         foot_placement: K of the term K (ẋ_lo - ẋ*) added to the commanded hip angle, in rad·s/m,
             ẋ_lo being the hip's forward speed latched at lift-off; needs a free boom_x.
         speed: ẋ*, in m/s.
-        units: of these numbers, by name.
+        units: units of these numbers, by name.
 
     Example:
         >>> from spear_pin import HoppingLaw
@@ -89,7 +89,7 @@ class HoppingLaw:
     }
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         gains = ("stance_torque", "hip_gain", "hip_damping", "knee_gain", "knee_damping", "virtual_stiffness")
         signed = ("hip_stance_torque", "foot_placement", "speed")
         require("HoppingLaw.frequency", self.frequency, lambda f: f > 0, "a number > 0, in Hz")
@@ -106,18 +106,19 @@ class HoppingLaw:
     @classmethod
     @typed
     def scaled(cls, robot: Robot, damping_ratio: float | None = None) -> HoppingLaw:
-        """SPEAR-II's law for a robot of another size: torques by m g l, times by √(l/g), the hip's angle by geometry.
+        """Scales SPEAR-II's law to another robot: torques by m g l, times by √(l/g), the hip's angle by geometry.
 
-        In flight hip and knee swing as often in √(l/g) as SPEAR-II's, each with its own inertia, the diagonal entry of
-        D at touchdown, and as damped. The toe lands below the hip. A flight as long as SPEAR-II's 0.2 s is that times
-        √(l/g) over SPEAR-II's.
+        In flight hip and knee oscillate as often in √(l/g) as SPEAR-II's and with the same damping, each with its own
+        inertia, the diagonal entry of D at touchdown. The toe lands below the hip. A flight that corresponds to
+        SPEAR-II's 0.2 s is longer by the ratio of √(l/g).
 
         Args:
-            robot: with one leg, as `spear_pin.monopod` cuts it.
-            damping_ratio: of hip and knee in flight, by their own inertias; None: SPEAR-II's, 0.24 and 0.16.
+            robot: a robot with one leg, as `spear_pin.monopod` cuts it.
+            damping_ratio: damping ratio of hip and knee in flight, by their own inertias; None: SPEAR-II's, 0.24 and
+                0.16.
 
         Raises:
-            BadValue: the robot has not one leg of hip and knee, or the damping ratio is not a number >= 0.
+            BadValue: the robot does not have one leg with hip and knee, or the damping ratio is not a number >= 0.
         """
         law = cls()
         scale, inertia = scale_of(robot), touchdown_inertia(robot, law.knee_touchdown)
@@ -140,7 +141,7 @@ class HoppingLaw:
 
 
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-    """Hip and knee torque in flight, (4.9)-(4.10) with corrected signs, in N·m."""
+    """Returns hip and knee torque in flight, (4.9)-(4.10) with corrected signs, in N·m."""
     hip, knee = -2, -1
     hip_touchdown = 0.5 * p.knee_touchdown if p.hip_touchdown is None else p.hip_touchdown
     hip_desired = hip_touchdown + p.foot_placement * (held["speed"] - p.speed)
@@ -153,16 +154,16 @@ def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, 
 def sprung_flight_law(
     t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations
 ) -> Sequence[Any]:
-    """The flight law with a spring that stays engaged: the motor bears what that does, too."""
+    """Returns the torques of the flight law when the spring stays engaged: the motor also balances the spring."""
     hip, knee = flight_law(t, q, v, held, p, dyn, ops)
     return hip, knee - dyn.spring_torque("knee")
 
 
 def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-    """Hip and knee torque in stance: the square wave of (4.10), flexion positive, in N·m.
+    """Returns hip and knee torque in stance: the square wave of (4.10), flexion positive, in N·m.
 
-    `held["flexing"]` is its sign; where `held["limited"]` is 1 the torque is the one that gives the
-    normal force `minimum_force`, or zero if that would take extension.
+    `held["flexing"]` is the sign of the square wave. Where `held["limited"]` is 1, the torque gives the normal force
+    `minimum_force`, or is zero if that would take extension.
     """
     knee = p.stance_torque * held["flexing"]
     if p.minimum_force is not None:
@@ -171,15 +172,15 @@ def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, 
 
 
 def virtual_torque(q: Any, held: Any, p: HoppingLaw) -> Any:
-    """Torque of the spring that the knee motor imitates, in N·m."""
+    """Returns the torque of the spring that the knee motor imitates, in N·m."""
     return -p.virtual_stiffness * held["taut"] * (q[-1] - held["knee_touchdown"])
 
 
 def limited_torque(q: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Any:
-    """Flexing torque, up to τ̄, at which the normal force is `minimum_force`, in N·m.
+    """Returns the flexing torque, up to τ̄, at which the normal force is `minimum_force`, in N·m.
 
-    It is zero where the force would be less even without flexion. Flexion is limited only where it
-    unloads the toe; a sliding toe may be loaded by it, and then no torque is singled out.
+    The torque is zero where the force would be less even without flexion. Flexion is limited only where it unloads the
+    toe. It may load a sliding toe; then no single torque gives the force.
     """
     unloaded, per_torque = _normal_force(q, held, p, dyn)
     limit = (unloaded - p.minimum_force) / ops.maximum(-per_torque, FLAT)
@@ -187,7 +188,7 @@ def limited_torque(q: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operati
 
 
 def _normal_force(q: Any, held: Any, p: HoppingLaw, dyn: Dynamics) -> tuple[Any, Any]:
-    """The normal force without flexion, in N, and its change with the knee torque, in 1/m."""
+    """Returns the normal force without flexion, in N, and its change with the knee torque, in 1/m."""
     hip, virtual = p.hip_stance_torque, virtual_torque(q, held, p)
     unloaded = dyn.normal_force("toe", (hip, virtual))
     return unloaded, dyn.normal_force("toe", (hip, virtual + 1.0)) - unloaded
@@ -202,20 +203,20 @@ def hopping(
     *,
     ground: Ground | None = None,
 ) -> HybridSystem:
-    """The hopping automaton: stance (sticking or slipping) and flight.
+    """Returns the hopping automaton: stance (sticking or slipping) and flight.
 
-    Touchdown latches the spring at the knee's angle and starts the square wave; lift-off, where the
-    normal force falls to zero, releases it and latches the forward speed.
+    Touchdown latches the spring at the knee's angle and starts the square wave. Lift-off, where the normal force falls
+    to zero, releases the spring and latches the forward speed.
 
     Args:
         robot: SPEAR-II, with boom_x locked or free, or another leg as `spear_pin.monopod` cuts it.
         law: parameters of the controller; for another leg those of `HoppingLaw.scaled`.
         spring: the knee spring; for another leg that of `Spring.scaled`.
         contact: friction of level ground.
-        ground: the ground, in place of `contact`.
+        ground: the ground, instead of `contact`.
 
     Raises:
-        BadValue: law, spring or contact is none, both contact and ground are given, or the robot is not a planar one
+        BadValue: law, spring or contact is missing, both contact and ground are given, or the robot is not a planar one
             with a toe "toe" and motors on "hip" and "knee" last.
 
     Example:
@@ -297,7 +298,7 @@ def _half_periods(n: int, p: HoppingLaw) -> float:
 
 
 def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
-    """Enter and leave the limit on flexion, if there is one."""
+    """Returns guards that enter and leave the limit on flexion, if there is one."""
     if law.minimum_force is None:
         return ()
 
@@ -313,7 +314,7 @@ def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
 
 
 def _guess(robot: Robot, law: HoppingLaw, ground: Ground) -> tuple[Any, Any]:
-    """Just after touchdown at the commanded angles, falling as from a few centimetres."""
+    """Returns a state just after touchdown at the commanded angles, falling as from a few centimetres."""
     hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
     q = np.zeros(robot.nq)
     q[robot.index("hip")], q[robot.index("knee")] = hip, law.knee_touchdown
@@ -328,7 +329,7 @@ def _guess(robot: Robot, law: HoppingLaw, ground: Ground) -> tuple[Any, Any]:
 
 
 def _mean_speed(run: Run) -> float:
-    """Forward speed over the cycle, in m/s; boom_x comes first where it is free."""
+    """Returns the forward speed over the cycle, in m/s; boom_x comes first where it is free."""
     return (run.state[0][0] - run.start[0][0]) / sum(run.durations.values()) if len(run.start[0]) > 3 else 0.0
 
 

@@ -1,4 +1,4 @@
-"""Cycles of many lanes by the batch engine, and the multipliers of their fixed points: what `many` is made of."""
+"""Cycles of many lanes by the batch engine, and the multipliers of their fixed points; `many` is built on it."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ NOT_VALID, NO_MULTIPLIERS = "not_valid", "no_multipliers"
 
 @dataclass(frozen=True)
 class LaneCycles:
-    """Cycles of lanes that differ in their parameters, a `Cycle` of `hybrid.shooting`.
+    """Cycles of lanes with different parameters: a `Cycle` of `hybrid.shooting`.
 
     Attributes:
         system: the system.
-        fixed: parameters that differ from lane to lane, (n,) each.
-        vary: names of those that are solved for.
-        measures: what the targets are of, by the names of `MEASURES`.
+        fixed: parameters with a value for each lane, (n,) each.
+        vary: names of the parameters that are solved for.
+        measures: measures of the targets, by the names of `MEASURES`.
         rtol: relative tolerance of the integration.
     """
 
@@ -45,7 +45,7 @@ class LaneCycles:
     rtol: float
 
     def __call__(self, lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
-        """One cycle of some lanes from states with values of what varies, and why those fail that do."""
+        """Runs one cycle of some lanes from states with values of `vary`; returns why some fail."""
         n, solved = len(lanes), dict(zip(self.vary, values.T, strict=True))
         given = {name: column[lanes] for name, column in self.fixed.items()} | solved
         reason = np.full(n, "", dtype=object)
@@ -67,7 +67,7 @@ class LaneCycles:
         return Cycles(q, v, measured, durations, reason, reference, [orders.get(i, ()) for i in range(n)])
 
     def reference(self, lane: int, state: State, values: Array) -> NDArray[np.complex128] | None:
-        """Multipliers of a lane's fixed point by the reference engine alone; None if there are none."""
+        """Returns multipliers of a lane's fixed point by the reference engine alone; None if there are none."""
         own = {name: float(column[lane]) for name, column in self.fixed.items()}
         system = with_parameters(self.system, {**own, **dict(zip(self.vary, values.tolist(), strict=True))})
         try:
@@ -77,7 +77,7 @@ class LaneCycles:
 
 
 def _spread(part: NDArray[np.generic], lanes: Lanes, n: int) -> Array:
-    """Numbers of some lanes, as of all n lanes, NaN in the others."""
+    """Spreads numbers of some lanes over all n lanes, with NaN in the others."""
     whole = np.full((n, *part.shape[1:]), np.nan)
     whole[lanes] = part
     return whole
@@ -94,12 +94,12 @@ class Spectra:
 
 
 def multipliers(cycle: LaneCycles, charts: Charts, values: Array) -> Spectra:
-    """Eigenvalues of the return maps' Jacobians by central differences, and the residuals of the whole states.
+    """Returns eigenvalues of the return maps' Jacobians by central differences, and residuals of the whole states.
 
     Args:
         cycle: runs the cycles.
         charts: charts around the fixed points.
-        values: of what varies, (n, k).
+        values: values of the varied parameters, (n, k).
     """
     n, d = len(charts), charts.dimension
     offsets = np.concatenate([np.zeros((1, d)), stencil(d)])  # the fixed point itself in the same call
@@ -126,7 +126,7 @@ def multipliers(cycle: LaneCycles, charts: Charts, values: Array) -> Spectra:
 
 
 def valid(system: HybridSystem, values: Mapping[str, Array], n: int) -> NDArray[np.bool_]:
-    """In which of n lanes every parameter is within its range."""
+    """Tells in which of n lanes every parameter is within its range."""
     good = np.ones(n, dtype=bool)
     for name, column in values.items():
         parameter(system, name)  # it says what names there are
@@ -137,7 +137,7 @@ def valid(system: HybridSystem, values: Mapping[str, Array], n: int) -> NDArray[
 
 
 def _accepts(system: HybridSystem, name: str, column: Array) -> bool:
-    """Whether the least and the largest of some values are valid."""
+    """Tells whether the least and the largest of some values are valid."""
     try:
         for value in {column.min(), column.max()} if len(column) else ():
             with_parameters(system, {name: float(value)})

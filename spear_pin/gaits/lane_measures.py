@@ -28,7 +28,7 @@ def _stride(system: HybridSystem, q: Array, batch: Batch) -> Array:
     return np.asarray(batch.q[:, forward] - q[:, forward])
 
 
-OBSERVED = ("apex_height",)  # measures of events that change nothing, which cost a stop in each cycle
+OBSERVED = ("apex_height",)  # measures at events that change nothing; each costs a stop in each cycle
 MEASURES: Mapping[str, Measure] = {
     "apex_height": lambda system, q, batch: batch.observed["apex"][:, system.robot.index("boom_z")],
     "flight_time": _durations("flight"),

@@ -1,8 +1,8 @@
-"""Very many gaits at once: fixed points and Floquet multipliers of lanes that differ in their parameters.
+"""Very many gaits at once: fixed points and Floquet multipliers of lanes with different parameters.
 
-Newton's method on the section's chart, each lane with a damping of its own; the residuals and the columns of the
-Jacobians that the lanes need next are one call of `simulate_many`. Lanes that fail from the common guess begin
-again from what their nearest neighbour found.
+Newton's method works on the section's chart, with a damping for each lane. One call of `simulate_many` gives the
+residuals and the next columns of the Jacobians for all lanes. Lanes that fail from the common guess begin again from
+the solution of their nearest neighbour.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.kinds import typed
 
-ROUNDS = 6  # times at most that a lane begins from a neighbour
-CALLS = 30  # of the engine at most, in which a lane has to converge
+ROUNDS = 6  # largest number of starts of a lane from a neighbour
+CALLS = 30  # largest number of engine calls in which a lane has to converge
 
 
 @typed
@@ -47,27 +47,28 @@ def find_many(
     rtol: float = 1e-9,
     on_lanes: Callable[[int], object] = lambda n: None,
 ) -> GaitTable:
-    """Solve x = P(x) of (4.12) together with the targets, in every lane.
+    """Solves x = P(x) of (4.12) together with the targets, in every lane.
 
-    The rows do not depend on the order of the lanes, to the last digit. With other lanes beside it, a lane may begin
-    from another neighbour and end a rounding error, or where there are several gaits a gait, away.
+    The rows do not depend on the order of the lanes, to the last digit. With other lanes in the batch, a lane may begin
+    from another neighbour. It then ends a rounding error away, or at another gait where there are several.
 
     Args:
         system: robot, law and ground; its parameters hold where none are given.
-        parameters: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
-        vary: parameters to solve for, but slope and height of the ground; one that is in `parameters` too begins there.
-        target: wanted values of measures of the cycle, a key of `MEASURES` each, for all lanes or (n,).
-        guess: a state (q, v) on the section to begin from, or one of each lane, (n, nq) and (n, nv); by default the
+        parameters: numbers with a value for each lane, (n,) each, named as fields of law, spring or contact.
+        vary: parameters to solve for, except slope and height of the ground; if `parameters` has one of them too, its
+            value there is the start.
+        target: wanted values of measures of the cycle, each a key of `MEASURES`, for all lanes or (n,).
+        guess: a state (q, v) on the section to begin from, or one for each lane, (n, nq) and (n, nv); by default the
             system's own.
-        rtol: relative tolerance, as of `simulate_many`.
+        rtol: relative tolerance; see `simulate_many`.
         on_lanes: called with the number of lanes solved since the last call.
 
     Raises:
         MissingExtra: heyoka is not installed.
         UnknownName: unknown parameter or measure.
-        BadValue: shapes do not fit, a number is not finite, a measure is of an event that lanes do not record,
-            what varies moves the ground, no cycle has a target (a flight that closes none), or the system has what
-            the engine cannot compile.
+        BadValue: shapes do not fit, a number is not finite, a measure is of an event that lanes do not record, a varied
+            parameter moves the ground, no cycle has a target (a flight too short to close a cycle), or the engine
+            cannot compile a part of the system.
     """
     taylor.require()
     target = dict(target or {})
@@ -96,7 +97,7 @@ def find_many(
 
 
 def _wanted(system: HybridSystem, vary: Sequence[str], target: Mapping[str, ArrayLike], n: int) -> Array:
-    """The targets, (n, k)."""
+    """Returns the targets, (n, k)."""
     if len(vary) != len(target):
         raise BadValue("target", target, f"as many targets as parameters to vary, {len(vary)}")
     known = [name for name in system.measures if name in MEASURES]
@@ -116,7 +117,7 @@ def _wanted(system: HybridSystem, vary: Sequence[str], target: Mapping[str, Arra
 
 @dataclass(frozen=True)
 class _Search:
-    """Search for the gaits: what is fixed, varied and wanted."""
+    """Search for the gaits: fixed and varied parameters, and targets."""
 
     system: HybridSystem
     fixed: Mapping[str, Array]
@@ -127,7 +128,7 @@ class _Search:
     features: Array
 
     def cycle(self, lanes: NDArray[np.int64]) -> LaneCycles:
-        """Cycles of some lanes."""
+        """Returns cycles of some lanes."""
         fixed = {name: values[lanes] for name, values in self.fixed.items()}
         return LaneCycles(self.system, fixed, self.vary, self.target, self.rtol)
 
@@ -149,7 +150,7 @@ class _Lanes:
         self.reason[~valid(search.system, numbers, n)] = NOT_VALID
 
     def run(self, guess: State) -> None:
-        """From the guess, from neighbours, from where simulation from the guess leads, and from neighbours again."""
+        """Solves from the guess, from neighbours, from where the simulated guess leads, and from neighbours again."""
         todo = np.flatnonzero(self.reason == "")
         self.solve(todo, guess[0][todo], guess[1][todo], self.start[todo])
         self.from_neighbours()
@@ -163,7 +164,7 @@ class _Lanes:
         return np.flatnonzero((self.reason != CONVERGED) & (self.reason != NOT_VALID))
 
     def from_neighbours(self) -> None:
-        """Begin from the nearest lane that converged, in parameters that are scaled to their spans."""
+        """Begins from the nearest lane that converged, in parameters that are scaled to their spans."""
         features, used = self.search.features, np.full(len(self.q), -1)
         span = np.ptp(features, axis=0)
         scaled = features / np.where(span > 0.0, span, 1.0)
@@ -181,7 +182,7 @@ class _Lanes:
             self.solve(todo, self.q[nearest], self.v[nearest], self.solved[nearest])
 
     def settle(self, guess: State) -> None:
-        """Begin from where some cycles of simulation lead."""
+        """Begins from where some cycles of simulation lead."""
         todo = self.failed
         if not len(todo):
             return
@@ -192,7 +193,7 @@ class _Lanes:
         self.solve(todo[there], batch.q[there], batch.v[there], self.start[todo[there]])
 
     def solve(self, lanes: NDArray[np.int64], q: Array, v: Array, start: Array) -> None:
-        """Newton's method and the multipliers, lanes with the same sliding toes together."""
+        """Runs Newton's method and finds multipliers, for lanes with the same sliding toes together."""
         slides = self.section.take(lanes).sliding(q, v)
         for pattern in np.unique(slides, axis=0):
             chosen = (slides == pattern).all(axis=1)
@@ -205,12 +206,12 @@ class _Lanes:
             self.finish(own[there], *shooting.states(there, roots.x[there]), roots.x[there, charts.dimension :])
 
     def fail(self, lanes: NDArray[np.int64], reason: NDArray[np.object_], norm: Array) -> None:
-        """Note why lanes failed, of several attempts the nearest to a gait."""
+        """Notes why lanes failed; of several attempts it keeps the nearest to a gait."""
         better = (reason != CONVERGED) & ((norm < self.norm[lanes]) | (self.reason[lanes] == ""))
         self.reason[lanes[better]], self.norm[lanes[better]] = reason[better], norm[better]
 
     def finish(self, lanes: NDArray[np.int64], q: Array, v: Array, values: Array) -> None:
-        """Check the fixed points on the whole state, and find their multipliers."""
+        """Checks the fixed points on the whole state, and finds their multipliers."""
         slides = self.section.take(lanes).sliding(q, v)
         for pattern in np.unique(slides, axis=0):
             chosen = (slides == pattern).all(axis=1)
@@ -231,7 +232,7 @@ class _Lanes:
             self.on_lanes(len(own))
 
     def table(self) -> GaitTable:
-        """The rows."""
+        """Returns the rows."""
         parameters = {**self.search.fixed, **dict(zip(self.search.vary, self.solved.T.copy(), strict=True))}
         width = int(np.isfinite(self.multipliers).any(axis=0).sum()) or 1
         values, reason = self.multipliers[:, :width], self.reason.astype(str)
@@ -239,13 +240,13 @@ class _Lanes:
 
 
 def _why(roots: Roots) -> Words:
-    """Of each lane a key of `REASONS`: where there is no value, why, else whether it converged."""
+    """Returns a key of `REASONS` for each lane: why it has no value, else whether it converged."""
     ended = np.where(roots.end == CONVERGED, CONVERGED, NO_CONVERGENCE)
     return np.where(roots.reason == "", ended, roots.reason).astype(object)
 
 
 def _repeated(state: State, n: int) -> tuple[Array, Array]:
-    """A state of each lane."""
+    """Returns a state for each lane."""
     try:
         q, v = (np.broadcast_to(part, (n, np.shape(part)[-1])) for part in state)
     except (ValueError, IndexError):

@@ -16,12 +16,12 @@ from spear_pin.model.motor import Drive
 from spear_pin.model.scale import Scale
 
 MOTORS = ("posterior hip", "posterior knee", "anterior hip", "anterior knee")
-SMOOTH = 1.0  # W of Q-SPEAR: how sharply the sign of a power is told
-OF_EFFORT, OF_COST = 0.01, 10.0  # what an objective is multiplied by to be of order ten
+SMOOTH = 1.0  # W for Q-SPEAR: width of the smoothing at the sign change of a power
+OF_EFFORT, OF_COST = 0.01, 10.0  # factors that bring the objectives to order ten
 
 
 def ceiling(programme: Programme, request: Request, scale: Scale) -> Any:
-    """The unknown that bounds every torque, or every excess over an envelope, where that is minimised."""
+    """Adds the unknown that bounds every torque, or every excess over an envelope, where that is minimised."""
     if request.objective == "peak":
         return programme.variable("peak torque", 200.0, 0.0, 1000.0, 100.0, unit=scale.torque)
     if request.objective == "violation":
@@ -30,7 +30,7 @@ def ceiling(programme: Programme, request: Request, scale: Scale) -> Any:
 
 
 def limit(programme: Programme, request: Request, scale: Scale, u: Any, v: Any, top: Any) -> None:
-    """Bounds on torques at a node, and the motors' torque-speed envelopes."""
+    """Adds bounds on torques at a node, and the motors' torque-speed envelopes."""
     for i, name in enumerate(MOTORS):
         torque, rate = u[i], v[3 + i]
         knee = "knee" in name
@@ -46,16 +46,16 @@ def limit(programme: Programme, request: Request, scale: Scale, u: Any, v: Any, 
 
 
 def at_most(programme: Programme, label: str, torque: Any, most: float, scale: Scale) -> None:
-    """A torque within bounds that are wished for, in N·m."""
+    """Requires a torque within wished bounds, in N·m."""
     programme.require(label, torque, -most, most, scale=50.0 * scale.torque, wish="N·m")
 
 
 def _within(programme: Programme, scale: Scale, name: str, drive: Drive, torque: Any, rate: Any, excess: Any) -> None:
-    """One motor's voltage, current and speed.
+    """Bounds one motor's voltage, current and speed.
 
-    Driving, its gears take away; beyond the no-load speed, where it has to brake, they help. Of the two
-    lines through the no-load speed, the lower one is the limit on either side of it; where it brakes
-    below that speed, that is on the safe side.
+    When the motor drives, its gears take power away. Above the no-load speed, where it must brake, they help. Two lines
+    go through the no-load speed. The lower line is the limit on either side of it; where the motor brakes below that
+    speed, this is on the safe side.
     """
     label, unit = f"envelope of the {name} motor", scale.torque
     line = replace(drive, current_limit=None).stall_torque
@@ -79,15 +79,15 @@ def objective(
     distance: Any,
     top: Any,
 ) -> Any:
-    """Objective to be minimised, of order ten whatever the robot's size.
+    """Returns the objective to be minimised, of order ten whatever the robot's size.
 
     Args:
-        request: says which.
-        scale: the robot's.
-        weight: of the robot, in N.
+        request: the request, which names the objective.
+        scale: scale of the robot.
+        weight: weight of the robot, in N.
         phases: duration and nodes, with `u` and `v`, of each phase.
-        distance: of a stride, in m.
-        top: what `ceiling` made.
+        distance: length of a stride, in m.
+        top: the unknown that `ceiling` made.
     """
     even = np.ones(4)
     if request.objective == "peak":
@@ -104,7 +104,7 @@ def objective(
 
 
 def in_its_unit(request: Request, scale: Scale, solution: Solution) -> float:
-    """The objective at a solution in the unit of `OBJECTIVES`; torques are those of one motor, two a pair."""
+    """Returns the objective at a solution in the unit of `OBJECTIVES`; torques are those of one motor, two a pair."""
     if request.objective == "violation":
         return float(solution.values["violation"][0])
     if request.objective == "peak":
@@ -115,7 +115,7 @@ def in_its_unit(request: Request, scale: Scale, solution: Solution) -> float:
 
 
 def _unit_of_effort(scale: Scale) -> float:
-    """Factor of a squared torque times a time, over a distance."""
+    """Returns the factor of a squared torque times a time, over a distance."""
     return scale.torque**2 * scale.time / scale.length
 
 
@@ -132,7 +132,7 @@ def _power(phases: Sequence[tuple[Any, Sequence[Any]]], of: Any) -> Any:
 
 
 def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drives: Mapping[str, Drive | None], scale: Scale) -> Any:
-    """Energy that motors draw, heat included and none given back; of those without a drive their positive work."""
+    """Returns the energy that motors draw, with heat, none given back; joints without a drive count positive work."""
 
     def drawn(node: Any) -> Any:
         total = 0.0
@@ -152,5 +152,5 @@ def _electrical(phases: Sequence[tuple[Any, Sequence[Any]]], drives: Mapping[str
 
 
 def _size(power: Any, scale: Scale) -> Any:
-    """Its magnitude, smooth within a watt of a robot of Q-SPEAR's size."""
+    """Returns the magnitude of a power, smooth within a watt for a robot of Q-SPEAR's size."""
     return (power * power + (SMOOTH * scale.power) ** 2) ** 0.5

@@ -1,9 +1,8 @@
-"""Search for bounding gaits of least effort, or another objective, by direct collocation.
+"""Search for bounding gaits of least effort, or with another objective, by direct collocation.
 
-The unknowns are the states, accelerations, swing torques and ground forces at the nodes, the
-durations, the law's parameters and the impulses; the dynamics are `model.planar`'s, the outputs and
-the stance law those the simulation runs. What is found is then polished to a fixed point of the
-event-exact simulation. Every optimum is a local one.
+The unknowns are the states, accelerations, swing torques and ground forces at the nodes, the durations, the law's
+parameters and the impulses. The dynamics are those of `model.planar`; the outputs and the stance law are those of the
+simulation. The solution is then refined to a fixed point of the event-exact simulation. Every optimum is a local one.
 """
 
 from __future__ import annotations
@@ -27,14 +26,14 @@ from spear_pin.hybrid.ground import as_ground
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
-COARSE, MESHES = 6, (10, 16)  # intervals of each phase, for a cold start and for what is polished
-# what is varied for the mean speed, which of some gaits does not depend on the first
+COARSE, MESHES = 6, (10, 16)  # intervals of each phase, for initial guesses and for the final solves
+# parameters to vary for the mean speed, which in some gaits does not depend on the first
 POLISHED_BY = (SPEED_BY, "anterior_hip_torque", "anterior_leg_touchdown")
 STRAYS = 0.2  # of a phase's time
-ATTEMPTS, APART = 3, 1000  # initial guesses of a cold search, and between their seeds
+ATTEMPTS, APART = 3, 1000  # number of initial guesses, and distance of their seeds
 PATIENCE = 300  # iterations of each; one that succeeds takes 40 to 250
-MET = 1e-5  # of a wish's scale: missed by less, it is met
-SLIPPED, SLOWER = 1.25, 0.9  # of the friction and of the speed that were asked for
+MET = 1e-5  # relative to a wish's scale: a wish with a smaller miss is met
+SLIPPED, SLOWER = 1.25, 0.9  # factors on the requested friction and speed
 # wishes, by how their labels begin, and what to try where one is missed most: of the request and by how much it is
 REMEDIES: Mapping[str, Callable[[Request, float], str]] = {
     "mean speed": lambda asked, by: f"speed={max(asked.speed - by, 0.5 * asked.speed):.3g}",
@@ -59,25 +58,25 @@ def search(
     meshes: Sequence[int] = MESHES,
     on_iteration: Progress | None = None,
 ) -> tuple[Gait, Solution]:
-    """A gait that meets the request, locally optimal, as a fixed point of the event-exact simulation.
+    """Finds a locally optimal gait that meets the request, and that is a fixed point of the event-exact simulation.
 
-    A cold search goes over a coarse mesh first.
+    A search without a start first solves on a coarse mesh.
 
     Args:
         robot: Q-SPEAR in the sagittal plane, or another quadruped as `spear_pin.sagittal` cuts it.
-        request: what is asked.
-        seed: of the initial guess of a cold search.
-        start: the solution of another request to start from instead.
-        contact: the level ground of the simulation; the friction that the gait may use is the request's.
-        meshes: intervals of each phase, the next tried where what was found on one is no fixed point.
+        request: the request for the gait.
+        seed: seed of the initial guess, where there is no start.
+        start: solution of another request as the initial guess.
+        contact: friction of the level ground in the simulation; the friction that the gait may use is in the request.
+        meshes: numbers of intervals of each phase; the next is tried where the solution on one leads to no fixed point.
         on_iteration: called with the optimiser's iteration, objective and largest violation.
 
     Returns:
         the gait, and the optimiser's solution to start another search from.
 
     Raises:
-        Infeasible: the optimiser found nothing; names the wish that a relaxed solve misses most.
-        NoGait: the optimiser failed though every wish can be met, or what it found is no fixed point.
+        Infeasible: the optimiser found nothing; the error names the wish that a relaxed solve misses most.
+        NoGait: the optimiser failed though every wish can be met, or its solution leads to no fixed point.
         MissingExtra: CasADi is not installed.
     """
     if not meshes or min(meshes) < 1:
@@ -102,7 +101,7 @@ def search(
 
 
 def _cold(robot: Robot, request: Request, seed: int, on_iteration: Progress | None) -> Solution:
-    """A solution on a coarse mesh, by stages, from several initial guesses."""
+    """Solves on a coarse mesh, in stages, from several initial guesses."""
     for attempt in range(ATTEMPTS):
         for way in ways(request):
             start = None
@@ -118,9 +117,9 @@ def _cold(robot: Robot, request: Request, seed: int, on_iteration: Progress | No
 
 
 def ways(request: Request) -> list[list[Request]]:
-    """Ways to a request from cold, each by stages, from an easier request on.
+    """Lists ways to solve a request without a start; each way is a sequence of requests, from an easier one on.
 
-    Effort, the easiest objective, leads to others, and what joints could do without limits to what they can.
+    Effort is the easiest objective and leads to the others. A request without joint limits leads to one with limits.
     """
     easiest = request if request.objective == "violation" else replace(request, objective="effort_per_distance")
     slack = replace(easiest, within_limits=False)
@@ -129,10 +128,10 @@ def ways(request: Request) -> list[list[Request]]:
 
 
 def polish(robot: Robot, transcription: Transcription, solution: Solution, contact: Contact | None = None) -> Gait:
-    """The fixed point of the event-exact simulation beside a solution, at its mean speed.
+    """Finds the fixed point of the event-exact simulation near a solution, at the solution's mean speed.
 
     Raises:
-        NoGait: there is none nearby: a phase would last longer or shorter by more than `STRAYS` of its time.
+        NoGait: there is no fixed point nearby: a phase would differ by more than `STRAYS` of its time.
     """
     law, state, stiffness = transcription.read(solution)
     durations = transcription.durations.items()
@@ -158,7 +157,7 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
 
 
 def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | NoGait:
-    """Obstacle to a request: the wish that a relaxed solve misses most, counted in its scale."""
+    """Finds the obstacle to a request: the wish that a relaxed solve misses most, counted in its scale."""
     relaxed, margins = transcription.programme.relaxed(resampled(solution))
     loosened = relaxed.solve(iterations=300)
     if not loosened.success:
@@ -174,25 +173,25 @@ def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | N
 
 
 def _stopped(reason: str, solution: Solution, remedy: str) -> NoGait:
-    """A search that ended without a wish to blame: what its last iterate keeps to the least."""
+    """Returns the error for a search that ended without a wish to blame: it names the worst violation at the end."""
     worst = max(solution.violations, key=lambda label: solution.violations[label])
     return NoGait(reason, solution.violations[worst], f"its last iterate misses {worst!r} most", remedy)
 
 
 def remedy(request: Request, wish: str, missed: float) -> str:
-    """One thing to try where a wish is missed; nothing where nothing is known.
+    """Suggests one thing to try where a wish is missed; returns empty text where nothing is known.
 
     Args:
-        request: that it is of.
-        wish: its label.
-        missed: by how much, in its unit.
+        request: the request that has the wish.
+        wish: label of the wish.
+        missed: by how much the wish is missed, in its unit.
     """
     known = (say for begin, say in REMEDIES.items() if wish.startswith(begin))
     return next((say(request, missed) for say in known), "")
 
 
 def _less_bent(request: Request) -> str:
-    """A knee that strikes the ground less at a slant, where its angle is given."""
+    """Suggests a straighter knee at touchdown, which strikes the ground less at a slant, where its angle is given."""
     bent = request.knee_touchdown
     return "" if bent is None else f" or a smaller knee_touchdown than {bent:.3g}"
 
@@ -202,12 +201,12 @@ def _free_spring(request: Request) -> str:
 
 
 def _stronger(request: Request, missed: float) -> str:
-    """More torque of the hips, which the request counts by pairs of legs, where that is bounded."""
+    """Suggests more hip torque, which the request counts by pairs of legs, where it is bounded."""
     return "" if request.hip_torque is None else f"hip_torque={request.hip_torque + PAIR * missed:.3g} or "
 
 
 def _on_ground(robot: Robot, toes: tuple[str, ...], state: tuple[Array, Array]) -> tuple[Array, Array]:
-    """The state with the toes exactly on the ground and at rest."""
+    """Returns the state with the toes exactly on the ground and at rest."""
     q, v = state
     rows = np.vstack([robot.toe_jacobian(q, toe) for toe in toes])
     for _ in range(5):

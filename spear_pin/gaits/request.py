@@ -1,4 +1,4 @@
-"""Request for a bounding gait, and the objectives that may be minimised."""
+"""Requests for a bounding gait, and the objectives that may be minimised."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ OBJECTIVES: dict[str, tuple[str, str]] = {
 }
 """Objectives that can be minimised: name -> unit, meaning."""
 
-LONGEST_STRIDE = 1.0  # s: what the search considers of a robot of Q-SPEAR's size, as in the next lines
+LONGEST_STRIDE = 1.0  # s: limits of the search for Q-SPEAR's size, also in the next lines
 FASTEST, FARTHEST = 30.0, 4.0  # m/s, m
 HIGHEST = 0.9  # m: of the torso
 SHORTEST_FLIGHT, LONGEST_PHASE = 0.02, 0.4  # s
 FLEXED = 2.4  # rad: of a knee
 STEEPEST = 1.2  # rad: of a leg
-SURE = 0.9375  # of the ground's friction: of all of it a foot slips between nodes
-SPARE = 0.1  # rad: between where a knee lands and where it cannot straighten any farther
+SURE = 0.9375  # share of the ground's friction; with all of it a foot slips between nodes
+SPARE = 0.1  # rad: least distance of a landing knee from its straightest angle
 
 
 @typed
@@ -49,24 +49,24 @@ class Request:
         objective: a key of `OBJECTIVES`.
         lift_off: "knee" or "force", see `BoundingLaw`.
         friction: coefficient of friction that forces and impulses may use.
-        minimum_force: least normal force in stance, in N; with lift-off by force the force is only kept from pulling.
+        minimum_force: least normal force in stance, in N; with lift-off by force the force only may not pull.
         clearance: least height of the other toe during a stance, in m.
         minimum_stride: least duration of a stride, in s.
         minimum_stance: least duration of a stance, in s.
         minimum_knee_torque: least |ū| of (5.5)-(5.6), in N·m.
         hip_torque: largest hip torque, in N·m; None means no bound.
-        stiffness: of the physical knee springs, in N·m/rad; None leaves it free.
+        stiffness: stiffness of the physical knee springs, in N·m/rad; None leaves it free.
         virtual_stiffness: k of (5.5)-(5.6), in N·m/rad; None leaves it free.
         knee_touchdown: knee angle at touchdown, by magnitude, in rad; None leaves it free.
         knee_rest: θ̄ of (5.5)-(5.6), by magnitude, in rad.
         leg_touchdown: bounds on the leg angle at touchdown, in rad.
         knee_drive: motor, gearbox and bus of each knee, two a pair; None means no bound.
-        hip_drive: those of each hip; None: the objective "electrical" counts their positive work.
-        hardening: of the physical knee springs, in N·m/rad³.
-        preload: of them, in N·m.
-        table: of them, as of `Spring`, in the place of a stiffness.
-        rest: flexion at which springs rest that are never let go and pull both ways, in rad; None: they are switched.
-        within_limits: whether angles, rates and torques keep to what the robot's file allows its joints.
+        hip_drive: motor, gearbox and bus of each hip; None: the objective "electrical" counts the hips' positive work.
+        hardening: hardening of the physical knee springs, in N·m/rad³.
+        preload: preload of these springs, in N·m.
+        table: table of these springs, instead of a stiffness; see `Spring`.
+        rest: rest flexion, in rad, of springs that never release and act both ways; None: the springs are switched.
+        within_limits: whether angles, rates and torques stay within the limits that the robot's file gives its joints.
     """
 
     speed: float = 2.5
@@ -95,15 +95,15 @@ class Request:
     @classmethod
     @typed
     def scaled(cls, robot: Robot, **values: Any) -> Request:
-        """Q-SPEAR's request for a robot of another size, within the limits of its joints.
+        """Scales Q-SPEAR's request to another robot, within the limits of its joints.
 
-        Forces go by m g, torques and stiffnesses by m g l, times by √(l/g), speeds by √(g l). A knee that cannot
-        straighten as far as 40° lands and rests at `SPARE` more than it can. Most of the friction there is may be used:
-        legs whose knees point backward strike the ground at a slant.
+        Forces scale with m g, torques and stiffnesses with m g l, times with √(l/g), speeds with √(g l). A knee that
+        cannot straighten to 40° lands and rests at `SPARE` above its limit. Most of the available friction may be used,
+        because legs whose knees point backward strike the ground at a slant.
 
         Args:
-            robot: with two pairs of legs, as `spear_pin.sagittal` cuts it.
-            **values: fields that are to have others, in SI units.
+            robot: a robot with two pairs of legs, as `spear_pin.sagittal` cuts it.
+            **values: fields with values of their own, in SI units.
 
         Raises:
             BadValue: the robot has no legs in the plane, or a value is not valid.
@@ -129,7 +129,7 @@ class Request:
         return replace(one, **(numbers | values))
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         if self.objective not in OBJECTIVES:
             raise UnknownName("objective", self.objective, OBJECTIVES)
         if self.objective in ("electrical", "violation") and self.knee_drive is None:
@@ -150,15 +150,15 @@ class Request:
         self._check_angles()
 
     def spring(self, stiffness: float) -> Spring:
-        """The physical knee springs, of a pair of legs, with a stiffness in N·m/rad."""
+        """Returns the physical knee springs of a pair of legs, with a stiffness in N·m/rad."""
         of_its_law: dict[str, Any] = {"hardening": self.hardening, "preload": self.preload, "table": self.table}
         return Spring(stiffness, damping=0.0, rest=self.rest, unilateral=self.rest is None, **of_its_law)
 
     def check(self, scale: Scale) -> None:
-        """Whether a robot of a size can be asked for this: what the search considers goes by its size.
+        """Checks that the request is within the range of the search, which scales with the robot's size.
 
         Raises:
-            BadValue: a speed, a height or a duration is beyond that.
+            BadValue: a speed, a height or a duration is outside that range.
         """
         fastest, highest, farthest = FASTEST * scale.speed, HIGHEST * scale.length, FARTHEST * scale.length
         longest, longest_phase, shortest_flight = (
@@ -192,5 +192,5 @@ class Request:
 
 
 def _straightest(robot: Robot, leg: Leg) -> float:
-    """Least flexion of a knee by the limits of its joint, in rad; below zero if it can bend the other way."""
+    """Returns the least flexion of a knee by its joint's limits, in rad; below zero if it can bend the other way."""
     return min(leg.side * angle for angle in robot.limits[leg.joint].position)

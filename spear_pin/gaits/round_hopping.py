@@ -1,8 +1,8 @@
-"""A leg on a boom hopping round its post: HOPPY's published law, and its automaton.
+"""A leg on a boom that hops round its post: HOPPY's published law, and its automaton.
 
-Contact is what its makers simulate: the toe is pinned to where it strikes along the circle about the post, and
-vertically, whatever that takes; towards the post it yields, as the boom sways. It lifts off where its normal force has
-fallen to a little more than nothing. Coulomb's friction along the circle may be had instead.
+The contact is that of the makers' simulator. The toe is pinned where it strikes, vertically and along the circle about
+the post, whatever force that takes. Towards the post it yields, as the boom sways. It lifts off where its normal force
+has fallen to a small value. Coulomb friction along the circle is available instead.
 """
 
 from __future__ import annotations
@@ -34,34 +34,34 @@ Forces = tuple[float, ...]
 @typed
 @dataclass(frozen=True)
 class RoundHoppingLaw:
-    """Parameters of the controller of a leg on a boom; numbers by default are HOPPY's, of its authors' simulator.
+    """Parameters of the controller of a leg on a boom; defaults are HOPPY's, from its authors' simulator.
 
-    What it commands is torque; `driven` has it as the voltage that gives this torque to a motor at rest, of which the
-    back-EMF takes its share where the motor turns.
+    The law commands torques. `driven` applies each torque as the voltage that gives it to a motor at rest; where the
+    motor turns, its back-EMF takes a part.
 
-    In flight a spring and a damper draw the toe to a point below the hip, or before it as the hip moves on; in stance
+    In flight a spring and a damper draw the toe to a point below the hip, or ahead of it as the hip moves on. In stance
     the toe pushes with a force along the circle and upward that is a Bézier polynomial over the time since touchdown,
-    and both joints are drawn to a posture, softly. Places and forces are in the plane that boom and thigh span.
+    and both joints are drawn softly to a posture. Places and forces are in the plane that boom and thigh span.
 
     Attributes:
-        height: of the hip above the toe that is commanded in flight, in m.
-        placement: K of the term K ẋ that is added to where the toe is commanded along the circle, ẋ being the hip's
-            speed along it, in s.
-        stiffness: of the toe in flight, in N/m.
-        damping: of the toe in flight, in N·s/m.
+        height: commanded height of the hip above the toe in flight, in m.
+        placement: K of the term K ẋ that is added to the commanded place of the toe along the circle, in s; ẋ is the
+            hip's speed along the circle.
+        stiffness: stiffness of the toe's spring in flight, in N/m.
+        damping: damping of the toe in flight, in N·s/m.
         push_ahead: coefficients of the ground's force on the toe along the circle, in N.
-        push_up: of the vertical one, in N.
-        push_time: over which they act, in s.
-        hip_posture: the hip's angle that is commanded in stance, in rad.
-        knee_posture: the knee's, in rad.
-        posture_gain: of both in stance, in N·m/rad.
-        posture_damping: of both in stance, in N·m·s/rad.
-        lift_off_force: normal force at which the toe lifts off as it falls, in N; with a limit of friction it is 0.
-        hip_back_emf: torque of the hip's motor that its rate takes from it, in N·m·s/rad; 0: torque is as commanded.
-        knee_back_emf: the same of the knee's.
-        unlimited_friction: whether the toe is held whatever friction that takes; else it sticks and slips along the
+        push_up: coefficients of the vertical force, in N.
+        push_time: time over which they act, in s.
+        hip_posture: commanded angle of the hip in stance, in rad.
+        knee_posture: commanded angle of the knee in stance, in rad.
+        posture_gain: gain of both joints in stance, in N·m/rad.
+        posture_damping: damping of both joints in stance, in N·m·s/rad.
+        lift_off_force: normal force at which the toe lifts off as the force falls, in N; 0 with a limit of friction.
+        hip_back_emf: torque that the hip's motor loses per rate, in N·m·s/rad; 0: the torque is as commanded.
+        knee_back_emf: the same for the knee's motor.
+        unlimited_friction: whether the toe sticks whatever friction that takes; else it sticks and slips along the
             circle by the ground's coefficient.
-        units: of these numbers, by name.
+        units: units of these numbers, by name.
 
     Example:
         >>> from spear_pin.gaits.round_hopping import RoundHoppingLaw
@@ -96,7 +96,7 @@ class RoundHoppingLaw:
     }
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         for name in ("height", "push_time"):
             require(f"RoundHoppingLaw.{name}", getattr(self, name), lambda number: number > 0, "a number > 0")
         gains = ("stiffness", "damping", "posture_gain", "posture_damping")
@@ -114,16 +114,16 @@ class RoundHoppingLaw:
     @classmethod
     @typed
     def driven(cls, robot: Robot) -> RoundHoppingLaw:
-        """HOPPY's law with motors that are driven by voltage: N² η K_t²/R of back-EMF each; 0 of one that is not known.
+        """Returns HOPPY's law with motors driven by voltage: back-EMF N² η K_t²/R each; 0 if not known.
 
         Args:
-            robot: whose settings say its motors, as `load("hoppy")`.
+            robot: a robot whose settings give its motors, as `load("hoppy")`.
         """
         return cls(hip_back_emf=_back_emf(robot, HIP), knee_back_emf=_back_emf(robot, KNEE))
 
 
 def _back_emf(robot: Robot, joint: str) -> float:
-    """Torque that a joint's rate takes from its motor at a given voltage, in N·m·s/rad."""
+    """Returns the torque that a motor at a given voltage loses per rate of its joint, in N·m·s/rad."""
     known = robot.settings
     if known is None or joint not in known.motors:
         return 0.0
@@ -136,9 +136,9 @@ class Limb:
     """The leg in the plane that it moves in, and the boom.
 
     Attributes:
-        thigh: length, in m.
-        shank: length, in m.
-        reach: from the post to the plane of the leg, in m.
+        thigh: length of the thigh, in m.
+        shank: length of the shank, in m.
+        reach: distance from the post to the plane of the leg, in m.
     """
 
     thigh: float
@@ -146,20 +146,20 @@ class Limb:
     reach: float
 
     def toe(self, hip: Any, knee: Any, ops: Operations) -> tuple[tuple[Any, Any], tuple[tuple[Any, Any], ...]]:
-        """The toe's place before and above the hip, in m, and its Jacobian, rows of hip and knee."""
+        """Returns the toe's place ahead of and above the hip, in m, and its Jacobian, rows of hip and knee."""
         lower = hip - knee
         x, z = self.thigh * ops.sin(hip), -self.thigh * ops.cos(hip)
         dx, dz = self.shank * ops.sin(lower), -self.shank * ops.cos(lower)
         return (x + dx, z + dz), ((-z - dz, dz), (x + dx, -dx))
 
     def torques(self, q: Any, force: tuple[Any, Any], ops: Operations) -> tuple[Any, Any]:
-        """Torques of hip and knee that move the toe by a force ahead and up, in N·m."""
+        """Returns torques of hip and knee that move the toe by a force ahead and up, in N·m."""
         _, (ahead, up) = self.toe(q[2], q[3], ops)
         return ahead[0] * force[0] + up[0] * force[1], ahead[1] * force[0] + up[1] * force[1]
 
 
 def limb_of(robot: Robot) -> Limb:
-    """The leg of a robot that goes round a post.
+    """Returns the leg of a robot that goes round a post.
 
     Raises:
         BadValue: the robot has other coordinates or motors, or no post.
@@ -172,19 +172,19 @@ def limb_of(robot: Robot) -> Limb:
 
 
 def bezier(coefficients: Sequence[float], s: Any) -> Any:
-    """Value at s, from 0 to 1, of the Bézier polynomial of some coefficients."""
+    """Returns the value at s, from 0 to 1, of the Bézier polynomial with given coefficients."""
     n = len(coefficients) - 1
     terms = (math.comb(n, k) * c * s**k * (1.0 - s) ** (n - k) for k, c in enumerate(coefficients) if c)
     return sum(terms, 0.0 * s)
 
 
 def turning(torques: tuple[Any, Any], v: Any, p: RoundHoppingLaw) -> tuple[Any, Any]:
-    """Torques of hip and knee, in N·m, of motors that turn, where they are commanded as those of motors at rest."""
+    """Returns hip and knee torques, in N·m, of turning motors, given the torques commanded as at rest."""
     return torques[0] - p.hip_back_emf * v[2], torques[1] - p.knee_back_emf * v[3]
 
 
 def laws(limb: Limb) -> tuple[Callable[..., Sequence[Any]], Callable[..., Sequence[Any]]]:
-    """The laws of flight and stance, of hip and knee torque in N·m."""
+    """Returns the laws of flight and stance for hip and knee torque in N·m."""
 
     def flight(t: Any, q: Any, v: Any, held: Any, p: RoundHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         (x, z), (ahead, up) = limb.toe(q[2], q[3], ops)
@@ -217,17 +217,17 @@ def round_hopping(
     *,
     ground: Ground | None = None,
 ) -> HybridSystem:
-    """The automaton of a leg that hops round a post: stance and flight.
+    """Returns the automaton of a leg that hops round a post: stance and flight.
 
     Args:
         robot: `load("hoppy")`.
         law: parameters of the controller; by default `RoundHoppingLaw.driven`.
-        spring: of the knee, always engaged; by default that of the robot's TOML file.
-        contact: friction of level ground, where the law does not take it for unlimited.
-        ground: level ground, in place of `contact`; its height counts.
+        spring: spring of the knee, always engaged; by default that of the robot's TOML file.
+        contact: friction of level ground, where the law's friction is limited.
+        ground: level ground, instead of `contact`; its height counts.
 
     Raises:
-        BadValue: the robot has other joints or no post, the spring has no rest of its own or lets go, the ground is
+        BadValue: the robot has other joints or no post, the spring has no rest of its own or releases, the ground is
             sloped, or both contact and ground are given.
 
     Example:
@@ -278,7 +278,7 @@ def round_hopping(
 
 
 def _guess(robot: Robot, law: RoundHoppingLaw, ground: Ground) -> tuple[Any, Any]:
-    """Just after touchdown in the posture of stance, the boom coming down and going round."""
+    """Returns a state just after touchdown in the posture of stance; the boom comes down and goes round."""
     q = np.array([0.0, 0.0, law.hip_posture, law.knee_posture])
     for _ in range(20):  # Newton's method: the tilt that puts the toe on the ground
         height, jacobian = ground.foot(robot, q, "toe")
@@ -290,7 +290,7 @@ def _guess(robot: Robot, law: RoundHoppingLaw, ground: Ground) -> tuple[Any, Any
 
 
 def _measures(robot: Robot, limb: Limb) -> Mapping[str, Callable[[Run], float]]:
-    """What a hop can be asked for; speeds along the circle of the hip, positive to the left about the post."""
+    """Returns the measures of a hop; speeds are along the circle of the hip, positive to the left about the post."""
     return {
         "flight_time": lambda run: run.durations["flight"],
         "stance_time": lambda run: run.durations["stance"],

@@ -1,4 +1,4 @@
-"""Find periodic gaits: any parameters varied, any measures of the cycle as targets."""
+"""Search for periodic gaits: any parameters varied, any measures of the cycle as targets."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from spear_pin.hybrid.periodic import EVALUATIONS
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
 
-FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # of the varied parameters' starting values, tried in turn
+FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # factors on the varied parameters' starting values, tried in turn
 
 
 @typed
@@ -31,14 +31,14 @@ def find_gait(
     rtol: float = 1e-10,
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> Gait:
-    """Solve x = P(x) of (4.12) together with the targets, by Newton's method on the return map.
+    """Solves x = P(x) of (4.12) together with the targets, by Newton's method on the return map.
 
-    Cycles come with exact derivatives where the fast engine runs them (in the plane, without hardware, heyoka being
-    installed, all targets measures by name); elsewhere they are the reference engine's, and differenced. That one has
-    the last word on every gait: its residual is of `rtol`.
+    Cycles come with exact derivatives where the fast engine runs them (in the plane, without hardware, with heyoka
+    installed, and with all targets as measures by name). Elsewhere the reference engine runs them, with derivatives by
+    differences. The reference engine confirms every gait: the residual is to `rtol`.
 
-    Where that fails, the same is tried from other starting values of the parameters, and then the
-    fixed point of each start is carried to the targets step by step.
+    Where that fails, the function tries other starting values of the parameters. Then it carries the fixed point of
+    each start to the targets step by step.
 
     Args:
         system: robot, law, spring and ground; its parameters are the starting values.
@@ -51,10 +51,9 @@ def find_gait(
 
     Raises:
         UnknownName: unknown parameter or measure.
-        BadValue: not as many targets as parameters, or a target that no cycle has: no finite number, or a flight that
-            closes none, see `HybridSystem.shortest_flight`.
-        NoGait: no periodic gait was found from here; the text says why, and of a hop what is likely to be the cause and
-            what to try.
+        BadValue: `vary` and `target` differ in length, or no cycle has a target: it is not a finite number, or it is a
+            flight too short to close a cycle, see `HybridSystem.shortest_flight`.
+        NoGait: no periodic gait was found from here; the text says why, and for a hop the likely cause and what to try.
 
     Example:
         >>> from spear_pin import find_gait, hopping, load
@@ -88,7 +87,7 @@ def find_gait(
                 failures.append(failure)
             tried = len(failures) >= len(begun)
             if search.effort.reached or (tried and search.effort.evaluations > ENOUGH):
-                break  # a path to the targets ends where it did, begun anywhere
+                break  # another start of the path would end at the same place
     except Hopeless:
         residual = min((failure.residual for failure in failures), default=np.inf)
         failures = [NoGait(f"cycles take more than {EVALUATIONS} evaluations each, which no gait's does", residual)]
@@ -99,17 +98,17 @@ def find_gait(
 def gait_beside(
     system: HybridSystem, state: State, vary: Sequence[str], target: Mapping[str, float], rtol: float = 1e-10
 ) -> Gait:
-    """The fixed point beside a state that all but is one: Newton's method from there, and nothing else.
+    """Finds the fixed point near a state that is nearly one, by Newton's method from there alone.
 
     Args:
-        system: as of `find_gait`.
+        system: robot, law, spring and ground; its parameters are the starting values.
         state: (q, v) on the section.
         vary: names of the parameters to solve for.
         target: wanted values of as many measures, by name.
         rtol: relative tolerance of the integrator.
 
     Raises:
-        NoGait: Newton's method does not end in one.
+        NoGait: Newton's method does not converge to a gait.
     """
     search = sought(system, vary, target, rtol)
     try:

@@ -1,8 +1,9 @@
-"""SPEAR-II with its spring in series (SEA), hopping in place: the rotor a coordinate of its own, and its automaton.
+"""SPEAR-II with its spring in series (SEA), hopping in place: the rotor has its own coordinate; with its automaton.
 
-The URDF's "knee" is the rotor behind its gears, "knee_spring" the deflection of the spring from there to the shank;
-the angle of the knee is their sum. The law knows the spring's deflection δ, as series elastic actuators do, and bears
-its pull: N² J θ̈_m = u + k δ + b δ̇ with u = -k δ + ..., so that what the law adds, and the damper, move the rotor.
+The URDF's "knee" is the rotor behind its gears, and "knee_spring" is the deflection of the spring from the rotor to the
+shank. The angle of the knee is their sum. The law knows the spring's deflection δ, as in series elastic actuators, and
+balances its pull: N² J θ̈_m = u + k δ + b δ̇ with u = -k δ + ... So the rest of the law, and the damper, move the
+rotor.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ SERIES = Spring(unilateral=False)
 class SeriesHoppingLaw:
     """Parameters of the hopping controller of a leg with a series spring; gains of the hip are `HoppingLaw`'s.
 
-    The rotor holds its angle in flight and stance, u = -k δ + K (θ_des - θ_m) - K_D θ̇_m, and is driven by ±τ̄ in stance
-    as the parallel one is: flexing through the first half period of the square wave, where it gives way to the
-    spring, and extending through the second, where it winds it up.
+    The rotor holds its angle in flight and stance, u = -k δ + K (θ_des - θ_m) - K_D θ̇_m. In stance ±τ̄ drives it like
+    the parallel one: it flexes through the first half period of the square wave, where it gives way to the spring, and
+    extends through the second, where it winds the spring up.
 
     Attributes:
         knee_touchdown: commanded angle of the rotor, in rad (assumption).
@@ -48,7 +49,7 @@ class SeriesHoppingLaw:
         hip_damping: |K_D,hip|, in N·m·s/rad (source).
         knee_gain: K of the rotor, in N·m/rad (source's K_knee).
         knee_damping: K_D of the rotor, in N·m·s/rad (assumption: critical).
-        units: of these numbers, by name.
+        units: units of these numbers, by name.
     """
 
     knee_touchdown: float = 1.0
@@ -68,7 +69,7 @@ class SeriesHoppingLaw:
     }
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require("SeriesHoppingLaw.frequency", self.frequency, lambda f: f > 0, "a number > 0, in Hz")
         for name in ("knee_touchdown", "hip_touchdown"):
             if (angle := getattr(self, name)) is not None:
@@ -83,12 +84,12 @@ class SeriesHoppingLaw:
 
 
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-    """Hip and knee torque in flight, in N·m: (4.9)-(4.10) with corrected signs, the knee's on the rotor."""
+    """Returns hip and knee torque in flight, in N·m: (4.9)-(4.10) with corrected signs, the knee's on the rotor."""
     return p.hip_gain * (p.hip_commanded - q[1]) - p.hip_damping * v[1], _holding(q, v, p, dyn)
 
 
 def stance_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-    """Hip and knee torque in stance, in N·m: the square wave of (4.10) on a rotor that holds its angle."""
+    """Returns hip and knee torque in stance, in N·m: the square wave of (4.10) on a rotor that holds its angle."""
     return 0.0, _holding(q, v, p, dyn) + p.stance_torque * held["flexing"]
 
 
@@ -105,14 +106,14 @@ def series_hopping(
     *,
     ground: Ground | None = None,
 ) -> HybridSystem:
-    """The hopping automaton of a leg whose spring is between rotor and knee: stance and flight.
+    """Returns the hopping automaton of a leg whose spring is between rotor and knee: stance and flight.
 
     Args:
         robot: `load("spear_ii_series", locked=["boom_x"])`.
         law: parameters of the controller.
         spring: the series spring: it pulls and pushes, and rests at no deflection.
         contact: friction of level ground.
-        ground: the ground, in place of `contact`.
+        ground: the ground, instead of `contact`.
 
     Raises:
         BadValue: the robot has other coordinates, the spring pulls only or has a rest of its own, or both
@@ -153,7 +154,7 @@ def series_hopping(
 
 
 def _guess(robot: Robot, law: SeriesHoppingLaw, ground: Ground) -> tuple[Any, Any]:
-    """Just after touchdown at the commanded angles, falling as from a few centimetres, the rotor at rest."""
+    """Returns a state just after touchdown at the commanded angles, falling slowly, with the rotor at rest."""
     q = np.array([0.0, law.hip_commanded, law.knee_touchdown, 0.0])
     x, z = robot.toe_position(q, "toe")
     q[0] = ground.under(x) - z

@@ -1,4 +1,4 @@
-"""Cycles of one lane by the fast engine, with their exact derivatives: what Newton's method asks for at a time."""
+"""Cycles of one lane by the fast engine, with exact derivatives, one after another as Newton's method needs them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder, many
 
-SAME = 1e-14  # of a number: places that differ by rounding, as charts leave it, have one cycle
+SAME = 1e-14  # relative: states that differ only by rounding, as from charts, have one cycle
 REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
 """What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""
 
@@ -48,7 +48,7 @@ class _Found:
 
 @dataclass(frozen=True)
 class TangentCycles:
-    """Cycles of a system that differ in a few numbers, a `Cycle` of `hybrid.shooting` with its `Slopes`.
+    """Cycles of a system whose given numbers vary: a `Cycle` of `hybrid.shooting` with its `Slopes`.
 
     Attributes:
         system: the system.
@@ -63,13 +63,13 @@ class TangentCycles:
 
     @property
     def count(self) -> int:
-        """Cycles that were run."""
+        """Number of cycles that were run."""
         return self._found.count
 
     def follow(self, moment: Moment, values: Array) -> Moment | None:
-        """Where motion from the beginning of a phase meets the section, with values of the numbers, (k,).
+        """Returns where motion from a phase's beginning meets the section, with values of the numbers, (k,).
 
-        None where it does not plainly.
+        Returns None where the cycle does not close or has no derivative.
         """
         try:
             with LOCK:
@@ -80,15 +80,15 @@ class TangentCycles:
         return None if lap is None else Moment(lap.y[:nq], lap.y[nq:], lap.phase, lap.held)
 
     def _recorder(self, values: Array) -> Recorder:
-        """What runs cycles with values of the numbers, (k,)."""
+        """Returns the recorder of cycles with values of the numbers, (k,)."""
         given = {name: np.array([value]) for name, value in zip(self.vary, values.tolist(), strict=True)}
         return Recorder(self.system, many(self.system, given))
 
     def otherwise(self, cycle: Cycle) -> Cycle:
-        """Cycles that are these where they have derivatives, else another engine's, as all are that are differenced.
+        """Returns cycles with derivatives where there are some, else another engine's; differences use the latter.
 
         Args:
-            cycle: the other engine's.
+            cycle: cycles of the other engine.
         """
 
         def cycles(lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
@@ -98,7 +98,7 @@ class TangentCycles:
         return cycles
 
     def one(self, q: Array, v: Array, values: Array) -> Cycles | None:
-        """The cycle of one lane, None where it has no derivatives."""
+        """Returns the cycle of one lane, or None where it has no derivatives."""
         found = self._at(q, v, values)
         if found is None:
             return None
@@ -108,12 +108,12 @@ class TangentCycles:
         return Cycles(y[:, : len(q)], y[:, len(q) :], measured, durations, closes, reference, [found.order])
 
     def borders(self, q: Array, v: Array, values: Array) -> tuple[str, ...]:
-        """Events of one lane's cycle that meet another, so that its derivatives are of one side."""
+        """Returns events of one lane's cycle that meet another, so that its derivatives are one-sided."""
         found = self._at(q, v, values)
         return () if found is None else found.cycle.borders
 
     def slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array]:
-        """Derivatives of cycles; see `hybrid.shooting.Slopes`."""
+        """Returns derivatives of cycles; see `hybrid.shooting.Slopes`."""
         n, rows = len(lanes), q.shape[1] + v.shape[1]
         width = rows + len(self.vary)
         ends, measured = np.full((n, rows, width), np.nan), np.full((n, len(self.measures), width), np.nan)
@@ -124,7 +124,7 @@ class TangentCycles:
         return ends, measured
 
     def _at(self, q: Array, v: Array, values: Array) -> _Differentiated | None:
-        """The cycle from a state, along all directions of the state and the numbers."""
+        """Returns the cycle from a state, along all directions of the state and the numbers."""
         y = np.concatenate([q, v])
         place = np.concatenate([y, values])
         if not (np.abs(place - self._found.place) <= SAME * np.maximum(1.0, np.abs(place))).all():
@@ -163,7 +163,7 @@ class TangentCycles:
 def tangent_cycles(
     system: HybridSystem, vary: Sequence[str], measures: Sequence[str | Callable[[Run], float]]
 ) -> TangentCycles | None:
-    """Cycles with derivatives, None where nothing compiles them: heyoka is missing, or the system is not for lanes."""
+    """Returns cycles with derivatives, or None without heyoka or for a system that lanes cannot run."""
     names = tuple(name for name in measures if isinstance(name, str))
     if system.section_toes or len(names) < len(measures) or not has_lanes(system, vary):
         return None

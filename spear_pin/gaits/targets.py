@@ -1,4 +1,4 @@
-"""Targets that cycles may be asked for: values of their measures."""
+"""Targets for cycles: wanted values of their measures."""
 
 from __future__ import annotations
 
@@ -12,18 +12,19 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.rules.cycles import flight_times
 
-FLIGHT = "flight_time"  # the measure that what closes a cycle bounds
+FLIGHT = "flight_time"  # the measure that the section's event bounds
 
 
 def check_wanted(system: HybridSystem, target: Mapping[Any, ArrayLike]) -> None:
-    """Refuse what no cycle of a system has, before one is looked for.
+    """Refuses targets that no cycle of a system has, before a search begins.
 
     Args:
         system: the system.
-        target: wanted values, one or many each, of measures or functions of the cycle.
+        target: wanted values, one or many each, of measures or of functions of the cycle.
 
     Raises:
-        BadValue: a value is no finite number, or a flight is too short to close a cycle or longer than a phase may be.
+        BadValue: a value is not a finite number, or a flight is too short to close a cycle or longer than a phase may
+            be.
     """
     for name, wanted in target.items():
         values = np.atleast_1d(np.asarray(wanted, dtype=float))

@@ -1,9 +1,9 @@
 """Virtual constraints: outputs y = H q - h(s) of (5.9), zeroed by input-output linearisation.
 
-The desired evolution h is a Bézier polynomial in a phase variable s, (5.10) and (5.19). Beyond s = 1 it goes on along
-its tangent; for a polynomial whose last coefficients are equal that is to hold its end value. What is controlled, and
-what s is of, is linear in q; but for the angle of a leg whose thigh is not as long as its shank, which leans as its
-knee bends.
+The desired evolution h is a Bézier polynomial in a phase variable s, (5.10) and (5.19). Beyond s = 1 it continues along
+its tangent; if the last coefficients are equal, it holds its end value. Controlled variables and phase variable are
+linear in q, with one exception: the angle of a leg whose thigh and shank differ in length also changes as its knee
+bends.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ import numpy as np
 from spear_pin.hybrid.dynamics import Dynamics, Row
 from spear_pin.model.legs import lean
 
-SLOWEST = 1.0  # 1/s: of s; Q-SPEAR's gaits begin their phases faster
+SLOWEST = 1.0  # 1/s: least rate of s; Q-SPEAR's gaits begin their phases faster
 
 
 @dataclass(frozen=True)
 class Leaning:
-    """A row times q, less what a leg leans by its knee: with the row of pitch and hip the angle of hip to toe.
+    """A row times q, minus the lean of a leg by its knee: with pitch and hip in the row, the angle of hip to toe.
 
     Attributes:
         row: the linear part.
         knee: index of the knee.
-        thigh: its length, in m.
-        shank: its length, in m.
+        thigh: length of the thigh, in m.
+        shank: length of the shank, in m.
         turn: sign and zero of the knee, whose angle of the convention is sign (q - zero); None: +1 and 0.
     """
 
@@ -43,7 +43,7 @@ class Leaning:
     turn: tuple[float, float] | None = None
 
     def lean(self, q: Sequence[Any], ops: Any) -> tuple[Any, Any, Any]:
-        """What the leg leans, in rad, its slope and its curvature over the knee's own angle."""
+        """Returns the lean of the leg, in rad, its slope and its curvature over the knee's own angle."""
         if self.turn is None:
             return lean(self.thigh, self.shank, q[self.knee], ops)
         sign, zero = self.turn
@@ -53,7 +53,7 @@ class Leaning:
 
 @dataclass(frozen=True)
 class Sum:
-    """Variables, each times a weight, added up.
+    """A weighted sum of variables.
 
     Attributes:
         terms: weights and variables.
@@ -64,11 +64,11 @@ class Sum:
 
 @dataclass(frozen=True)
 class Shifted:
-    """A variable and a constant, added up.
+    """A variable plus a constant.
 
     Attributes:
-        variable: the one.
-        by: the other.
+        variable: the variable.
+        by: the constant.
     """
 
     variable: Variable
@@ -81,12 +81,12 @@ Variable: TypeAlias = "Row | Leaning | Sum | Shifted"
 
 @dataclass(frozen=True)
 class Outputs:
-    """Controlled variables, and the phase that they are a function of.
+    """Controlled variables, and the phase variable on which they depend.
 
     Attributes:
-        rows: H, or what is in its place, one for each controlled variable.
-        phase: c in s = (c q - origin) / span, or what is in its place.
-        motors: columns of the motors that do it, as many as rows.
+        rows: H, or other variables instead, one for each controlled variable.
+        phase: c in s = (c q - origin) / span, or another variable instead.
+        motors: columns of the motors that control them, as many as rows.
     """
 
     rows: tuple[Variable, ...]
@@ -112,7 +112,7 @@ class Evolution:
 
 
 def dot(row: Row, vector: Sequence[Any]) -> Any:
-    """A row times a vector over the coordinates."""
+    """Returns a row times a vector over the coordinates."""
     total = 0.0
     for index, weight in row:
         total = total + weight * vector[index]
@@ -120,7 +120,7 @@ def dot(row: Row, vector: Sequence[Any]) -> Any:
 
 
 def value(variable: Variable, q: Sequence[Any], ops: Any = np) -> Any:
-    """A variable at a configuration."""
+    """Returns a variable at a configuration."""
     if isinstance(variable, Sum):
         return sum(weight * value(term, q, ops) for weight, term in variable.terms)
     if isinstance(variable, Shifted):
@@ -131,7 +131,7 @@ def value(variable: Variable, q: Sequence[Any], ops: Any = np) -> Any:
 
 
 def gradient(variable: Variable, q: Sequence[Any], ops: Any = np) -> Row:
-    """Row that, times v, is the rate of a variable."""
+    """Returns the row that, times v, is the rate of a variable."""
     if isinstance(variable, Sum):
         parts = ((weight, gradient(term, q, ops)) for weight, term in variable.terms)
         return tuple((index, weight * slope) for weight, row in parts for index, slope in row)
@@ -143,7 +143,7 @@ def gradient(variable: Variable, q: Sequence[Any], ops: Any = np) -> Row:
 
 
 def drift(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np) -> Any:
-    """Second derivative of a variable in time at v̇ = 0."""
+    """Returns the second derivative of a variable in time at v̇ = 0."""
     if isinstance(variable, Sum):
         return sum(weight * drift(term, q, v, ops) for weight, term in variable.terms)
     if isinstance(variable, Shifted):
@@ -154,7 +154,7 @@ def drift(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np)
 
 
 def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:
-    """Value, slope and curvature of a Bézier polynomial, given its coefficients (at least two), at s."""
+    """Returns value, slope and curvature at s of a Bézier polynomial with given coefficients (at least two)."""
     return _weighted(alpha, _bases(len(alpha) - 1, s))
 
 
@@ -165,7 +165,7 @@ def _weighted(alpha: Sequence[Any], bases: Sequence[Sequence[Any]]) -> tuple[Any
 
 
 def _bases(n: int, s: Any) -> tuple[list[Any], list[Any], list[Any]]:
-    """The Bernstein polynomials of degree n, their slopes and their curvatures."""
+    """Returns the Bernstein polynomials of degree n, their slopes and their curvatures."""
     rest, ups, downs = 1.0 - s, [1.0], [1.0]
     for _ in range(n):
         ups.append(ups[-1] * s)
@@ -178,29 +178,29 @@ def _bases(n: int, s: Any) -> tuple[list[Any], list[Any], list[Any]]:
 
 @cache
 def _counts(n: int) -> list[int]:
-    """Binomial coefficients; none for a degree below zero."""
+    """Returns binomial coefficients; none for a degree below zero."""
     return [comb(n, k) for k in range(n + 1)]
 
 
 def _derived(basis: Sequence[Any]) -> list[Any]:
-    """Derivatives of those one degree higher."""
+    """Returns derivatives of the polynomials one degree higher."""
     return [len(basis) * (less - more) for less, more in pairwise([0.0, *basis, 0.0])]
 
 
 def progress(outputs: Outputs, evolution: Evolution, q: Sequence[Any], ops: Any = np) -> Any:
-    """The phase variable s, (5.10) or (5.19)."""
+    """Returns the phase variable s, (5.10) or (5.19)."""
     return (value(outputs.phase, q, ops) - evolution.origin) / evolution.span
 
 
 def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any], ops: Any = np) -> list[tuple[Any, Any, Any]]:
-    """h, dh/ds and d²h/ds² of each output."""
+    """Returns h, dh/ds and d²h/ds² of each output."""
     s = progress(outputs, evolution, q, ops)
     inside = s + evolution.past * (1.0 - s)
     bases = {n: _bases(n - 1, inside) for n in dict.fromkeys(map(len, evolution.alpha))}
     evolutions = []
     for alpha in evolution.alpha:
         height, slope, curvature = _weighted(alpha, bases[len(alpha)])
-        # not (1 - past) * curvature: to what is compiled, a parameter times a symbol costs next to nothing
+        # not (1 - past) * curvature: in compiled code a parameter times a symbol costs next to nothing
         evolutions.append((height + slope * (s - inside), slope, curvature - evolution.past * curvature))
     return evolutions
 
@@ -208,7 +208,7 @@ def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any], ops: Any =
 def errors(
     outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], ops: Any = np
 ) -> tuple[list[Any], list[Any]]:
-    """The outputs y of (5.9) and their rates."""
+    """Returns the outputs y of (5.9) and their rates."""
     rate = dot(gradient(outputs.phase, q, ops), v) / evolution.span
     return _missed(outputs, desired(outputs, evolution, q, ops), rate, q, v, ops)
 
@@ -233,17 +233,17 @@ def zeroing(
     dyn: Dynamics,
     ops: Any = np,
 ) -> Sequence[Any]:
-    """Torques of the outputs' motors that give ÿ = -y/ε² - 2ẏ/ε, (5.15) and (5.20) with (5.16).
+    """Returns torques of the outputs' motors that give ÿ = -y/ε² - 2ẏ/ε, (5.15) and (5.20) with (5.16).
 
     Args:
-        outputs: what is controlled.
-        evolution: how it shall evolve.
+        outputs: the controlled outputs.
+        evolution: the desired evolution.
         q: configuration.
         v: velocity.
         epsilon: ε, in s: the outputs decay like exp(-t/ε).
         others: the other motors, as (column, torque).
         dyn: the dynamics at (q, v), which has `imposing`.
-        ops: elementary functions of what q and v are.
+        ops: elementary functions for the type of q and v.
     """
     rows, wanted = demanded(outputs, evolution, q, v, epsilon, ops)
     torques: Sequence[Any] = dyn.imposing(rows, wanted, outputs.motors, others)
@@ -253,7 +253,7 @@ def zeroing(
 def demanded(
     outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], epsilon: Any, ops: Any = np
 ) -> tuple[list[Row], list[Any]]:
-    """Rows and what they have to be, times v̇, so that ÿ = -y/ε² - 2ẏ/ε; arguments as of `zeroing`."""
+    """Returns rows and the values of rows times v̇ that give ÿ = -y/ε² - 2ẏ/ε; see `zeroing` for the arguments."""
     evolutions = desired(outputs, evolution, q, ops)
     ahead = gradient(outputs.phase, q, ops)
     rate = dot(ahead, v) / evolution.span
@@ -277,15 +277,15 @@ def resume(
     span: float,
     ops: Any = np,
 ) -> Evolution:
-    """The evolution that begins with y = ẏ = 0 at (q, v), the event update (5.22).
+    """Returns the evolution that begins with y = ẏ = 0 at (q, v), the event update (5.22).
 
     Args:
-        outputs: what is controlled.
+        outputs: the controlled outputs.
         shapes: the coefficients of each output from the third on.
         q: configuration after the event.
         v: velocity after the event.
         span: change of the phase's coordinate up to s = 1.
-        ops: elementary functions of what q and v are.
+        ops: elementary functions for the type of q and v.
     """
     rate = dot(gradient(outputs.phase, q, ops), v) / span
     alpha = []
@@ -298,10 +298,10 @@ def resume(
 def begun(
     outputs: Outputs, shapes: Sequence[Sequence[float]], q: Sequence[float], v: Sequence[float], span: float
 ) -> Evolution:
-    """The evolution that begins with y = ẏ = 0 as of `resume`, within reason; arguments as there.
+    """Returns the evolution that begins with y = ẏ = 0, with bounded slopes; see `resume` for the arguments.
 
-    Where s hardly moves, no slope within reason does so: it then fades to nothing with the rate of s, so
-    that what begins is continuous in the state.
+    Where s hardly moves, no bounded slope gives ẏ = 0. The slope then fades to zero with the rate of s, so that the
+    evolution is continuous in the state.
     """
     whole = resume(outputs, shapes, q, v, span)
     within = np.minimum(abs(dot(gradient(outputs.phase, q), v) / span) / SLOWEST, 1.0) ** 2

@@ -1,4 +1,4 @@
-"""The record of a motion: arcs from event to event, of which derivatives are taken afterwards."""
+"""The record of a motion: arcs from event to event, from which derivatives are computed afterwards."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ class Arc(NamedTuple):
 
     Attributes:
         domain: the domain.
-        held: what is held.
-        t: when it begins, in s since the phase did.
-        y: the state there, (2 nv,).
-        end: when it ends, in s since the phase began.
-        after: the state there, before what the event does to it.
+        held: held values.
+        t: time at which the arc begins, in s since the phase began.
+        y: state at the beginning, (2 nv,).
+        end: time at which the arc ends, in s since the phase began.
+        after: state at the end, before the event changes it.
         event: the guard or the switch that ends it; None for a kink of the law, after which the same motion goes on.
         switches: scheduled events of the phase so far, this one included.
-        motion: from times, (n,), to states, (2 nv, n); None where it was not kept, or the event is at once.
-        steps: of Taylor's method in it, 0 where it is of another one.
+        motion: function from times, (n,), to states, (2 nv, n); None if it was not kept, or the event is immediate.
+        steps: number of steps of Taylor's method, 0 for another method.
     """
 
     domain: Domain
@@ -39,13 +39,13 @@ class Arc(NamedTuple):
 
 
 class Record(Protocol):
-    """A cycle from a state just behind the section, where a phase begins.
+    """A cycle from a state just after the section, where a phase begins.
 
     Attributes:
-        y: state just behind the section at its end, (2 nv,).
-        phase: the phase that begins there.
-        held: what is held there.
-        spent: seconds in each phase.
+        y: state just after the section at the cycle's end, (2 nv,).
+        phase: the phase that begins at that state.
+        held: values held at that state.
+        spent: time in each phase, in s.
         order: the order of its events.
         arcs: the motion from event to event.
     """
@@ -70,14 +70,14 @@ class Record(Protocol):
 
 
 class Runner(Protocol):
-    """What runs cycles for records.
+    """Runs cycles and records them.
 
     Attributes:
-        why: what the last cycle of which there is no record was refused for.
+        why: why the last cycle that was refused was refused.
     """
 
     @property
     def why(self) -> str: ...  # noqa: D102
 
     def lap(self, phase: str, y: Array, held: Held) -> Record | None:
-        """The cycle from where a phase begins just behind the section, None where it does not close plainly."""
+        """Runs the cycle from the beginning of a phase just after the section; returns None if it is not plain."""

@@ -1,6 +1,6 @@
-"""The hybrid automaton: a robot with its domains, see `spear_pin.hybrid.domain`, and the numbers in them.
+"""The hybrid automaton: a robot with its domains, see `spear_pin.hybrid.domain`, and their numbers.
 
-For authors of automata it has their parts, too.
+This module also offers the parts of automata to authors.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ REPLACED = (
     "hardware",
 )
 MOREAU, KELLER = "moreau", "keller"
-SHORTEST_FLIGHT = 0.05  # s: in free fall a rise of 3 mm, a two-hundredth of a leg of 0.6 m
+SHORTEST_FLIGHT = 0.05  # s: corresponds to a rise of 3 mm in free flight, 1/200 of a leg of 0.6 m
 
 
 @dataclass(frozen=True)
 class HybridSystem:
-    """A robot, its domains, and the numbers in them; what does not fit together is refused, see `soundness`.
+    """A robot, its domains, and their numbers; parts that do not fit together are refused, see `soundness`.
 
     Attributes:
         kind: name of the gait's automaton.
@@ -54,28 +54,28 @@ class HybridSystem:
         law: parameters of the control law.
         spring: parameters of the springs.
         contact: parameters of the ground, a `Ground` or the `Contact` of a level one.
-        domains: those of one phase together, sticking before slipping.
-        section: name of the event that closes a cycle, see `shortest_flight`; empty for none:
-            such a system runs from a moment until it ends.
-        cyclic: coordinates on which nothing depends: translation along x; where the ground is sloped, along it, see
-            `spear_pin.hybrid.translation`.
+        domains: the domains, sorted by phase, sticking before slipping.
+        section: name of the event that closes a cycle, see `shortest_flight`. A system without a section has an empty
+            name, and runs from a moment until it ends.
+        cyclic: coordinates on which the dynamics do not depend: translation along x or, on a slope, along the ground,
+            see `spear_pin.hybrid.translation`.
         build: makes the same system from other (robot, law, spring, contact).
-        guess: a state (q, v) on the section to search from.
-        measures: quantities of one cycle that a gait can be asked for.
+        guess: returns an initial guess (q, v) on the section.
+        measures: measures of one cycle, which can be targets for a gait.
         phase_limit: longest a phase may last, in s.
-        shortest_flight: in s; a toe that comes down sooner after it left the ground re-touches and closes no cycle, see
+        shortest_flight: shortest flight of a toe, in s. A toe that lands sooner re-touches and closes no cycle, see
             `spear_pin.hybrid.rules.cycles`.
-        overlap: how long an impact in space lasts, in s: those of several toes that overlap are one, see
+        overlap: duration of an impact in space, in s; overlapping impacts of several toes count as one, see
             `spear_pin.hybrid.rules.spatial_impact`.
-        impact_law: of impacts in space: `MOREAU`, or `KELLER` for those in which one toe takes part, see
+        impact_law: law of impacts in space: `MOREAU`, or `KELLER` for impacts of one toe, see
             `spear_pin.hybrid.rules.sliding_impact`.
-        section_toes: where the section lies before the impact, of which toes it is the first touchdown.
-        mirrored_toes: where a cycle is half a stride, and the other half its mirror image, of which toes the section is
-            the first touchdown in between.
-        hardware: between law and joints, see `spear_pin.hybrid.hardware`; None: ideal motors.
-        changes: what was made of the system that `build` makes of other numbers, too; see `parameters.changed`.
-        made: fields as they were when it was made, by which those are known that were replaced in it; and by whom,
-            `builder`, before all changes.
+        section_toes: toes whose first touchdown is the section, if the section lies before the impact.
+        mirrored_toes: toes whose first touchdown is the section between the halves, if a cycle is half a stride and
+            the other half its mirror image.
+        hardware: hardware between law and joints, see `spear_pin.hybrid.hardware`; None means ideal motors.
+        changes: changes to the system that `build` repeats with other numbers, see `parameters.changed`.
+        made: fields as they were when the system was made, which reveals replaced fields, and `builder`, which made
+            the system before all changes.
     """
 
     kind: str
@@ -100,7 +100,7 @@ class HybridSystem:
     made: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if self.made.get("build") is not self.build:  # what has another builder is as that one makes it
+        if self.made.get("build") is not self.build:  # a system with another builder is as that builder makes it
             made = {name: getattr(self, name) for name in REPLACED} | {"build": self.build, "builder": self.build}
             object.__setattr__(self, "made", made)
         require("HybridSystem.overlap", self.overlap, lambda seconds: seconds >= 0, "a number >= 0, in s")
@@ -109,11 +109,11 @@ class HybridSystem:
         if self.robot.post is not None and not self.ground.level:
             raise BadValue("ground", self.contact, "level ground, for a robot that goes round a post")
         gravity = tuple(self.robot.model.gravity.linear.tolist())
-        if not self.robot.planar and any(gravity[:2]):  # turned about z, it would not do the same
+        if not self.robot.planar and any(gravity[:2]):  # a rotation about z would change the motion
             raise BadValue("gravity", gravity, "gravity along z, for a robot that is not planar")
         check(self.robot, self.domains, self.law, self.guess)
         if self.section:
-            _ = self.landing  # which says what is valid
+            _ = self.landing  # its error says what is valid
 
     @cached_property
     def ground(self) -> Ground:
@@ -126,11 +126,11 @@ class HybridSystem:
         return tuple(dict.fromkeys(domain.phase for domain in self.domains))
 
     def of_phase(self, phase: str) -> tuple[Domain, ...]:
-        """Domains of a phase."""
+        """Returns the domains of a phase."""
         return tuple(domain for domain in self.domains if domain.phase == phase)
 
     def reset_into(self, phase: str) -> Reset:
-        """The reset that leads into a phase."""
+        """Returns the reset that leads into a phase."""
         for domain in self.domains:
             for guard in domain.guards:
                 if guard.reset is not None and guard.reset.phase == phase:
@@ -138,7 +138,7 @@ class HybridSystem:
         raise UnknownName("phase", phase, self.phases)
 
     def place_of(self, reset: Reset) -> str:
-        """The event that does a reset, and the domain, in words; of several the first."""
+        """Returns in words the event and the domain of a reset, the first if there are several."""
         for domain in self.domains:
             events: list[Guard | Switch] = [*domain.guards, *([] if domain.switch is None else [domain.switch])]
             for event in events:
@@ -148,7 +148,7 @@ class HybridSystem:
 
     @property
     def landing(self) -> tuple[str, Reset]:
-        """The flight phase that ends at the section, and the reset there; of mirrored halves the first."""
+        """The flight phase that ends at the section, and its reset; for mirrored halves those of the first."""
         return self._landings[0]
 
     @cached_property
@@ -172,5 +172,5 @@ class HybridSystem:
 
     @cached_property
     def section_phases(self) -> frozenset[str]:
-        """The phases that begin at the section: several where halves of a stride are mirror images."""
+        """The phases that begin at the section; there are several if the halves of a stride are mirror images."""
         return frozenset(reset.phase or flight for flight, reset in self._landings)

@@ -1,4 +1,4 @@
-"""Many runs at once: lanes that differ in state and parameters, integrated side by side by the Taylor engine."""
+"""Many runs at once: the Taylor engine integrates lanes, which differ in state and parameters, side by side."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
 
-TIMES_FINER = 1000.0  # than asked for is what the Taylor engine integrates with: it costs little
-CHUNK = 16384  # lanes at a time, which bounds memory
-LOCK = Lock()  # a compiled integrator has one state, whichever thread asks
+TIMES_FINER = 1000.0  # the Taylor engine's tolerance is finer than `rtol` by this factor, which costs little
+CHUNK = 16384  # lanes that run at a time; this bounds memory
+LOCK = Lock()  # all threads share a compiled integrator, which has one state
 
 
 @dataclass(frozen=True, repr=False)
@@ -34,14 +34,14 @@ class Batch(Shown):
     """Outcomes of the lanes.
 
     Attributes:
-        q: configurations reached, (n, nq); where a lane did not end "complete" those at its last section.
-        v: velocities reached, (n, nv).
-        cycles: whole cycles run, (n,).
-        reason: why each lane ended, (n,), as of `Trajectory`.
-        message: the same in a sentence.
-        durations: seconds of the last whole cycle in each phase, (n,) each.
+        q: final configurations, (n, nq). A lane that did not end "complete" has the one at its last section.
+        v: final velocities, (n, nv).
+        cycles: number of whole cycles that each lane ran, (n,).
+        reason: why each lane ended, (n,), one of the reasons of `Trajectory`.
+        message: the reason of each lane in a sentence.
+        durations: time that each phase of the last whole cycle took, in s, (n,) each.
         observed: states (q, v), (n, nq + nv), at the last event of each name that is only recorded, such as the apex;
-            empty unless asked for.
+            empty unless `observe` was given.
         repeated: whether the reference engine had to run the lane, (n,).
         orders: (domain, event) of each event of the last whole cycle, in order, (n,); empty where more than `FEW`
             lanes ran together.
@@ -58,7 +58,7 @@ class Batch(Shown):
     orders: tuple[Order, ...] = ()
 
     def __len__(self) -> int:
-        """Number of lanes."""
+        """Returns the number of lanes."""
         return len(self.reason)
 
     def __repr__(self) -> str:
@@ -80,7 +80,7 @@ def simulate_many(
     max_step: float | None = None,
     on_lanes: Callable[[int], object] = lambda n: None,
 ) -> Batch:
-    """Run whole cycles from many states, on the section or in the air before the first touchdown.
+    """Runs whole cycles from many states, on the section or in the air before the first touchdown.
 
     Args:
         system: robot, law and ground.
@@ -89,16 +89,17 @@ def simulate_many(
         cycles: number of whole cycles.
         rtol: relative tolerance; the Taylor engine integrates a thousand times finer.
         parameters: numbers that differ from lane to lane, (n,) each, named as fields of law, spring or contact.
-        observe: record the states at events that change nothing.
-        unroll: whether to compile code that runs two to three times as fast, but takes ten times as long to compile:
-            the bound's four domains take 40 s then, once for each tolerance. By default up to four coordinates are.
+        observe: whether to record the states at events that change nothing.
+        unroll: whether to compile code that runs two to three times as fast, but takes ten times as long to compile.
+            The bound's four domains then take 40 s, once for each tolerance. By default robots with at most four
+            coordinates are unrolled.
         max_step: longest step of the integrator, in s; None leaves it to the integrator.
         on_lanes: called with the number of lanes done since the last call.
 
     Raises:
         MissingExtra: heyoka is not installed.
-        BadValue: shapes do not fit, a number is not finite, lanes cannot differ in it (a spring's fixed rest angle),
-            or the system has what the engine cannot compile: hardware, or dry friction of joints.
+        BadValue: shapes do not fit, a number is not finite, lanes cannot differ in a parameter (a spring's fixed rest
+            angle), or the engine cannot compile the system, since it has hardware or dry friction of joints.
         UnknownName: no part has a numeric field of a name in `parameters`.
 
     Example:
@@ -128,7 +129,7 @@ def simulate_many(
 
 
 def check_lanes(system: HybridSystem) -> None:
-    """Refuse a system of which many lanes cannot be run.
+    """Checks that a system can run in many lanes.
 
     Raises:
         BadValue: it has hardware, dry friction of joints or a pinned toe, or its robot is on a rotary boom or moves
@@ -146,12 +147,15 @@ def check_lanes(system: HybridSystem) -> None:
 
 
 def may_differ(system: HybridSystem, name: str) -> bool:
-    """Whether lanes may differ in a number: of the law, the springs' but their fixed rest angle, or the ground's."""
+    """Tells whether `name` may take a different value in each lane.
+
+    The numbers of the law, of the springs and of the ground may, except for a spring's fixed rest angle.
+    """
     return name in OTHERS or any(field.name == name for field in fields(system.law))
 
 
 def has_lanes(system: HybridSystem, names: Iterable[str]) -> bool:
-    """Whether lanes of a system can be run, and may differ in some numbers; not where heyoka is missing."""
+    """Tells whether a system can run in lanes that differ in the named numbers; False where heyoka is missing."""
     try:
         check_lanes(system)
     except BadValue:
@@ -170,17 +174,17 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
         raise BadValue("cycles", cycles, "a whole number, at least 1")
     check_lanes(system)
     for name, values in given.items():
-        parameter(system, name)  # it says what there is
+        parameter(system, name)  # its error lists the parameters
         if not may_differ(system, name):
             raise BadValue("parameters", name, f"fields of the law, {', '.join(OTHERS[:-1])} or {OTHERS[-1]}")
         if values.shape != (len(q),) or not np.isfinite(values).all():
             raise BadValue(f"parameters[{name!r}]", values, f"{len(q)} finite numbers")
         for value in {values.min(initial=np.inf), values.max(initial=-np.inf)} if len(q) else ():
-            with_parameters(system, {name: float(value)})  # it says what is valid
+            with_parameters(system, {name: float(value)})  # its error says which values are valid
 
 
 def _varying(system: HybridSystem, given: Mapping[str, Array]) -> HybridSystem:
-    """The system, with springs and ground in which nothing is zero that lanes have: what is zero is not compiled."""
+    """Returns the system without zeros among the numbers that lanes differ in: numbers that are zero are left out."""
     most = {name: float(max(given[name], key=abs, default=0.0)) for name in NONZERO if name in given}
     zero = {name: value for name, value in most.items() if value != 0.0 and parameter(system, name) == 0.0}
     return with_parameters(system, zero)

@@ -1,7 +1,7 @@
-"""Columns of a trajectory's samples: their names, what is in them, their units, their order and headings.
+"""Columns of a trajectory's samples: their names, contents, units, order and headings.
 
-A name, for instance `q_knee`, is a symbol and what of the robot has it. In memory columns have their names and their
-units stand beside them; in a file, whoever writes it, a heading is the name with its unit: `q_knee [rad]`.
+A name, for instance `q_knee`, joins a symbol and a part of the robot. In memory a column has its name, and its unit is
+kept separately. In a file the heading of a column is its name with its unit: `q_knee [rad]`.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from spear_pin.model.sagittal import ENDS
 
 TIME, CYCLE, ENGAGED = "t", "cycle", "engaged"
 FIRST = (TIME, "domain", "phase", CYCLE)
-UNSAID = "m or rad"  # of a coordinate whose robot is not found
-QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {  # by symbol: what it is, and its unit; along metres and radians
+UNSAID = "m or rad"  # unit of a coordinate whose robot is not found
+QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {  # by symbol: the quantity, its units along m and rad
     "q": ("position", ("m", "rad")),
     "v": ("velocity", ("m/s", "rad/s")),
     "a": ("acceleration", ("m/s²", "rad/s²")),
@@ -35,39 +35,39 @@ PAIR = ", a pair"
 
 
 def parted(name: str) -> tuple[str, str]:
-    """Symbol and label of a column, for instance `force_x` and `toe`; no symbol where it is not one of `QUANTITIES`."""
+    """Splits a column's name into symbol and label, `force_x` and `toe`; the symbol is "" if not in `QUANTITIES`."""
     symbol = next((each for each in QUANTITIES if name.startswith(f"{each}_")), "")
     return symbol, name.removeprefix(f"{symbol}_") if symbol else name
 
 
 def of_a_pair(name: str) -> bool:
-    """Whether a column is of both legs of a pair together: forces and torques of a quadruped in its sagittal plane."""
+    """Tells whether a column adds up both legs of a pair: forces and torques of a quadruped in its sagittal plane."""
     symbol, label = parted(name)
     return label in PAIRED and symbol in TOGETHER
 
 
 def motors_at(joint: str) -> int:
-    """How many motors share a joint's torque: two in a pair of legs."""
+    """Returns how many motors share a joint's torque: two in a pair of legs."""
     return 2 if of_a_pair(f"u_{joint}") else 1
 
 
 def quantity(name: str) -> str:
-    """What is in a column, in words: "motor torque", or "motor torque, a pair"; its name where that says it."""
+    """Describes a column in words: "motor torque", or "motor torque, a pair"; else returns its name."""
     symbol, label = parted(name)
     return QUANTITIES[symbol][0] + PAIR * of_a_pair(name) if symbol else label
 
 
 def lengths(robot: Robot) -> dict[str, str]:
-    """What each coordinate is measured in, "m" or "rad", by its name."""
+    """Returns the unit of each coordinate, "m" or "rad", by its name."""
     return dict(zip(robot.coordinates, robot.units, strict=True))
 
 
 def unit(name: str, measured: Mapping[str, str]) -> str:
-    """Unit of a column, "" where it has none.
+    """Returns the unit of a column, "" if it has none.
 
     Args:
-        name: of the column.
-        measured: coordinates with what they are measured in, as of `lengths`; of others both units are told.
+        name: name of the column.
+        measured: unit of each coordinate, "m" or "rad", see `lengths`; for other coordinates both units are given.
     """
     symbol, label = parted(name)
     if not symbol:
@@ -76,25 +76,25 @@ def unit(name: str, measured: Mapping[str, str]) -> str:
 
 
 def unit_of(symbol: str, length: str = UNSAID) -> str:
-    """Unit of a quantity along a coordinate measured in "m" or "rad"; both where that is not known."""
+    """Returns the unit of a quantity along a coordinate in "m" or "rad"; both units if that is not known."""
     _, units = QUANTITIES[symbol]
     either = dict(zip(("m", "rad"), units, strict=True)) if len(units) > 1 else {}
     return either.get(length, " or ".join(units))
 
 
 def heading(name: str, its_unit: str) -> str:
-    """Heading of a column in a file."""
+    """Returns the heading of a column in a file."""
     return f"{name} [{its_unit}]" if its_unit else name
 
 
 def read_heading(text: str) -> tuple[str, str]:
-    """Name and unit, "" if there is none, of a column that is called by a heading."""
+    """Splits a heading into the column's name and unit, "" if it has none."""
     name, _, rest = text.partition(" [")
     return name, rest.removesuffix("]")
 
 
 def arranged(names: Iterable[str]) -> list[str]:
-    """Names in the order of a table: time, domain, phase and cycle, the numbers, and which springs are engaged."""
+    """Sorts names as in a table: time, domain, phase and cycle, the numbers, and which springs are engaged."""
     there = list(names)
     last = [name for name in there if name.startswith(f"{ENGAGED}_")]
     between = [name for name in there if name not in (*FIRST, *last)]

@@ -17,14 +17,14 @@ SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
 SLIPS = (SLIP_FORWARD, SLIP_BACKWARD, SLIP)
 WAYS = {2: (SLIP_FORWARD, SLIP_BACKWARD), 3: (SLIP,)}
 """Modes of a toe that slides, in the plane and in space, where it does along a direction of its own."""
-SLOW = 3e-6  # m/s: a toe in space that slides more slowly, and ever more so, is stopped
-SETTING_OUT = 1e-4  # m/s: up to this one that began to slide has the direction to which its velocity turns at once
+SLOW = 3e-6  # m/s: a toe in space that slides more slowly, and decelerates, is stopped
+SETTING_OUT = 1e-4  # m/s: up to this speed a toe that began to slide keeps the direction to which its velocity turns
 
 
 @typed
 @dataclass(frozen=True)
 class Contact:
-    """Level ground at height zero; `spear_pin.Ground` says more.
+    """Level ground at height zero; `spear_pin.Ground` has more options.
 
     Attributes:
         friction: coefficient of Coulomb friction, static and kinetic (assumption; not in the source).
@@ -38,16 +38,18 @@ class Contact:
     friction: float = 0.8
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require(f"{type(self).__name__}.friction", self.friction, lambda mu: mu > 0, "a number > 0")
 
 
 def solve(matrix: Any, right: Any) -> Array:
-    """Solution of a linear system, (n,) or (n, k), of which n is at least 1: NumPy's checks take several microseconds.
+    """Solves a linear system, and returns its solution, (n,) or (n, k), with n at least 1.
+
+    It skips NumPy's checks, which take several microseconds.
 
     Args:
-        matrix: (n, n).
-        right: (n,) or (n, k).
+        matrix: the matrix, (n, n).
+        right: the right-hand side, (n,) or (n, k).
 
     Raises:
         numpy.linalg.LinAlgError: the matrix is singular.
@@ -59,22 +61,21 @@ def solve(matrix: Any, right: Any) -> Array:
 
 
 def constrained(D: Array, force: Array, A: Array, G: Array, drift: Array) -> tuple[Array, Array, Array]:
-    """Solve D a = force + G λ under A a + drift = 0.
+    """Solves D a = force + G λ under A a + drift = 0.
 
-    For a sticking toe A = J and G = Jᵀ; for one that slips with the sign s, A = J_z and
-    G = J_zᵀ - μ s J_xᵀ, (3.17)-(3.18) with the direction of friction in them.
+    A sticking toe has A = J and G = Jᵀ. A toe that slips with the sign s has A = J_z and G = J_zᵀ - μ s J_xᵀ,
+    (3.17)-(3.18) including the direction of friction.
 
     Args:
         D: mass matrix, (nv, nv).
-        force: generalised force less bias, (nv,); further columns (nv, k) are forces that add to it.
+        force: generalised force minus bias, (nv,); further columns (nv, k) are forces that add to it.
         A: constraint rows, (m, nv).
         G: force directions, (nv, m).
         drift: Ȧ v, (m,).
 
     Returns:
-        a (nv,), λ (m,), with as many columns as `force`, and the Schur complement A D⁻¹ G (m, m);
-        for a slipping toe this is the pivot, and where it is not positive the equation has no
-        solution or two (Painlevé).
+        a (nv,), λ (m,), with as many columns as `force`, and the Schur complement A D⁻¹ G (m, m). For a slipping toe
+        the complement is the pivot; where it is not positive the equation has no solution or two (Painlevé).
     """
     forces = force[:, None] if force.ndim == 1 else force
     k = forces.shape[1]

@@ -1,17 +1,17 @@
-"""Parts of an automaton, as data: domains, guards, resets. Engines assemble right-hand sides from it.
+"""Parts of an automaton, as data: domains, guards, resets. Engines assemble right-hand sides from them.
 
 Control laws and guards share one signature, `f(t, q, v, held, p, dyn, ops)`.
 
 Args:
     t: time since the phase began, in s.
     q, v: configuration and velocity, sequences of scalars.
-    held: what was latched at events, by name: numbers, or tuples of numbers.
+    held: values latched at events, by name: numbers, or tuples of numbers.
     p: the law's parameters, a frozen dataclass.
-    dyn: the dynamics at (q, v), see `spear_pin.hybrid.dynamics.Dynamics`; what it says of toes is along the ground and
-        normal to it.
-    ops: elementary functions for whatever scalars are used, see `spear_pin.hybrid.dynamics.Operations`.
+    dyn: the dynamics at (q, v), see `spear_pin.hybrid.dynamics.Dynamics`; vectors at toes have components along the
+        ground and normal to it.
+    ops: elementary functions for the scalars in use, see `spear_pin.hybrid.dynamics.Operations`.
 
-They are pure and never branch on a value: what switches is a domain or something held.
+Laws and guards are pure and never branch on a value: every switch is a change of domain or of a held value.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]
 
 @dataclass(frozen=True)
 class Mount:
-    """A spring on a joint, while engaged.
+    """A spring on a joint, while the spring is engaged.
 
     Attributes:
-        joint: the joint it spans.
-        spring: its law.
+        joint: the joint that the spring spans.
+        spring: the spring's law.
         rest: name in `held` of the latched angle.
-        taut: name in `held` of 1 where it pulls and 0 where it is slack.
+        taut: name in `held` of a value that is 1 while the spring pulls and 0 while it is slack.
         side: +1 if flexion is positive, -1 if negative.
     """
 
@@ -50,22 +50,22 @@ class Mount:
     side: float = 1.0
 
     def torque(self, spring: Spring, angle: Any, held: Held, ops: Any) -> Any:
-        """Torque on the joint at an angle, without the damper's, in N·m.
+        """Returns the torque on the joint at an angle, without the damper's torque, in N·m.
 
         Args:
-            spring: its law, of whatever scalars.
-            angle: of the joint, in rad.
-            held: what is held.
+            spring: the spring's law, with scalars of any kind.
+            angle: angle of the joint, in rad.
+            held: held values.
             ops: elementary functions.
         """
         return held[self.taut] * (self.side * spring.torque(self._deflection(angle, held), ops))
 
     def energy(self, angle: Any, held: Held) -> Any:
-        """Energy that its spring stores, in J."""
+        """Returns the energy that the spring stores at an angle, in J."""
         return held[self.taut] * self.spring.energy(self._deflection(angle, held))
 
     def knots(self, held: Held) -> list[float]:
-        """Angles of the joint at which the law of its spring has no second derivative, in rad."""
+        """Returns the angles of the joint at which the spring's law has no second derivative, in rad."""
         return [held[self.rest] + self.side * knot for knot in self.spring.knots]
 
     def _deflection(self, angle: Any, held: Held) -> Any:
@@ -78,8 +78,8 @@ class Rub:
 
     Attributes:
         joint: the coordinate.
-        force: Coulomb's, in N or N·m.
-        sign: of the rate, +1 or -1; 0 where the joint is held at rest.
+        force: Coulomb's force, in N or N·m.
+        sign: sign of the joint's rate, +1 or -1; 0 where the joint is held at rest.
     """
 
     joint: str
@@ -93,10 +93,10 @@ class Reset:
 
     Attributes:
         impact: toes that strike the ground, plastically.
-        release: engaged joints whose springs let go; what they still store is lost.
-        latch: what is newly held, from (q, v, held, p) after the impact.
-        phase: the phase entered; None stays in the present one, its clock running on.
-        stop: toes in space whose sliding has all but ended, and ends.
+        release: joints whose engaged springs release; the energy that they still store is lost.
+        latch: function that returns newly held values, from (q, v, held, p) after the impact.
+        phase: the phase entered; None stays in the present phase, whose clock continues.
+        stop: toes in space whose sliding has almost ended, and is stopped.
     """
 
     impact: tuple[str, ...] = ()
@@ -108,17 +108,17 @@ class Reset:
 
 @dataclass(frozen=True)
 class Guard:
-    """An event, when `value` falls through zero.
+    """An event that happens when `value` falls through zero.
 
-    If it leads back into its own phase, what it latches has to make `value` positive, or it happens again at once.
+    If it leads back into its own phase, its latch has to make `value` positive; else it happens again at once.
 
     Attributes:
         name: name of the event.
-        value: the function watched.
-        reset: what happens; None with no `ends` only records the event.
-        ends: reason for which the run ends here, if it does.
-        tolerance: values this close to zero count as on the guard when a domain is entered.
-        patience: how far `value` may fall, if it is zero or less where a domain is entered, before it is an event.
+        value: the watched function.
+        reset: effect of the event; None with no `ends` only records the event.
+        ends: reason for which the run ends at the event, if it does.
+        tolerance: values this close to zero count as zero when a domain is entered.
+        patience: how far `value` may fall before it is an event, if it is zero or less when a domain is entered.
     """
 
     name: str
@@ -130,17 +130,17 @@ class Guard:
 
     @property
     def waits(self) -> bool:
-        """Whether it is no event as the domain is entered."""
+        """Tells whether the guard may be on zero without an event when the domain is entered."""
         return self.patience > 0.0 or self.observes
 
     @property
     def observes(self) -> bool:
-        """Whether the event is only recorded."""
+        """Tells whether the event is only recorded."""
         return self.reset is None and self.ends is None
 
     @property
     def leaves(self) -> bool:
-        """Whether the event ends the phase."""
+        """Tells whether the event ends the phase."""
         return self.ends is not None or (self.reset is not None and self.reset.phase is not None)
 
 
@@ -150,8 +150,8 @@ class Switch:
 
     Attributes:
         name: name of the event.
-        time: the schedule, increasing in n; infinite for no further one.
-        reset: what happens.
+        time: the schedule, increasing in n; infinite if there is no further event.
+        reset: effect of the event.
     """
 
     name: str
@@ -165,17 +165,17 @@ class Domain:
 
     Attributes:
         name: its name.
-        phase: the phase it belongs to; phases have clocks and durations, slip being part of stance.
-        contacts: for each toe of the robot, "open", "stick", "slip+" or "slip-", in space "slip", or "pinned": at rest
-            whatever it takes.
+        phase: the phase to which it belongs; phases have clocks and durations, and slip is part of stance.
+        contacts: for each toe of the robot, "open", "stick", "slip+" or "slip-", in space "slip", or "pinned", which
+            keeps the toe at rest under any force.
         law: motor torques, one per actuated joint.
         mounts: the springs that are engaged.
         rubs: dry friction of joints, see `spear_pin.hybrid.dry_friction`.
-        guards: the events that can happen, the first winning a tie.
+        guards: the events that can happen; the first wins a tie.
         switch: the scheduled event, if there is one.
-        between: for motion on the switching surface between two domains, those two.
-        crossing: for motion on two switching surfaces at once, those two.
-        bouncing: toes of legs that bear, which leave the ground and strike it again within the phase.
+        between: the two domains, for motion on the switching surface between them.
+        crossing: the two switching surfaces, for motion on both at once.
+        bouncing: toes of bearing legs that leave the ground and strike it again within the phase.
     """
 
     name: str
@@ -206,12 +206,12 @@ class Domain:
 
     @property
     def spent_in(self) -> str:
-        """The phase to which its time counts: while two phases alternate the toe is on the ground, it does not fly."""
+        """The phase to which its time counts; while two phases alternate the toe is on the ground, not in flight."""
         return (self._touching or self).phase
 
     @property
     def _touching(self) -> Domain | None:
-        """Of domains that alternate the one with all toes on the ground."""
+        """The alternating domain with all toes on the ground."""
         if self.crossing is not None:
             return self.crossing.surfaces[0][1].grounded
         return None if self.between is None else self.between.grounded
@@ -222,12 +222,12 @@ class Alternation:
     """Two domains that alternate infinitely fast, because each drives the toe into the other.
 
     Attributes:
-        grounded: the one with the toe on the ground, whose law unloads it.
-        airborne: the one with the toe in the air, whose law presses it down.
+        grounded: the domain with the toe on the ground, whose law unloads the toe.
+        airborne: the domain with the toe in the air, whose law presses it down.
         touch: the reset into `grounded`.
         leave: the reset into `airborne`.
         toe: the toe.
-        follow: resets of `grounded` that happen at once after `touch`, such as the limit on a torque.
+        follow: resets of `grounded` that happen immediately after `touch`, such as the limit on a torque.
     """
 
     grounded: Domain
@@ -239,7 +239,7 @@ class Alternation:
 
     @property
     def touching(self) -> tuple[Reset, ...]:
-        """All that happens at a touch."""
+        """All resets that happen at a touch."""
         return self.touch, *self.follow
 
 
@@ -248,8 +248,8 @@ class Crossing:
     """Two toes that alternate infinitely fast, each by itself.
 
     Attributes:
-        toes: the two.
-        surfaces: of each, its alternation while the other is in the air, and while the other is on the ground.
+        toes: the two toes.
+        surfaces: alternations of each toe, while the other toe is in the air and while it is on the ground.
     """
 
     toes: tuple[str, str]

@@ -1,12 +1,11 @@
 """Dry friction in joints, after Coulomb, event by event.
 
-Against a joint that moves acts a constant force. Where its rate falls to zero the joint moves on, turns or is held,
-whichever the forces allow: up to Coulomb's force they hold it, as a constraint, until more is needed. Every domain of
-a system thus becomes three, nine with two joints, and which of them fits is decided anew after each event, impacts
-among them.
+A constant force opposes a moving joint. Where its rate falls to zero the forces decide whether the joint moves on,
+turns or is held. Friction holds it, as a constraint, until more than Coulomb's force is needed. Every domain of a
+system thus becomes three, or nine with two joints. After each event, including impacts, the one that fits is chosen.
 
-A law that reckons with forces, such as one that limits them, does so without dry friction: a torque that jumped where
-a joint comes to rest might be consistent with none of the three.
+A law that uses forces, such as one that limits them, ignores dry friction. A torque that jumped where a joint comes to
+rest might be consistent with none of the three.
 """
 
 from __future__ import annotations
@@ -23,14 +22,14 @@ from spear_pin.hybrid.parameters import changed
 from spear_pin.hybrid.rules.guards import rubbing_guards
 from spear_pin.model.robot import Robot
 
-SIGNS = (0.0, 1.0, -1.0)  # at rest it is held if it can be
+SIGNS = (0.0, 1.0, -1.0)  # a joint at rest is held if possible
 
 
 def with_dry_friction(system: HybridSystem, forces: Mapping[str, float]) -> HybridSystem:
-    """System with dry friction in some joints, beside what there is; rebuilt systems keep it.
+    """Returns the system with additional dry friction in some joints; rebuilt systems keep it.
 
-    A joint that moves either way leaves a domain's name as it is; one that is held is named, as in
-    "flight boom_z held". A gait with it cannot be saved.
+    A domain in which the joint moves keeps its name; a domain in which it is held names it, as in "flight boom_z held".
+    A gait with dry friction cannot be saved.
 
     Args:
         system: the system.
@@ -39,14 +38,14 @@ def with_dry_friction(system: HybridSystem, forces: Mapping[str, float]) -> Hybr
     Raises:
         UnknownName: the robot has no such joint, or it is locked.
         BadValue: a force is not a finite number >= 0, the joint has dry friction already, or more joints would have
-            it than can move freely in stance.
+            dry friction than can move freely in stance.
     """
     return changed(system, DryFriction(dict(forces)))
 
 
 @dataclass(frozen=True)
 class DryFriction:
-    """The change that it makes.
+    """The change of a system that adds dry friction.
 
     Attributes:
         forces: Coulomb's force on each joint, in N, or torque in N·m.
@@ -55,7 +54,7 @@ class DryFriction:
     forces: Mapping[str, float]
 
     def __call__(self, system: HybridSystem) -> HybridSystem:
-        """The system with it, unchanged otherwise."""
+        """Returns the system with dry friction added."""
         forces = self.forces
         for joint, force in forces.items():
             system.robot.index(joint)
@@ -72,18 +71,18 @@ class DryFriction:
 
 
 def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Domain]:
-    """The domain with each joint held, moving forward and moving backward."""
+    """Returns the domain's variants with each joint held, moving forward and moving backward."""
     modes = []
     for signs in product(SIGNS, repeat=len(forces)):
         rubs = tuple(Rub(joint, float(forces[joint]), sign) for joint, sign in zip(forces, signs, strict=True))
         names = [domain.name, *(f"{rub.joint} held" for rub in rubs if rub.sign == 0)]
         ends = (guard for rub in rubs for guard in rubbing_guards(rub, robot.index(rub.joint)))
-        # what else happens at the same instant, such as the apex, comes first
+        # other events at the same instant, such as the apex, come first
         guards = (*domain.guards, *ends)
         modes.append(replace(domain, name=" ".join(names), rubs=(*domain.rubs, *rubs), guards=guards))
     return modes
 
 
 def _constraints(domain: Domain, dimension: int) -> int:
-    """How many its contacts are, in the plane or in space."""
+    """Returns the number of constraints of a domain's contacts, in the plane or in space."""
     return sum(0 if mode == OPEN else 1 if mode in SLIPS else dimension for mode in domain.contacts)

@@ -1,6 +1,6 @@
-"""The seam between control laws and engines: the dynamics where laws are evaluated, and elementary functions.
+"""The interface between control laws and engines: the dynamics at a state, and elementary functions.
 
-Scalars are whatever the engine reckons with: numbers, arrays of many lanes, symbols.
+Scalars are of the engine's kind: numbers, arrays of many lanes, symbols.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ class Operations:
     """Elementary functions of scalars, `ops` of a law.
 
     Attributes:
-        sin, cos, tan, tanh, sqrt, exp: of one scalar.
-        atan2, maximum: of two.
+        sin, cos, tan, tanh, sqrt, exp: functions of one scalar.
+        atan2, maximum: functions of two scalars.
         solve: the solution of a small linear system, from rows of the matrix and the right-hand side.
     """
 
@@ -54,8 +54,8 @@ FLOATS = Operations(
 class Dynamics(Protocol):
     """The dynamics at (q, v), `dyn` of a law.
 
-    What depends on the motors' torques (`u`, `force`, `toe_acceleration`, `pivot`) is for guards only: a law gives
-    them.
+    Only guards may use what depends on the motor torques (`u`, `force`, `toe_acceleration`, `pivot`), for the law
+    determines these torques.
     """
 
     @property
@@ -75,43 +75,46 @@ class Dynamics(Protocol):
         """C v + G, nv."""
 
     def jacobian(self, toe: str) -> Any:
-        """J of a toe, rows along the ground, one in the plane and two in space, and normal to it, of nv."""
+        """Returns J of a toe: one row of nv along the ground in the plane, two in space, and one normal to it."""
 
     def height(self, frame: str) -> Any:
-        """Distance of a frame from the ground, along its normal, in m."""
+        """Returns the distance of a frame from the ground, along its normal, in m."""
 
     def direction(self, toe: str) -> tuple[Any, ...]:
-        """Unit vector along the ground in which a toe slides in space; in the plane its mode says it."""
+        """Returns the unit vector along which a toe slides in space; in the plane its mode gives the direction."""
 
     def toe_velocity(self, toe: str) -> tuple[Any, ...]:
-        """Velocity of a toe, along the ground and normal to it, in m/s."""
+        """Returns the velocity of a toe, along the ground and normal to it, in m/s."""
 
     def toe_acceleration(self, toe: str) -> tuple[Any, ...]:
-        """Acceleration of a toe, along the ground and normal to it, in m/s²."""
+        """Returns the acceleration of a toe, along the ground and normal to it, in m/s²."""
 
     def force(self, toe: str) -> tuple[Any, ...]:
-        """Ground force on a toe, along the ground and normal to it, in N."""
+        """Returns the ground force on a toe, along the ground and normal to it, in N."""
 
     def pivot(self, toe: str) -> Any:
-        """Effective inverse mass of the normal force of a slipping toe, in 1/kg."""
+        """Returns the effective inverse mass of the normal force of a slipping toe, in 1/kg."""
 
     def spring_torque(self, joint: str) -> Any:
-        """Torque of the joint's spring, in N·m; 0 where none is engaged."""
+        """Returns the torque of the joint's spring, in N·m; 0 where none is engaged."""
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
-        """Normal force that motor torques would give with the toes on the ground at rest, in N: affine in them."""
+        """Returns the normal force that motor torques would give with the toes on the ground at rest, in N.
+
+        The force is affine in the torques.
+        """
 
     def response(self) -> tuple[Sequence[Any], Sequence[Sequence[Any]]]:
-        """(a, A) with v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""
+        """Returns (a, A) of v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""
 
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[Any], motors: Sequence[int], others: Sequence[tuple[int, Any]]
     ) -> Sequence[Any]:
-        """Torques of some motors that make rows · v̇ = wanted with the toes on the ground at rest.
+        """Finds torques of some motors that make rows · v̇ = wanted with the toes on the ground at rest.
 
         Args:
-            rows: over the coordinates.
-            wanted: what the rows times v̇ shall be.
-            motors: columns of those motors, as many as rows.
+            rows: rows over the coordinates.
+            wanted: wanted values of the rows times v̇.
+            motors: columns of these motors, as many as rows.
             others: columns and torques of all other motors.
         """

@@ -11,7 +11,7 @@ Matrix = list[list[Any]]
 
 
 def factorize(matrix: Matrix) -> tuple[Matrix, list[Any]]:
-    """L and d of a symmetric positive definite matrix L diag(d) Lᵀ."""
+    """Factorizes a symmetric positive definite matrix into L diag(d) Lᵀ, and returns L and d."""
     n = len(matrix)
     lower: Matrix = [[0.0] * n for _ in range(n)]
     diagonal: list[Any] = []
@@ -25,7 +25,7 @@ def factorize(matrix: Matrix) -> tuple[Matrix, list[Any]]:
 
 
 def substitute(factors: tuple[Matrix, list[Any]], right: Sequence[Any]) -> list[Any]:
-    """The solution of L diag(d) Lᵀ x = right."""
+    """Solves L diag(d) Lᵀ x = right."""
     lower, diagonal = factors
     n = len(diagonal)
     x: list[Any] = []
@@ -38,7 +38,7 @@ def substitute(factors: tuple[Matrix, list[Any]], right: Sequence[Any]) -> list[
 
 
 def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
-    """The solution of a small linear system, by elimination in the given order as far as that has pivots."""
+    """Solves a small linear system, by elimination in the given order as far as it has pivots."""
     rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
     n = len(rows)
     for j in range(n):
@@ -57,9 +57,9 @@ def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
 
 
 def solve_sparse(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:
-    """The solution of a linear system, entries that are the number 1 or -1 eliminated first, then `solve`.
+    """Solves a linear system by first eliminating entries that are the number 1 or -1, then calling `solve`.
 
-    Of those it is the one whose row and column have the fewest others, which keeps what is zero.
+    It first takes the entry whose row and column have the fewest other entries, which keeps zeros.
     """
     rows = [{j: value for j, value in enumerate(row) if not vanishes(value)} for row in matrix]
     right, left, pivots = list(right), list(range(len(rows))), []
@@ -80,8 +80,8 @@ def solve_sparse(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[
 
 
 def _eliminate(row: dict[int, Any], pivot: Mapping[int, Any], j: int) -> Any:
-    """Take a multiple of another row, whose entry j is 1 or -1, from a row, so that its entry j goes; the factor."""
-    factor = times(row.pop(j, 0.0), pivot[j])  # of a unit the inverse is the unit
+    """Eliminates a row's entry j by a multiple of another row, whose entry j is 1 or -1; returns the factor."""
+    factor = times(row.pop(j, 0.0), pivot[j])  # 1 and -1 are their own inverses
     if not vanishes(factor):
         for other, value in pivot.items():
             if other != j:
@@ -90,7 +90,7 @@ def _eliminate(row: dict[int, Any], pivot: Mapping[int, Any], j: int) -> Any:
 
 
 def _unit(rows: Sequence[dict[int, Any]], left: Sequence[int]) -> tuple[int, int, int] | None:
-    """Least cost of eliminating one of the remaining 1 or -1, with its row and column."""
+    """Finds the remaining entry 1 or -1 that is cheapest to eliminate; returns the cost, its row and its column."""
     counts: dict[int, int] = {}
     for i in left:
         for j in rows[i]:

@@ -1,8 +1,8 @@
-"""Find events in a domain: which guard is first to fall through zero, and when.
+"""Finds events in a domain: which guard is first to fall through zero, and when.
 
-Between two integration steps a guard may fall and rise again. Guards of this package are as smooth as the motion: a
-value halfway, from the cubic Hermite interpolant, and the parabola through the three tell where to look more closely.
-Guards and grounds of one's own may be quicker than the motion, see `spear_pin.hybrid.span`.
+Between two integration steps a guard may fall and rise again. Guards of this package are as smooth as the motion. A
+value halfway, from the cubic Hermite interpolant, and the parabola through three values show where to look closely.
+A user's guards and grounds may vary faster than the motion, see `spear_pin.hybrid.span`.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ from spear_pin.hybrid.rules.entry import ahead, at_once, stays_on_zero
 from spear_pin.hybrid.span import NEGATIVE, POSITIVE, Step, glances, parted
 
 Interpolant = Callable[[float], Array]
-BEND = -1  # in the place of a guard's index
-ON_KNOT = 1e-9  # rad: it has just been passed
+BEND = -1  # stands for a guard's index
+ON_KNOT = 1e-9  # rad: within this of a knot, the motion has just passed it
 
 
 class _Undefined(Exception):
-    """A guard has no value there."""
+    """A guard has no value at a state."""
 
 
 class Watch:
-    """The guards of one domain, followed step by step.
+    """Follows the guards of one domain step by step.
 
     A guard can only be crossed once it has been positive, see `rules.entry`.
 
     Attributes:
         at_once: index of the guard that is an event on entering, or `rules.entry.NONE`.
-        undefined: whether some guard had no value where it was last looked at.
+        undefined: whether some guard had no value where it was last evaluated.
     """
 
     def __init__(self, flow: Flow, t: float, y: Array) -> None:
@@ -52,7 +52,7 @@ class Watch:
         self.undefined = any(math.isnan(value) for value in self._values)
         self.at_once = int(at_once(self._guards, np.array([self._values]).T, lambda h: self._later(t, y, h))[0])
         self._quick = {i for i, guard in enumerate(self._guards) if may_be_quick(flow, guard, t, y)}
-        self._opaque = set[int]()  # those of them that do not take intervals
+        self._opaque = set[int]()  # guards that do not take intervals
 
     def step(
         self,
@@ -61,18 +61,18 @@ class Watch:
         slopes: tuple[Array, Array],
         interpolate: Callable[[], Interpolant],
     ) -> list[tuple[float, int]]:
-        """Crossings within one integration step, earliest first, as (time, guard index).
+        """Returns the crossings within one integration step, earliest first, as (time, guard index).
 
         A guard without a value makes the watch `undefined` and has no crossing.
 
         Args:
-            ends: beginning and end of the step.
-            states: y there.
-            slopes: dy/dt there.
-            interpolate: makes the step's interpolant; called only if there is something to locate.
+            ends: beginning and end of the step, in s.
+            states: y at both.
+            slopes: dy/dt at both.
+            interpolate: makes the step's interpolant; called only if there is a crossing to locate.
         """
         (t0, t1), (y0, y1), (f0, f1) = ends, states, slopes
-        after = self._at(t1, y1)  # first: the integrator has just been there
+        after = self._at(t1, y1)  # first, as the integrator has just evaluated it
         at_middle = self._at(0.5 * (t0 + t1), 0.5 * (y0 + y1) + (t1 - t0) / 8.0 * (f0 - f1))
         crossings: list[tuple[float, int]] = []
         within: Step | None = None
@@ -80,7 +80,7 @@ class Watch:
         for i, (before, middle, end) in enumerate(zip(self._values, at_middle, after, strict=True)):
             quick = i in self._quick
             if not quick and self._armed[i] and middle > 0.0 and end > 0.0 and not _dips(before, middle, end):
-                continue  # as nearly always
+                continue  # the usual case
             try:
                 if quick:
                     within = within or Step(self._flow, t0, t1, interpolant())
@@ -97,7 +97,7 @@ class Watch:
         return sorted(crossings)
 
     def _parts(self, i: int, step: Step, solution: Interpolant, end: float) -> list[float]:
-        """When a guard that may be quicker than a step falls through zero in it, by parts of it."""
+        """Returns the times at which a guard that may vary faster than a step falls through zero in it."""
         guard, found = self._guards[i], list[float]()
         time, before = step.span.begin, self._values[i]
         for begin, until, side in self._split(i, step):
@@ -119,18 +119,18 @@ class Watch:
         return found
 
     def _split(self, i: int, step: Step) -> Iterable[tuple[float, float, int]]:
-        """Parts of a step in which a guard is on one side of zero, or that are short."""
+        """Yields parts of a step in which a guard is on one side of zero, or that are short."""
         if i not in self._opaque:
             try:
                 return list(parted(self._guards[i], step))
-            except Exception:  # whatever it raises for what is no number: it need not take intervals
+            except Exception:  # a guard need not take intervals, and may raise anything
                 self._opaque.add(i)
         return glances(step)
 
     def _crossing(
         self, i: int, nodes: list[tuple[float, float]], interpolant: Callable[[], Interpolant]
     ) -> float | None:
-        """When a guard falls through zero between two times, given (time, value) at both and halfway, if it does."""
+        """Returns when a guard falls through zero, if it does, given (time, value) at both ends and halfway."""
         (_, before), (_, middle), (_, end) = nodes
         if math.isnan(middle) or math.isnan(end):
             raise _Undefined
@@ -169,14 +169,17 @@ class Watch:
         return value
 
     def _locate(self, i: int, nodes: list[tuple[float, float]], solution: Interpolant, floor: float) -> float | None:
-        """When guard i first falls through a floor, given (time, value) at both ends and halfway, there an estimate."""
+        """Returns when guard i first falls through a floor, given (time, value) at both ends and halfway.
+
+        The value halfway is an estimate.
+        """
 
         def value(t: float) -> float:
             return self._value(i, solution, t) - floor
 
         nodes = [(time, estimate - floor) for time, estimate in nodes]
         begin, end = nodes[0][0], nodes[-1][0]
-        if not self._armed[i] and not floor:  # it waits at zero: it may rise and fall again soon after
+        if not self._armed[i] and not floor:  # a guard that waits at zero may rise and fall again soon after
             nodes = [nodes[0], *((t, value(t)) for t in begin + (end - begin) * np.geomspace(1e-4, 1.0, 25))]
             if all(g <= 0.0 for _, g in nodes):
                 return begin
@@ -191,7 +194,7 @@ class Watch:
 
 
 def may_be_quick(flow: Flow, guard: Guard, t: float, y: Array) -> bool:
-    """Whether a guard may fall and rise again faster than the motion: one of one's own, or of a ground of one's own."""
+    """Tells whether a guard may fall and rise faster than the motion: a user's guard, or one of a user's ground."""
     if is_own(guard.value) or flow.system.ground.plane:
         return is_own(guard.value)
     asked = _Asked(flow)
@@ -201,7 +204,7 @@ def may_be_quick(flow: Flow, guard: Guard, t: float, y: Array) -> bool:
 
 
 def once(interpolate: Callable[[], Interpolant]) -> Callable[[], Interpolant]:
-    """What makes an interpolant, which is made once."""
+    """Wraps a function that makes an interpolant, so that it is called only once."""
     made: list[Interpolant] = []
 
     def interpolant() -> Interpolant:
@@ -213,7 +216,7 @@ def once(interpolate: Callable[[], Interpolant]) -> Callable[[], Interpolant]:
 
 
 class _Asked:
-    """A flow of which it is known whether its height was asked for."""
+    """Wraps a flow, and records whether its height was used."""
 
     def __init__(self, flow: Flow) -> None:
         self._flow, self.height_was_asked = flow, False
@@ -229,14 +232,14 @@ class _Asked:
 def bends(
     flow: Flow, ends: tuple[float, float], states: tuple[Array, Array], interpolate: Callable[[], Interpolant]
 ) -> list[tuple[float, int]]:
-    """Times within one integration step at which the motion passes a knot of its flow, each with `BEND`.
+    """Returns the times within one integration step at which the motion passes a knot of its flow, each with `BEND`.
 
-    Integrated across, it would be far less accurate than the tolerance asks for.
+    A step across a knot would be far less accurate than the tolerance.
 
     Args:
         flow: the motion.
-        ends: beginning and end of the step.
-        states: y there.
+        ends: beginning and end of the step, in s.
+        states: y at both.
         interpolate: makes the step's interpolant.
     """
     found = []
@@ -258,13 +261,13 @@ def _root(value: Callable[[float], float], left: float, right: float) -> float:
         return left
     if value(right) > 0.0:
         return right
-    # as close as doubles allow, and where the guard is too flat for that, as close as it gets
+    # as close as doubles allow or, if the guard is too flat for that, as close as possible
     root, _ = scipy.optimize.brentq(value, left, right, xtol=1e-15, rtol=8.9e-16, full_output=True, disp=False)
     return float(root)
 
 
 def _dips(before: float, middle: float, end: float) -> bool:
-    """Whether the parabola through three positive values comes close to zero between them."""
+    """Tells whether the parabola through three positive values comes close to zero between them."""
     curvature, fall = 2.0 * (before - 2.0 * middle + end), 3.0 * before - 4.0 * middle + end
     if curvature <= 0.0 or not 0.0 < fall < 2.0 * curvature:
         return False

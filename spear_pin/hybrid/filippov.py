@@ -5,9 +5,9 @@ alternates between them without end. The toe then stays on the ground without fo
 acts for the share that keeps it there: the limit of laws blended over an ever thinner layer of toe
 speeds. A switch with a delay or hysteresis would bounce instead; that is not modelled.
 
-At the end of such motion one law alone keeps the toe where it is, as long as its phase has just
-begun. As the phase goes on it may undo that: a latched spring pulls. The laws then go on alternating,
-in turns that grow from nothing; the motion is carried on beyond its end until they last.
+At the end of such motion one law alone keeps the toe in place, as long as its phase has just begun.
+Later in the phase this may change, for instance because a latched spring pulls. The laws then continue
+to alternate, in turns that grow from zero; the motion is continued beyond its end until the turns last.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from spear_pin.hybrid.rules.surface import BEYOND, MOST_AT_ONCE, alternation, be
 
 
 class Unloaded(Flow):
-    """A stance's law while its toe bears nothing: the controller reckons with the toe at rest all the same."""
+    """The flow of a stance whose toe bears no force, while the controller still assumes the toe at rest."""
 
     def __init__(self, system: HybridSystem, grounded: Domain, airborne: Domain, held: Held) -> None:
         super().__init__(system, replace(grounded, contacts=airborne.contacts, rubs=airborne.rubs), held)
@@ -43,12 +43,12 @@ class Unloaded(Flow):
 
 
 class Sliding(Flow):
-    """ẏ = Σ w f over the laws that alternate, their shares w such that no toe of theirs accelerates off the ground.
+    """The flow ẏ = Σ w f over alternating laws, with shares w such that no alternating toe leaves the ground.
 
-    Each law acts as if its phase had just begun: what it holds is latched anew at every instant.
+    Each law acts as if its phase had just begun: its held values are latched anew at every instant.
 
     Attributes:
-        shares: of time that each toe's switch is closed, in the last call.
+        shares: share of the time that each toe's switch is closed, in the last call.
     """
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Held) -> None:
@@ -93,7 +93,7 @@ class Sliding(Flow):
 
 
 def _turns(domain: Domain) -> list[tuple[Domain, tuple[Reset, ...]]]:
-    """The domains that alternate, the one that `domain` is made of last, and the resets by which each is entered."""
+    """Returns the alternating domains, the one that `domain` is made of last, and the resets that enter each."""
     if domain.between is not None:
         return [(domain.between.grounded, domain.between.touching), (domain.between.airborne, (domain.between.leave,))]
     assert domain.crossing is not None
@@ -106,18 +106,18 @@ def _turns(domain: Domain) -> list[tuple[Domain, tuple[Reset, ...]]]:
 
 
 def flow_of(system: HybridSystem, domain: Domain, held: Held) -> Flow:
-    """The flow of a domain."""
+    """Returns the flow of a domain."""
     return Sliding(system, domain, held) if domain.alternating else Flow(system, domain, held)
 
 
 def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, Reset], y: Array) -> Sliding | None:
-    """Motion on the switching surface, if the phase that `guard` leads to would be left at once for this one again.
+    """Finds the motion on the switching surface, if the phase that `guard` leads to would lead back at once.
 
     Args:
         system: the system.
-        flow: the present motion, left as soon as it was entered.
-        guard: by which it is left.
-        came: the domain before it, and the reset by which that was left.
+        flow: the present motion, which is left as soon as it was entered.
+        guard: the guard by which it is left.
+        came: the domain before it, and the reset by which that domain was left.
         y: the state.
     """
     assert guard.reset is not None
@@ -134,7 +134,7 @@ def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, 
 
 
 def going_on(system: HybridSystem, flow: Flow, held: Held, y: Array) -> Sliding | None:
-    """Motion on the same switching surfaces after an event within the phase: another toe slips, a joint is held."""
+    """Finds the motion on the same switching surfaces after an event within the phase, such as slip of another toe."""
     between = flow.domain.crossing or flow.domain.between
     return None if between is None else alternating(system, between, held, y)
 
@@ -142,7 +142,7 @@ def going_on(system: HybridSystem, flow: Flow, held: Held, y: Array) -> Sliding 
 def alternating(
     system: HybridSystem, between: Alternation | Crossing, held: Held, y: Array, far: Sequence[float] = BEYOND
 ) -> Sliding | None:
-    """Motion between these domains, if the shares of their laws allow it or, tried in turn, are not `far` beyond."""
+    """Finds the motion between domains, if their laws' shares allow it or, tried in turn, are not `far` beyond."""
     for beyond in far:
         flows = (Sliding(system, chatter(mode, beyond), held) for mode in _modes(system, between))
         result = fitting(system, flows, 0.0, y)
@@ -154,7 +154,7 @@ def alternating(
 
 
 def _modes(system: HybridSystem, between: Alternation | Crossing) -> Iterator[Alternation | Crossing]:
-    """Alternations or crossings like this one, with every mode of contact and dry friction of what else there is."""
+    """Yields alternations or crossings like this one, with every mode of the other contacts and of dry friction."""
     if isinstance(between, Alternation):
         for airborne in system.of_phase(between.airborne.phase):
             yield replace(between, airborne=airborne)
@@ -165,7 +165,7 @@ def _modes(system: HybridSystem, between: Alternation | Crossing) -> Iterator[Al
 
 
 def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[tuple[Reset, ...], Reset | None, Held]:
-    """Resets that come at once after a reset: those within the phase, the one that leaves it; and what is held then."""
+    """Returns the resets that follow a reset at once, within the phase and out of it, and the values held then."""
     assert reset.phase is not None
     held = held_after(system, held, y, reset)
     follow: list[Reset] = []
@@ -181,6 +181,6 @@ def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[t
 
 
 def held_after(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
-    """Values held after resets at a state."""
+    """Returns the values held after resets at a state."""
     nq, nv = system.robot.nq, system.robot.nv
     return latched(held, resets, y[:nq].tolist(), y[nq : nq + nv].tolist(), system.law, system.place_of)

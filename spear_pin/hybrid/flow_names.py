@@ -7,12 +7,12 @@ from spear_pin.hybrid.hardware import ELECTRICAL
 
 
 def flow_names(system: HybridSystem) -> tuple[str, ...]:
-    """Names of the flows that are integrated with the state: motors, damping, friction, slip, those of hardware."""
+    """Returns the names of the flows integrated with the state: motors, damping, friction, slip, and hardware's."""
     mechanical = (*(f"motor_{joint}" for joint in system.robot.actuated), "damping", "friction", "slip")
     return mechanical + electrical_flows(system)
 
 
 def electrical_flows(system: HybridSystem) -> tuple[str, ...]:
-    """Those of the hardware: battery, joule and gearbox of each actuated joint."""
+    """Returns the names of the hardware's flows: battery, joule and gearbox of each actuated joint."""
     joints = system.robot.actuated if system.hardware is not None else ()
     return tuple(f"{flow}_{joint}" for joint in joints for flow in ELECTRICAL)

@@ -1,4 +1,4 @@
-"""The ground: a rigid plane, level or sloped, in whose axes all of contact is said: along it and normal to it."""
+"""The ground: a rigid plane, level or sloped; contact is described along it and normal to it."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import plus, times
 
 STEEPEST = 1.2  # rad: steeper slopes are walls
-SHAPE = frozenset({"above", "axes", "under"})  # methods that a ground of another shape has of its own
-HIGHEST = 10.0  # m: far from zero, rounding of coordinates hides how guards change
+SHAPE = frozenset({"above", "axes", "under"})  # methods that a ground of another shape overrides
+HIGHEST = 10.0  # m: far from zero, rounding of coordinates hides changes of guards
 
 
 @typed
@@ -32,13 +32,13 @@ HIGHEST = 10.0  # m: far from zero, rounding of coordinates hides how guards cha
 class Ground(Contact):
     """A plane, z = height + x tan(slope), its axes along it, (cos σ, sin σ), and normal to it, (-sin σ, cos σ).
 
-    Numbers may be of any kind, symbols and arrays of lanes among them; of a slope that is the number zero nothing is
-    turned.
+    Its numbers may be of any kind, including symbols and arrays of lanes. If the slope is the number zero, no vector is
+    rotated.
 
     Attributes:
         friction: coefficient of Coulomb friction, static and kinetic (assumption; not in the source).
         slope: σ, in rad, positive uphill in +x.
-        height: of the plane at x = 0, in m.
+        height: height of the plane at x = 0, in m.
 
     Example:
         >>> from spear_pin import Ground, hopping, load
@@ -50,7 +50,7 @@ class Ground(Contact):
     height: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         super().__post_init__()
         steep = f"an angle within ±{STEEPEST:g} rad"
         require("Ground.slope", self.slope, lambda angle: abs(angle) <= STEEPEST, steep)
@@ -59,55 +59,55 @@ class Ground(Contact):
 
     @property
     def level(self) -> bool:
-        """Whether its axes are those of the world."""
+        """Tells whether its axes are those of the world."""
         return _is_zero(self.slope)
 
     @property
     def plain(self) -> bool:
-        """Whether it is level, at height zero, and no other shape than a plane."""
+        """Tells whether the ground is a level plane at height zero."""
         return self.plane and self.level and _is_zero(self.height)
 
     @property
     def plane(self) -> bool:
-        """Whether it is of no other shape than a plane."""
+        """Tells whether the ground is a plane."""
         return type(self).above is Ground.above
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Have mistakes in what another shape says of itself come out as such."""
+        """Makes mistakes in a subclass's methods come out as such."""
         super().__init_subclass__(**options)
         if is_own(cls):
             for name in SHAPE & vars(cls).keys():
                 setattr(cls, name, _reporting(vars(cls)[name]))
 
     def axes(self, x: Any, z: Any, ops: Operations = FLOATS) -> tuple[Any, Any]:
-        """Tangential and normal component of a vector (x, z), or of a row of vectors if those are arrays."""
+        """Returns the tangential and normal component of a vector (x, z), or of a row of vectors if given arrays."""
         if self.level:
             return x, z
         return _turned(x, z, ops.cos(self.slope), ops.sin(self.slope))
 
     def seen_in(self, vector: Any, ops: Operations = FLOATS) -> tuple[Any, ...]:
-        """A vector (x, z) or (x, y, z), or rows of them, along the ground and normal to it, in that order."""
+        """Returns the components along the ground and normal to it of a vector (x, z) or (x, y, z), or of rows."""
         x, *across, z = vector
         along, normal = self.axes(x, z, ops)
         return along, *across, normal
 
     def world(self, along: Any, normal: Any) -> tuple[Any, Any]:
-        """A vector (x, z) of its components along the ground and normal to it, the inverse of `axes`."""
+        """Returns the vector (x, z) with these components along the ground and normal to it; inverts `axes`."""
         return _turned(along, normal, math.cos(self.slope), -math.sin(self.slope))
 
     def above(self, x: Any, z: Any, ops: Operations = FLOATS) -> Any:
-        """Distance of a point from the ground, along its normal, in m; negative below it."""
+        """Returns the distance of a point from the ground, along its normal, in m; negative below the ground."""
         _, normal = self.axes(x, z, ops)
         if _is_zero(self.height):
             return normal
         return normal - (self.height if self.level else self.height * ops.cos(self.slope))
 
     def under(self, x: float) -> float:
-        """Height z of the plane, in m."""
+        """Returns the height z of the plane at x, in m."""
         return self.height + x * math.tan(self.slope)
 
     def seen(self, feet: Feet | Terms, ops: Any) -> Feet:
-        """Toes in its axes, their positions along and above it; `ops` are for their scalars."""
+        """Returns the toes in the ground's axes, with positions along and above it; `ops` are for their scalars."""
         if self.plain:
             return Feet(feet.positions, feet.jacobians, feet.drifts)
         places = {toe: (self.axes(*place, ops)[0], self.above(*place, ops)) for toe, place in feet.positions.items()}
@@ -118,13 +118,13 @@ class Ground(Contact):
         return Feet(places, turned, {toe: self.axes(*drift, ops) for toe, drift in feet.drifts.items()})
 
     def foot(self, robot: Robot, q: ArrayLike, toe: str) -> tuple[float, Array]:
-        """Distance of a toe from the ground, in m, and its Jacobian along and normal to it, (2, nv) or (3, nv)."""
+        """Returns a toe's distance from the ground, in m, and its Jacobian in the ground's axes, (2 or 3, nv)."""
         (x, *_, z), jacobian = robot.toe_position(q, toe), robot.toe_jacobian(q, toe)
         return float(self.above(x, z, FLOATS)), np.array(self.seen_in(jacobian))
 
 
 def _reporting(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A method of ground of one's own that says what a mistake in it is, where it is asked with numbers."""
+    """Wraps a method of a user's ground, so that a mistake in it is reported where it is called with numbers."""
 
     @wraps(function)
     def reporting(self: Ground, *arguments: Any, **named: Any) -> Any:
@@ -142,12 +142,12 @@ def _reporting(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def as_ground(contact: Contact) -> Ground:
-    """The ground itself, or the level one at height zero that has a contact's friction."""
+    """Returns a ground as it is, and for a contact the level ground at height zero with its friction."""
     return contact if isinstance(contact, Ground) else Ground(contact.friction)
 
 
 def given(contact: Contact | None, ground: Ground | None) -> Contact:
-    """The ground of a gait, of two arguments one of which may be given; else the default.
+    """Returns the ground of a gait from two arguments of which one may be given; else the default.
 
     Raises:
         BadValue: both are given.

@@ -1,7 +1,7 @@
-"""Hardware between a control law and the joints: actuators, and what sensors and wires do to the law's numbers.
+"""Hardware between a control law and the joints: actuators, and the effects of sensors and wires.
 
-A hybrid system without hardware has ideal motors: the torques that its law asks for. `with_hardware` puts an
-actuator on each joint. What has a memory (currents, heat, a clock) is integrated with the motion and runs on
+A hybrid system without hardware has ideal motors, which give the torques that its law commands. `with_hardware` puts
+an actuator on each joint. States of the hardware (currents, heat, a clock) are integrated with the motion, and continue
 through its events.
 """
 
@@ -20,11 +20,11 @@ from spear_pin.errors import require
 from spear_pin.kinds import typed
 from spear_pin.model.actuator import Actuator
 
-TONES = 24  # of which noise is made
-EDGE = 2e-4  # s, over which a command drops out and comes back
-HORIZON = 120.0  # s, within which commands may drop out
+TONES = 24  # number of tones that make up the noise
+EDGE = 2e-4  # s: time in which a command drops out and returns
+HORIZON = 120.0  # s: time within which commands may drop out
 STEP, FINE_STEP = 0.01, 2e-3  # s: longest steps of the integration, without and with noise or current loops
-HARDWARE_TOLERANCE = 0.1  # of that asked for: where gears turn from driving to braking, error estimates are too small
+HARDWARE_TOLERANCE = 0.1  # factor on tolerances: error estimates are too small where gears turn from driving to braking
 CLOCK = "clock"
 ELECTRICAL = ("battery", "joule", "gearbox")  # flows of energy of an actuator
 
@@ -32,17 +32,17 @@ ELECTRICAL = ("battery", "joule", "gearbox")  # flows of energy of an actuator
 @typed
 @dataclass(frozen=True)
 class Sensing:
-    """Noise on what the law reads, and commands that get lost; seeded, the same for the same seed.
+    """Noise on the angles and rates that the law reads, and lost commands; the same for the same seed.
 
     The noise is a sum of tones below the cut-off, so that the motion stays smooth.
 
     Attributes:
-        angle_noise: root mean square, in rad, of every joint's.
-        rate_noise: root mean square, in rad/s.
-        cutoff: of the noise, in Hz.
-        losses: commands lost, per second, on the average, in the first two minutes.
-        loss_duration: in s, in which the motors get no current.
-        seed: of all of it.
+        angle_noise: root mean square of the noise on every joint's angle, in rad.
+        rate_noise: root mean square of the noise on every joint's rate, in rad/s.
+        cutoff: cut-off frequency of the noise, in Hz.
+        losses: mean number of commands lost per second, in the first two minutes.
+        loss_duration: time for which a lost command leaves the motors without current, in s.
+        seed: seed of noise and losses.
     """
 
     angle_noise: float = 0.0
@@ -53,7 +53,7 @@ class Sensing:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require("Sensing.angle_noise", self.angle_noise, lambda a: a >= 0, "a number >= 0, in rad")
         require("Sensing.rate_noise", self.rate_noise, lambda r: r >= 0, "a number >= 0, in rad/s")
         require("Sensing.cutoff", self.cutoff, lambda f: 0 < f <= 250, "a number from 0 to 250, in Hz")
@@ -76,7 +76,7 @@ class Sensing:
         return np.sort(rng.uniform(0.0, HORIZON, count))
 
     def noise(self, time: float, joints: int) -> tuple[list[float], list[float]]:
-        """Noise added to angles and rates of so many joints."""
+        """Returns the noise added to the angles and rates of so many joints at a time."""
         if not (self.angle_noise or self.rate_noise):
             return [0.0] * joints, [0.0] * joints
         frequencies, phases = self._tones
@@ -84,7 +84,7 @@ class Sensing:
         return (self.angle_noise * waves[:joints]).tolist(), (self.rate_noise * waves[8 : 8 + joints]).tolist()
 
     def arriving(self, time: float) -> float:
-        """Which part of a command arrives: 1, 0 while it is lost, a ramp between."""
+        """Returns the part of a command that arrives: 1, 0 while it is lost, a ramp between."""
         begins = self.losses_begin
         first, last = np.searchsorted(begins, (time - self.loss_duration, time), "right")
         arrives = 1.0
@@ -99,8 +99,8 @@ class Hardware:
     """An actuator for every actuated joint, and the sensing.
 
     Attributes:
-        actuators: in the order of u.
-        sensing: what the law reads and what arrives of its commands; None: all of it.
+        actuators: the actuators, in the order of u.
+        sensing: noise on what the law reads, and losses of its commands; None means neither.
     """
 
     actuators: tuple[Actuator, ...]
@@ -108,7 +108,7 @@ class Hardware:
     names: tuple[str, ...] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Name the states: the clock if there is one, then those of each actuator."""
+        """Names the states: the clock if there is one, then the states of each actuator."""
         names = [CLOCK] if self.sensing is not None else []
         names += [f"{name}_{i}" for i, actuator in enumerate(self.actuators) for name in actuator.states]
         object.__setattr__(self, "names", tuple(names))
@@ -120,7 +120,7 @@ class Hardware:
         return FINE_STEP if self.sensing is not None or loops else STEP
 
     def states(self, x: Sequence[float]) -> tuple[float, list[dict[str, float]]]:
-        """The clock and each actuator's states, by name."""
+        """Returns the clock and each actuator's states, by name."""
         values = list(x)
         clock = values.pop(0) if self.sensing is not None else 0.0
         each = []
@@ -131,7 +131,7 @@ class Hardware:
     def read(
         self, x: Sequence[float], joints: Sequence[int], angles: Sequence[float], rates: Sequence[float]
     ) -> tuple[Sequence[float], Sequence[float]]:
-        """Angles and rates as the law reads them, noisy at these joints."""
+        """Returns the angles and rates as the law reads them, with noise at these joints."""
         if self.sensing is None:
             return angles, rates
         q, v = list(angles), list(rates)
@@ -141,7 +141,7 @@ class Hardware:
         return q, v
 
     def stored(self, x: Sequence[float]) -> float:
-        """Energy of the inductances, in J."""
+        """Returns the energy of the inductances, in J."""
         return sum(a.stored(own) for a, own in zip(self.actuators, self.states(x)[1], strict=True))
 
 
@@ -149,11 +149,11 @@ class Driven(NamedTuple):
     """Response of the actuators to commanded torques at an instant.
 
     Attributes:
-        torques: at the joints, in N·m.
-        currents: in A.
-        references: currents that were asked for, in A.
-        slopes: of the hardware's states.
-        powers: battery, joule and gearbox of each actuator, in W.
+        torques: torques at the joints, in N·m.
+        currents: currents, in A.
+        references: commanded currents, in A.
+        slopes: time derivatives of the hardware's states.
+        powers: battery, joule and gearbox power of each actuator, in W.
     """
 
     torques: list[float]
@@ -164,7 +164,7 @@ class Driven(NamedTuple):
 
 
 def drive(hardware: Hardware, x: Sequence[float], commands: Sequence[float], rates: Sequence[float]) -> Driven:
-    """Drive the joints, turning at these rates, with commanded torques."""
+    """Drives the joints, which turn at these rates, with commanded torques."""
     clock, states = hardware.states(x)
     arriving = 1.0 if hardware.sensing is None else hardware.sensing.arriving(clock)
     driven = Driven([], [], [], [1.0] if hardware.sensing is not None else [], [])
@@ -181,7 +181,7 @@ def drive(hardware: Hardware, x: Sequence[float], commands: Sequence[float], rat
 
 
 def blended(shares: Sequence[float], each: Sequence[Driven]) -> Driven:
-    """Response to several sets of commands, each in action for its share of the time."""
+    """Averages the responses to several sets of commands, each of which acts for its share of the time."""
     parts = [
         [sum(share * x for share, x in zip(shares, values, strict=True)) for values in zip(*columns, strict=True)]
         for columns in zip(*each, strict=True)

@@ -1,4 +1,4 @@
-"""Motion in one domain, integrated up to the event that ends it, by SciPy's DOP853."""
+"""Integrates motion in one domain up to the event that ends it, by SciPy's DOP853."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from spear_pin.hybrid.result import FINEST, Options, Piece
 from spear_pin.hybrid.rules import cycles as rules
 
 MAX_STEP = 0.05  # s
-KNOT, DUE = "knot", "due"  # ends besides events: a knot of a spring's curve, and the time until which it goes
+KNOT, DUE = "knot", "due"  # ends besides events: a knot of a spring's curve, and the final time
 
 
 class Accuracy(NamedTuple):
-    """How a motion is integrated.
+    """Accuracy of an integration.
 
     Attributes:
         rtol: relative tolerance.
         atol: absolute tolerance.
-        longest: step, in s.
+        longest: longest step, in s.
     """
 
     rtol: float
@@ -37,7 +37,7 @@ class Accuracy(NamedTuple):
 
 
 def accuracy(options: Options, hardware: Any) -> Accuracy:
-    """How motion of a system is integrated, which hardware makes finer."""
+    """Returns the accuracy with which a system's motion is integrated, which is finer with hardware."""
     share, longest = (1.0, MAX_STEP) if hardware is None else (HARDWARE_TOLERANCE, min(MAX_STEP, hardware.max_step))
     longest = min(longest, options.max_step or MAX_STEP)
     return Accuracy(max(share * options.rtol, FINEST), share * (options.atol or 0.01 * options.rtol), longest)
@@ -45,15 +45,15 @@ def accuracy(options: Options, hardware: Any) -> Accuracy:
 
 @dataclass
 class Motion:
-    """Motion in a domain, as far as it has come.
+    """Motion in a domain so far.
 
     Attributes:
         t: time since the phase began, in s.
-        y: the state then.
-        event: the guard that ends it, if one does.
-        why: what else ends it: `KNOT`, `DUE`, or a reason for a run to end.
-        pieces: the motion; without keeping it, the last steps of it.
-        observed: events that change nothing: name, time and state.
+        y: the state at that time.
+        event: the guard that ends the motion, if one does.
+        why: any other end of the motion: `KNOT`, `DUE`, or a reason for a run to end.
+        pieces: the motion; only its last steps if it is not kept.
+        observed: name, time and state of events that change nothing.
     """
 
     t: float
@@ -67,17 +67,17 @@ class Motion:
 def integrated(
     flow: Flow, watch: Watch, t: float, y: Array, until: float, how: Accuracy, *, keep: bool, most: int
 ) -> Motion:
-    """The motion up to its first event, or a time.
+    """Integrates a motion up to its first event, or up to a time.
 
     Args:
         flow: the vector field of a domain.
-        watch: of its guards, at the beginning.
-        t: when it begins, in s since the phase began.
-        y: the state there.
-        until: when it ends at the latest.
-        how: it is integrated.
+        watch: watch of its guards, at the beginning.
+        t: time at which the motion begins, in s since the phase began.
+        y: state at that time.
+        until: latest time at which it ends, in s since the phase began.
+        how: accuracy of the integration.
         keep: whether the motion is kept.
-        most: evaluations.
+        most: most evaluations of the vector field.
     """
     motion, solver, times = Motion(t, y), _solver(flow, t, y, until, how), deque[float](maxlen=rules.CREEP)
     while solver.status == "running":
@@ -98,13 +98,13 @@ def integrated(
         if watch.undefined:
             motion.why = "not_finite"
             return motion
-        flow.arrive(motion.t, motion.y)  # not before: to what is beyond an event motion does not come
+        flow.arrive(motion.t, motion.y)  # not earlier, as the motion does not go beyond an event
     motion.why = DUE
     return motion
 
 
 def _gives_up(motion: Motion, flow: Flow, solver: scipy.integrate.DOP853, times: deque[float], most: int) -> str:
-    """Why a step ends the motion: it failed, hardly gets on any more, or is one too many; "" where it goes on."""
+    """Returns why a step ends the motion: it failed, advances too little, or is one too many; "" if it continues."""
     if solver.status == "failed":
         finite = np.isfinite(solver.y).all() and np.isfinite(flow(motion.t, motion.y)).all()
         return "step_size" if finite else "not_finite"
@@ -120,7 +120,7 @@ def _gives_up(motion: Motion, flow: Flow, solver: scipy.integrate.DOP853, times:
 def _pass(
     motion: Motion, flow: Flow, solution: Callable[[Any], Array], t0: float, crossings: list[tuple[float, int]]
 ) -> bool:
-    """Pass what is only observed in a step from t0; whether something in it ends the motion."""
+    """Records the observed events in a step from t0; returns whether a crossing in it ends the motion."""
     for time, index in crossings:
         guard = None if index == BEND else flow.domain.guards[index]
         if guard is None or not guard.observes:
@@ -137,7 +137,7 @@ def _solver(flow: Flow, t: float, y: Array, until: float, how: Accuracy) -> scip
 
 
 def _step_to(flow: Flow, t0: float, y0: Array, time: float) -> Array:
-    """One step of the method that ends on the event: more accurate than the interpolant of a longer one."""
+    """Takes one step that ends on the event, which is more accurate than the interpolant of a longer step."""
     if time == t0:
         return y0
     shorter = scipy.integrate.DOP853(flow, t0, y0, time, first_step=time - t0, rtol=1.0, atol=np.inf)

@@ -1,8 +1,8 @@
-"""Arithmetic of intervals: what a function of scalars may be while each of them is somewhere between two numbers.
+"""Arithmetic of intervals: encloses the values of a function whose scalar arguments lie between two numbers each.
 
-A guard or a ground that is written for any scalars takes intervals as it takes numbers and symbols. But for rounding
-the answer holds all values that it can have, and it may hold more. A comparison answers where it is the same for all of
-an interval.
+A guard or a ground written for any scalars takes intervals as it takes numbers and symbols. Up to rounding, the answer
+contains all values that the function can have, and may contain more. A comparison has an answer only if it is the same
+for all of an interval.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ HALF, WHOLE = math.pi, 2.0 * math.pi  # turns
 
 
 class Unsure(Exception):
-    """The answer is not the same for all of an interval: shorter ones are to be asked."""
+    """Raised when the answer is not the same for all of an interval; shorter intervals may have one."""
 
 
 class Interval:
@@ -110,32 +110,32 @@ class Interval:
     def __bool__(self) -> bool:
         return not self == 0.0
 
-    # by these names NumPy finds them, too
+    # NumPy finds these methods by their names, too
 
     def sin(self) -> Interval:
-        """All sines."""
+        """Returns the interval of all sines."""
         return _wave(math.sin, self.low, self.high, 0.5 * math.pi)
 
     def cos(self) -> Interval:
-        """All cosines."""
+        """Returns the interval of all cosines."""
         return _wave(math.cos, self.low, self.high, 0.0)
 
     def tan(self) -> Interval:
-        """All tangents."""
+        """Returns the interval of all tangents."""
         if math.floor(self.low / HALF + 0.5) != math.floor(self.high / HALF + 0.5):
             raise Unsure
         return Interval(math.tan(self.low), math.tan(self.high))
 
     def tanh(self) -> Interval:
-        """All hyperbolic tangents."""
+        """Returns the interval of all hyperbolic tangents."""
         return Interval(math.tanh(self.low), math.tanh(self.high))
 
     def exp(self) -> Interval:
-        """All exponentials."""
+        """Returns the interval of all exponentials."""
         return Interval(math.exp(min(self.low, 700.0)), math.exp(self.high) if self.high < 700.0 else math.inf)
 
     def sqrt(self) -> Interval:
-        """All square roots."""
+        """Returns the interval of all square roots."""
         if self.high < 0.0:
             raise ValueError("math domain error")
         if self.low < 0.0:
@@ -144,7 +144,7 @@ class Interval:
 
 
 def enclosing(low: Any, high: Any) -> Any:
-    """Intervals from the entries of one array to those of another, an array of objects of their shape, or one."""
+    """Makes intervals from the entries of one array to those of another: an array of their shape, or one interval."""
     if np.ndim(low) == 0:
         return Interval(float(low), float(high))
     found = np.empty(np.shape(low), dtype=object)
@@ -153,7 +153,7 @@ def enclosing(low: Any, high: Any) -> Any:
 
 
 def bounds(value: Any) -> tuple[float, float]:
-    """The least and the greatest of an interval, or a number twice."""
+    """Returns the least and the greatest number of an interval; a plain number twice."""
     return _ends(value)
 
 
@@ -171,7 +171,7 @@ def _sure(true: bool, false: bool) -> bool:
 
 
 def _wave(function: Callable[[float], float], low: float, high: float, crest: float) -> Interval:
-    """Values of a wave of period 2π that is greatest at a crest."""
+    """Returns the interval of values of a wave of period 2π that is greatest at a crest."""
     ends = function(low), function(high)
     peak, trough = (math.floor((high - at) / WHOLE) > math.floor((low - at) / WHOLE) for at in (crest, crest + HALF))
     return Interval(-1.0 if trough else min(ends), 1.0 if peak else max(ends))
@@ -189,7 +189,7 @@ def _maximum(a: Any, b: Any) -> Any:
 
 def _atan2(y: Any, x: Any) -> Any:
     (bottom, top), (left, right) = _ends(y), _ends(x)
-    if left <= 0.0 and bottom <= 0.0 <= top:  # across the cut
+    if left <= 0.0 and bottom <= 0.0 <= top:  # the interval crosses the branch cut
         raise Unsure
     corners = [math.atan2(b, a) for b in (bottom, top) for a in (left, right)]
     return Interval(min(corners), max(corners))

@@ -1,4 +1,4 @@
-"""Which phase and which contact modes fit a state: stick, slip or flight."""
+"""Chooses the phase and the contact modes that fit a state: stick, slip or flight."""
 
 from __future__ import annotations
 
@@ -33,17 +33,17 @@ F = TypeVar("F", bound=Flow)
 
 
 def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> Flow:
-    """The flow of the domain of a phase whose modes of contact and dry friction are consistent with the state.
+    """Returns the flow of a phase's domain whose modes of contact and dry friction are consistent with the state.
 
-    Where no mode holds, it is the domain whose guard then says why: lift-off where the toe would be
-    pulled, Painlevé's paradox where it can neither stick nor slide.
+    If no mode is consistent, it chooses the domain whose guard then gives the cause: lift-off if the toe would be
+    pulled, Painlevé's paradox if it can neither stick nor slide.
     """
     flows = (Flow(system, domain, held) for domain in system.of_phase(phase) if in_place(system, domain, y))
     return fitting(system, flows, t, y)
 
 
 def in_place(system: HybridSystem, domain: Domain, y: Array) -> bool:
-    """Whether of toes that bounce those in the air are open in a domain."""
+    """Tells whether a domain has those bouncing toes open that are in the air."""
     nq, nv = system.robot.nq, system.robot.nv
     q, v = y[:nq], y[nq : nq + nv]
     for toe, mode in zip(system.robot.toes, domain.contacts, strict=True):
@@ -55,7 +55,7 @@ def in_place(system: HybridSystem, domain: Domain, y: Array) -> bool:
 
 
 def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
-    """Of some flows the one that fits best, by `rules.footing.fitness`."""
+    """Returns the flow that fits best, by `rules.footing.fitness`."""
     best, found = None, -math.inf
     for flow in flows:
         rubs = [(rub, float(y[system.robot.nq + system.robot.index(rub.joint)])) for rub in flow.domain.rubs]
@@ -63,7 +63,7 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
         if all(rate_fits(rub, rate) for rub, rate in rubs):
             flow(t, y)
             closed = closed_toes(system.robot.toes, flow.domain)
-            feet = [(mode, footing(flow, toe, mode)) for toe, mode in closed if mode != PINNED]  # a pin bears anything
+            feet = [(mode, footing(flow, toe, mode)) for toe, mode in closed if mode != PINNED]  # a pin bears any force
             fits = fitness(feet, [(rub, flow.rubbing(rub)) for rub, _ in rubs])
             if not all(_stays(flow, toe) for toe in flow.domain.bouncing):
                 fits = UNFIT
@@ -76,7 +76,7 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
 
 
 def _stays(flow: Flow, toe: str) -> bool:
-    """Whether a toe that bounces stays on the ground, or does not fall back to that which it has just left."""
+    """Tells whether a bouncing toe stays on the ground, or does not fall back to the ground that it just left."""
     if flow.domain.contacts[flow.system.robot.toes.index(toe)] != OPEN:
         slips = flow.domain.contacts[flow.system.robot.toes.index(toe)] in SLIPS
         return flow.force(toe)[-1] * (flow.pivot(toe) if slips else 1.0) > UNLOADED
@@ -86,10 +86,10 @@ def _stays(flow: Flow, toe: str) -> bool:
 
 
 def torn(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
-    """Toes that stuck and bore, and have to leave, by `rules.footing.torn_off`.
+    """Returns toes that stuck and bore, and have to leave the ground, by `rules.footing.torn_off`.
 
     Args:
-        before: motion in which they stick.
+        before: motion in which the toes stick.
         after: motion that was chosen.
         t: time since the phase began.
         y: the state.
@@ -100,11 +100,11 @@ def torn(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
 
 
 def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
-    """The phase in which a state lies, and what is held there as if the phase had just begun.
+    """Finds the phase in which a state lies, and the values held as if the phase had just begun.
 
-    A toe on the ground that moves neither from nor into it is in the phase that follows the section; else
-    the robot is in the air, in the flight before the section. In space the section lies before the impact: a toe of it
-    on the ground is there.
+    If a toe is on the ground and moves neither from nor into it, the state is in the phase that follows the section.
+    Else the robot is in the flight before the section. In space the section lies before the impact, so that a state
+    with a toe of the section on the ground is on it.
 
     Raises:
         BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
@@ -126,7 +126,7 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
 
 
 def resuming_phase(system: HybridSystem, moment: Moment) -> tuple[str, Held]:
-    """The phase of a moment and what is held there.
+    """Returns the phase of a moment and the values held at it.
 
     Raises:
         UnknownName: there is no such phase.
@@ -139,7 +139,7 @@ def resuming_phase(system: HybridSystem, moment: Moment) -> tuple[str, Held]:
 
 
 def _feet(system: HybridSystem, q: Any, v: Any) -> dict[str, tuple[float, Array]]:
-    """Distance of each toe from the ground, and its Jacobian."""
+    """Returns the distance of each toe from the ground, in m, and its Jacobian."""
     system.robot.bias(q, v)  # checks both
     feet = {toe: system.ground.foot(system.robot, q, toe) for toe in system.robot.toes}
     for toe, (height, _) in feet.items():

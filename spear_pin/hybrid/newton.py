@@ -1,7 +1,7 @@
-"""Newton's method and differences for many functions at once, each lane with an iterate of its own.
+"""Newton's method and differences for many functions at once, with an iterate for each lane.
 
-What the lanes ask for next, trial steps of some and difference columns of others, goes to the evaluator in one call:
-that is what makes many lanes fast where it does them side by side. One lane alone is the usual method.
+The lanes' next evaluations, trial steps of some and difference columns of others, go to the evaluator in one call. This
+is fast if the evaluator treats many lanes side by side. For one lane it is the usual method.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ Slopes = Callable[[Lanes, Array], Array]
 """Jacobians of the same functions, (m, r, k), at unknowns, (m, k), NaN where they are not known."""
 OnIterates = Callable[[Lanes, NDArray[np.int64], Array], object]
 
-STEP = 1e-5  # of differences: errors of order STEP, of order STEP² where they are central, and rtol / STEP
-QUICK = 0.2  # of the residual left by a step: the Jacobian is good enough to go on with, updated
-SHORTEST = 1.0 / 32.0  # of a step
-ITERATIONS, PATIENCE = 15, 7  # at most, and in which the residual has to be halved
-NOISE = 10.0  # tolerances: a residual that no step lessens is as small as the evaluator's noise allows
+STEP = 1e-5  # of differences; their errors are of order STEP, of order STEP² for central ones, and rtol / STEP
+QUICK = 0.2  # if a step leaves less than this share of the residual, the Jacobian is updated instead of recomputed
+SHORTEST = 1.0 / 32.0  # smallest damping of a step
+ITERATIONS, PATIENCE = 15, 7  # most iterations, and number of iterations that have to halve the residual
+NOISE = 10.0  # tolerances: below this, a residual that no step reduces is due to the evaluator's noise
 
 CONVERGED, NO_START, NO_NEIGHBOUR = "converged", "no_start", "no_neighbour"
 NO_PROGRESS, TOO_LONG = "no_progress", "too_long"
 
 
 def ignored(lanes: Lanes, iteration: NDArray[np.int64], norm: Array) -> None:
-    """Nobody is told of the iterates."""
+    """Ignores the iterates."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,11 @@ class Roots:
 
     Attributes:
         x: the unknowns, (n, k).
-        norm: largest component of the residual, (n,); infinite where there is none at the start.
-        iteration: steps taken, (n,).
-        end: `CONVERGED`, or `NO_START` (there is no value), `NO_NEIGHBOUR` (nor beside an iterate), `NO_PROGRESS` (no
-            step lessens the residual), `TOO_LONG` (it lessens too slowly), (n,).
-        reason: the evaluator's word where there is no value, (n,).
+        norm: largest component of the residual, (n,); infinite where there is no value at the start.
+        iteration: number of steps taken, (n,).
+        end: `CONVERGED`, `NO_START` (there is no value at the start), `NO_NEIGHBOUR` (there is no value near an
+            iterate), `NO_PROGRESS` (no step reduces the residual) or `TOO_LONG` (it falls too slowly), (n,).
+        reason: the evaluator's reason where there is no value, (n,).
     """
 
     x: Array
@@ -62,19 +62,19 @@ class Roots:
 
 @dataclass(frozen=True)
 class _Iterates:
-    """The lanes' iterates, each with what it asks for next.
+    """The lanes' iterates, each with its next evaluation.
 
     Attributes:
         x: scaled unknowns, (n, k).
-        residual: there, (n, k).
-        norm: its largest component, (n,); infinite before the first value.
-        norms: of all iterates so far, (n, iterations + 1).
-        iteration: steps taken, (n,); -1 before the first value.
-        jacobian: (n, k, k); zero before the first.
-        fresh: whether it was differentiated at x, (n,).
-        damping: of the next trial step, (n,).
-        differs: whether differences are asked for instead, (n,).
-        end, reason: as of `Roots`; "" while it goes on.
+        residual: residual at x, (n, k).
+        norm: largest component of the residual, (n,); infinite before the first value.
+        norms: norms of all iterates so far, (n, iterations + 1).
+        iteration: number of steps taken, (n,); -1 before the first value.
+        jacobian: Jacobian, (n, k, k); zero before the first.
+        fresh: whether the Jacobian was differentiated at x, (n,).
+        damping: damping of the next trial step, (n,).
+        differs: whether the next evaluation is of differences instead, (n,).
+        end, reason: how and why each lane ended, (n,), see `Roots`; "" while it continues.
     """
 
     x: Array
@@ -109,20 +109,21 @@ def newton(
     slopes: Slopes | None = None,
     on_iterates: OnIterates = ignored,
 ) -> Roots:
-    """Damped Newton's method with exact Jacobians where they are known.
+    """Finds roots by damped Newton's method, with exact Jacobians where they are known.
 
-    Elsewhere they are forward differences, updated (Broyden) while a step gains a lot.
+    Elsewhere Jacobians are forward differences, updated (Broyden) while steps reduce the residual a lot.
 
     Args:
-        evaluate: the residuals, as many as unknowns.
-        start: unknowns, (n, k).
-        scale: of each unknown, (n, k).
-        tolerance: on the residual's largest component.
-        iterations: at most so many steps.
-        calls: of the evaluator at most, if there is a bound.
-        quick: of the residual, what a step may leave for the Jacobian to be updated, not differentiated anew.
-        slopes: the Jacobians, if there is anything that knows them.
-        on_iterates: called with the lanes that have taken a step (or a first value), how many each, and the residuals.
+        evaluate: returns the residuals, as many as unknowns.
+        start: initial unknowns, (n, k).
+        scale: scale of each unknown, (n, k).
+        tolerance: tolerance on the residual's largest component.
+        iterations: most steps.
+        calls: most calls of the evaluator; None for no bound.
+        quick: share of the residual that a step may leave for the Jacobian to be updated, not recomputed.
+        slopes: returns the Jacobians, if they are known.
+        on_iterates: called with the lanes that have taken a step (or a first value), their numbers of steps, and the
+            residuals.
     """
     lanes, k = _begun(start / scale, iterations), start.shape[1]
     for _ in range(calls) if calls is not None else count():
@@ -141,7 +142,7 @@ def newton(
         values, why = evaluate(asked, points * scale[asked])
 
         m = len(trying)
-        better = np.abs(values[:m]).max(axis=1) < (1.0 - 0.1 * trials.damping) * trials.norm  # any value is, at first
+        better = np.abs(values[:m]).max(axis=1) < (1.0 - 0.1 * trials.damping) * trials.norm  # the first value is
         took, refused = trying[better], trying[~better]
         lanes.put(took, _accepted(trials.take(better), steps[better], values[:m][better], tolerance, quick))
         lanes.put(refused, _refused(trials.take(~better), why[:m][~better], tolerance))
@@ -153,7 +154,7 @@ def newton(
 
 
 def _begun(x: Array, iterations: int) -> _Iterates:
-    """The lanes before anything is known: a step of no length is to be tried."""
+    """Returns the lanes before the first value, with a step of zero length as next evaluation."""
     n, k = x.shape
     return _Iterates(
         x=x,
@@ -171,12 +172,12 @@ def _begun(x: Array, iterations: int) -> _Iterates:
 
 
 def _steps(lanes: _Iterates) -> Array:
-    """The damped steps, (n, k)."""
+    """Returns the damped steps, (n, k)."""
     return -lanes.damping[:, None] * applied(np.linalg.pinv(lanes.jacobian), lanes.residual)
 
 
 def _accepted(lanes: _Iterates, steps: Array, values: Array, tolerance: float, quick: float) -> _Iterates:
-    """The lanes after steps that lessen the residual: what is left says what the Jacobian is worth."""
+    """Accepts steps that reduce the residual; the remaining residual decides whether the Jacobian is kept."""
     size, iteration, last = np.abs(values).max(axis=1), lanes.iteration + 1, lanes.norms.shape[1] - 1
     norms, jacobian = lanes.norms.copy(), lanes.jacobian.copy()
     norms[np.arange(len(size)), iteration] = size
@@ -200,7 +201,7 @@ def _accepted(lanes: _Iterates, steps: Array, values: Array, tolerance: float, q
 
 
 def _refused(lanes: _Iterates, why: Words, tolerance: float) -> _Iterates:
-    """The lanes after steps that gain nothing: an old Jacobian is to blame, or else the step's length."""
+    """Refuses steps that do not reduce the residual: recomputes an old Jacobian, or else shortens the step."""
     begins = lanes.iteration < 0
     damping = np.where(lanes.fresh, 0.5 * lanes.damping, 1.0)
     left = np.where(lanes.norm <= NOISE * tolerance, CONVERGED, NO_PROGRESS)
@@ -210,7 +211,7 @@ def _refused(lanes: _Iterates, why: Words, tolerance: float) -> _Iterates:
 
 
 def _differentiated(lanes: _Iterates, values: Array, why: Words) -> _Iterates:
-    """The lanes after forward differences with these values, (n, k, k), a row for each unknown."""
+    """Takes the Jacobians from forward differences with these values, (n, k, k), one row for each unknown."""
     whole = np.asarray(np.isfinite(values).all(axis=(1, 2), keepdims=True))
     return replace(
         _with_jacobian(lanes, np.where(whole, np.swapaxes(values - lanes.residual[:, None], 1, 2) / STEP, 0.0)),
@@ -220,36 +221,36 @@ def _differentiated(lanes: _Iterates, values: Array, why: Words) -> _Iterates:
 
 
 def _with_jacobian(lanes: _Iterates, jacobian: Array) -> _Iterates:
-    """The lanes with Jacobians at where they are."""
+    """Returns the lanes with Jacobians at their present iterates."""
     n = len(jacobian)
     fresh, damping, differs = np.ones(n, dtype=bool), np.ones(n), np.zeros(n, dtype=bool)
     return replace(lanes, jacobian=jacobian, fresh=fresh, damping=damping, differs=differs)
 
 
 def broyden(jacobian: Array, step: Array, change: Array) -> Array:
-    """Broyden's update of Jacobians, (n, k, k), after steps with changes of the residual, (n, k) each."""
+    """Updates Jacobians, (n, k, k), by Broyden's method after steps and changes of the residual, (n, k) each."""
     missed = change - applied(jacobian, step)
     return np.asarray(jacobian + missed[:, :, None] * (step / (step * step).sum(axis=1, keepdims=True))[:, None, :])
 
 
 def first_words(why: Words) -> Words:
-    """Of each row of words, (n, m), the first that is one; "" where none is."""
+    """Returns the first word in each row, (n, m), that is not empty; "" if all are."""
     return np.array([next((word for word in row if word), "") for row in why], dtype=object)
 
 
 def stencil(k: int, step: float = STEP) -> Array:
-    """Offsets of k unknowns at which central differences are taken, (2 k, k)."""
+    """Returns the offsets of k unknowns for central differences, (2 k, k)."""
     return step * np.concatenate([np.eye(k), -np.eye(k)])
 
 
 def differentiated(values: Array, step: float = STEP) -> Array:
-    """Jacobians, (n, r, k), of the values on a stencil, (n, 2 k, r)."""
+    """Returns the Jacobians, (n, r, k), from the values on a stencil, (n, 2 k, r)."""
     k = values.shape[1] // 2
     return np.swapaxes(values[:, :k] - values[:, k:], 1, 2) / (2.0 * step)
 
 
 def jacobian(evaluate: Evaluate, x: Array, step: float = STEP) -> tuple[Array, str]:
-    """Jacobian of one lane's function by central differences, (r, k), and why there is none, "" where there is."""
+    """Returns one lane's Jacobian by central differences, (r, k), and why there is none, "" if there is one."""
     offsets = stencil(len(x), step)
     values, why = evaluate(np.zeros(len(offsets), dtype=np.int64), x + offsets)
     return differentiated(values[None], step)[0], first_words(why[None])[0]

@@ -1,6 +1,6 @@
-"""Orders of events: what happens in a cycle, one after the other, and in which domain each.
+"""Orders of events: the sequence of events in a cycle, each with its domain.
 
-Where the order is the same the return map is smooth; it is another on the two sides of a border.
+The return map is smooth where the order of events is the same. On the two sides of a border the orders differ.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ class Happening(NamedTuple):
     """An event of a cycle.
 
     Attributes:
-        domain: in which it happened.
-        name: of the event.
-        time: in s, since whenever.
-        passes: whether it is a guard's and only latches, within its phase.
-        leaves: whether it is a guard's and ends the phase.
+        domain: name of the domain in which it happened.
+        name: name of the event.
+        time: time of the event, in s, from any origin.
+        passes: whether the event is a guard's and only latches, within its phase.
+        leaves: whether the event is a guard's and ends the phase.
     """
 
     domain: str
@@ -36,17 +36,17 @@ class Happening(NamedTuple):
 
 
 def happening(domain: Domain, event: Guard | Switch, reset: Reset | None, name: str, time: float) -> Happening:
-    """An event of a domain under a name."""
+    """Makes a happening of a domain's event, with a name and a time."""
     guarded = isinstance(event, Guard)
     leaves, latches = reset is None or reset.phase is not None, reset is not None and reset.latch is not None
     return Happening(domain.name, name, time, guarded and latches and not leaves, guarded and leaves)
 
 
 def in_order(happenings: Sequence[Happening]) -> Order:
-    """The order of events.
+    """Returns the order of events.
 
-    A guard that latches something in the instant in which another ends the phase is left out, such as that of a spring
-    that is slack at lift-off: which comes first is rounding.
+    A guard that only latches in the instant in which another ends the phase is left out, for instance a spring that
+    goes slack at lift-off: rounding decides which comes first.
     """
     kept: list[Happening] = []
     for each in happenings:
@@ -57,7 +57,7 @@ def in_order(happenings: Sequence[Happening]) -> Order:
 
 
 def order_of(system: HybridSystem, result: Run) -> Order:
-    """The order of the events of a run; of its last whole cycle, if there is one."""
+    """Returns the order of the events of a run, of its last whole cycle if there is one."""
     events = result.events
     closed = [i + 1 for i, event in enumerate(events) if event.name == system.section]
     if result.cycles:
@@ -65,7 +65,7 @@ def order_of(system: HybridSystem, result: Run) -> Order:
     guards = {(domain.name, guard.name): (domain, guard) for domain in system.domains for guard in domain.guards}
     found = []
     for event in events:
-        if (event.domain, event.name) not in guards:  # scheduled, or of motion on a switching surface
+        if (event.domain, event.name) not in guards:  # a scheduled event, or one of motion on a switching surface
             found.append(Happening(event.domain, event.name, event.time, False, False))
             continue
         domain, guard = guards[event.domain, event.name]
@@ -75,7 +75,7 @@ def order_of(system: HybridSystem, result: Run) -> Order:
 
 
 def said(order: Order) -> str:
-    """An order in a line: domains, and behind each what happens in it."""
+    """Writes an order in a line: domains, and after each its events."""
     words: list[str] = []
     domain = ""
     for name, event in order:
@@ -85,7 +85,7 @@ def said(order: Order) -> str:
 
 
 def differing(before: Order, after: Order) -> tuple[Order, Order]:
-    """What of two orders is not the same, between what begins and what ends alike."""
+    """Returns the parts in which two orders differ, without their common beginning and end."""
     first, shorter = 0, min(len(before), len(after))
     while first < shorter and before[first] == after[first]:
         first += 1

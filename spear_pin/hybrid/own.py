@@ -1,6 +1,6 @@
-"""Functions that are not of this package: what a mistake in one of them is, and how it is told.
+"""User functions, which are not of this package: recognises mistakes in them, and reports them.
 
-A mistake comes out as `BadFunction`, with the exception as its cause. Numerical failure is none: where a number
+A mistake is raised as `BadFunction`, with the exception as its cause. Numerical failure is no mistake: if a number
 overflows or a matrix is singular there is no value, and the run ends with a reason.
 """
 
@@ -23,28 +23,28 @@ PACKAGE = __name__.partition(".")[0]
 HERE = str(Path(__file__).parents[1])
 INSTALLED = tuple({sysconfig.get_path(kind) for kind in ("stdlib", "purelib", "platlib")})
 NUMERICAL = (OverflowError, FloatingPointError, np.linalg.LinAlgError)
-FOR_SYMBOLS = TypeError, ValueError, AttributeError  # what functions raise for symbols that are right with numbers
-OUTSIDE = "math domain error", "expected a "  # how what `math` raises begins where a function has no value
-FAR = 1e9  # of a state: that a function has no value beyond it is no mistake
+FOR_SYMBOLS = TypeError, ValueError, AttributeError  # raised for symbols by functions that are right with numbers
+OUTSIDE = "math domain error", "expected a "  # beginnings of the errors of `math` where a function has no value
+FAR = 1e9  # size of a state beyond which it is no mistake that a function has no value
 
 
 def is_own(function: Any) -> bool:
-    """Whether a function, or the class of an object, is not of this package."""
+    """Tells whether a function, or the class of an object, is not of this package."""
     return str(getattr(function, "__module__", "")).partition(".")[0] != PACKAGE
 
 
 def is_numerical(error: Exception) -> bool:
-    """Whether an exception says that a number is too large, or a matrix singular."""
+    """Tells whether an exception means that a number is too large, or a matrix singular."""
     return isinstance(error, NUMERICAL)
 
 
 def has_no_value(error: BaseException | None) -> bool:
-    """Whether an exception says that a function of `math` has no value there."""
+    """Tells whether an exception means that a function of `math` has no value there."""
     return isinstance(error, ValueError) and str(error).startswith(OUTSIDE)
 
 
 def refuse_in_law(name: str) -> None:
-    """Refuse a law's question for a force that its own torques cause.
+    """Refuses a law's request for a force that depends on its own torques.
 
     Raises:
         TypeError: always.
@@ -53,12 +53,12 @@ def refuse_in_law(name: str) -> None:
 
 
 def mistake(what: str, function: Any, problem: Exception | str) -> BadFunction:
-    """What to raise for a mistake.
+    """Returns the exception to raise for a mistake.
 
     Args:
-        what: the function is, such as "law of domain 'stance'".
+        what: description of the function, such as "law of domain 'stance'".
         function: the function, or an object that is called.
-        problem: what it raises, or what is wrong with its answer.
+        problem: the exception that it raises, or the error in its answer.
     """
     while isinstance(function, partial):
         function = function.func
@@ -75,7 +75,7 @@ def mistake(what: str, function: Any, problem: Exception | str) -> BadFunction:
 
 
 def not_symbolic(what: str, function: Any, error: Exception) -> NotSymbolic:
-    """What to raise where a function that is right with numbers does not take symbols, or arrays of lanes."""
+    """Returns the exception to raise if a function that takes numbers does not take symbols, or arrays of lanes."""
     place = mistake(what, function, error)
     hint = "elementary functions come from ops, and nothing branches on a value"
     where = f" ({place.file}:{place.line})" if place.file else ""
@@ -83,10 +83,10 @@ def not_symbolic(what: str, function: Any, error: Exception) -> NotSymbolic:
 
 
 def torques(what: str, function: Any, answer: Any, joints: Sequence[str]) -> list[Any]:
-    """The answer of a law as torques, of whatever scalars.
+    """Returns the answer of a law as torques, with scalars of any kind.
 
     Raises:
-        BadFunction: it is not one scalar for each joint.
+        BadFunction: the answer is not one scalar for each joint.
     """
     expected = f"a torque for each of {', '.join(joints)}"
     try:
@@ -99,10 +99,10 @@ def torques(what: str, function: Any, answer: Any, joints: Sequence[str]) -> lis
 
 
 def scalar(what: str, function: Any, answer: Any, of: str = "") -> Any:
-    """An answer as a scalar: a float of a number, anything else that may be one as it is.
+    """Returns an answer as a scalar: a float for a number, any other possible scalar unchanged.
 
     Raises:
-        BadFunction: it is none.
+        BadFunction: the answer is no scalar.
     """
     if type(answer) is float:
         return answer
@@ -115,15 +115,15 @@ def scalar(what: str, function: Any, answer: Any, of: str = "") -> Any:
 
 
 def _is_scalar(answer: Any) -> bool:
-    """Whether an answer may be a number, of whatever kind."""
+    """Tells whether an answer may be a scalar of any kind."""
     return answer is not None and not isinstance(answer, (complex, str, bytes, Sequence, Mapping, Set))
 
 
 def number(what: str, function: Any, answer: Any, of: str = "") -> float:
-    """An answer as a number, which need not be finite.
+    """Returns an answer as a number, which need not be finite.
 
     Raises:
-        BadFunction: it is none.
+        BadFunction: the answer is no number.
     """
     found = scalar(what, function, answer, of)
     if isinstance(found, np.ndarray) and found.ndim == 0 and found.dtype.kind in "fiub":
@@ -135,10 +135,10 @@ def number(what: str, function: Any, answer: Any, of: str = "") -> float:
 
 
 def held(what: str, function: Any, answer: Any) -> Mapping[str, Any]:
-    """The answer of a latch as what is held.
+    """Returns the answer of a latch as held values.
 
     Raises:
-        BadFunction: it is no mapping from names, or a number in it is none.
+        BadFunction: the answer is no mapping from names, or a value in it is no number.
     """
     if not isinstance(answer, Mapping) or not all(isinstance(name, str) for name in answer):
         expected = 'what is held by name, such as {"rest": q[2]}'
@@ -152,22 +152,23 @@ def held(what: str, function: Any, answer: Any) -> Mapping[str, Any]:
 
 
 def _flat(value: Any) -> list[Any]:
-    """The entries of tuples in tuples, or what is none alone."""
+    """Returns the entries of nested tuples, or a list of the value itself if it is no tuple."""
     return [each for part in value for each in _flat(part)] if isinstance(value, tuple) else [value]
 
 
 def asked(what: str, function: Any, call: Callable[[], Any]) -> Any:
-    """Answer of a function to numbers.
+    """Calls a function with numbers, and returns its answer.
 
     Args:
-        what: it is.
+        what: description of the function.
         function: the function.
-        call: calls it.
+        call: calls the function.
 
     Raises:
-        BadFunction: there is a mistake in it; `has_no_value` of its cause says that it may have a value elsewhere.
-        ArithmeticError: there is no value, for numbers are too large.
-        numpy.linalg.LinAlgError: there is no value, for a matrix is singular.
+        BadFunction: there is a mistake in the function; `has_no_value` of its cause tells whether it may have a value
+            elsewhere.
+        ArithmeticError: there is no value, as numbers are too large.
+        numpy.linalg.LinAlgError: there is no value, as a matrix is singular.
     """
     try:
         return call()
@@ -180,7 +181,7 @@ def asked(what: str, function: Any, call: Callable[[], Any]) -> Any:
 
 
 def _raised_at(trace: TracebackType | None) -> tuple[str, int] | None:
-    """File and line of the last call in a traceback that is not in this package, nor in a library."""
+    """Returns file and line of the last call in a traceback that is neither in this package nor in a library."""
     found = None
     while trace is not None:
         file = trace.tb_frame.f_code.co_filename

@@ -1,4 +1,4 @@
-"""Systems made of others: with other numbers, by the names of law, springs and ground, or changed as a whole."""
+"""Makes systems from others: with other numbers, named as fields of law, springs and ground, or changed as a whole."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ OF_GROUND = {"friction": "1", "slope": "rad", "height": "m"}
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
-    """System with other parameters, named as fields of its law, spring or contact; the given one is left alone.
+    """Returns a system with other parameters, named as fields of its law, spring or contact; the given one is kept.
 
     Raises:
         UnknownName: no part has a numeric field of that name.
@@ -40,10 +40,10 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
 
 
 def rebuilt(system: HybridSystem, **parts: Any) -> HybridSystem:
-    """System with another law, spring or contact; what was changed or replaced in the given one stays so.
+    """Returns a system with another law, spring or contact; changed and replaced parts of the given one are kept.
 
     Raises:
-        BadValue: its domains were replaced, and not by `changed`: nobody knows what they were to be with other numbers.
+        BadValue: its domains were replaced, and not by `changed`, so that they are not defined for other numbers.
     """
     kept = replaced(system)
     again = system.build(system.robot, **{part: getattr(system, part) for part in PARTS} | parts)
@@ -51,14 +51,14 @@ def rebuilt(system: HybridSystem, **parts: Any) -> HybridSystem:
 
 
 def changed(system: HybridSystem, change: Change) -> HybridSystem:
-    """A system changed by a function, as are all that are rebuilt from it: by `with_parameters`, searches and sweeps.
+    """Changes a system by a function; systems rebuilt from it by `with_parameters`, searches and sweeps change alike.
 
-    For what the numbers of law, springs and ground do not say, such as a guard more or dry friction.
+    Use it for changes beyond the numbers of law, springs and ground, such as another guard or dry friction.
 
     Args:
         system: the system.
-        change: makes another of a system, with `dataclasses.replace`. To go into a sweep it has to be a dataclass that
-            is called: by its name and its fields one sweep is told from another.
+        change: makes another system from a system, with `dataclasses.replace`. For sweeps it has to be a callable
+            dataclass, whose name and fields identify the sweep.
     """
     build, after = system.build, change(system)
     before = {name: system.made[name] for name in REPLACED if getattr(system, name) != system.made[name]}
@@ -72,10 +72,10 @@ def changed(system: HybridSystem, change: Change) -> HybridSystem:
 
 
 def replaced(system: HybridSystem) -> dict[str, Any]:
-    """Fields of a system that were replaced since it was made, other than by `changed`.
+    """Returns the fields of a system that were replaced since it was made, other than by `changed`.
 
     Raises:
-        BadValue: its domains are among them.
+        BadValue: the domains were replaced.
     """
     others = {name: getattr(system, name) for name in REPLACED if getattr(system, name) != system.made[name]}
     if "domains" in others:
@@ -85,16 +85,16 @@ def replaced(system: HybridSystem) -> dict[str, Any]:
 
 
 def limits(system: HybridSystem) -> dict[str, Any]:
-    """The limits that were set in a system, by name, which `dataclasses.replace` sets in another."""
+    """Returns the limits that were set in a system, by name, for `dataclasses.replace` to set in another."""
     return {name: getattr(system, name) for name in LIMITS}
 
 
 def parameter(system: HybridSystem, name: str) -> float:
-    """Value of a parameter named as a field of the law, spring or contact.
+    """Returns the value of a parameter named as a field of the law, spring or contact.
 
     Raises:
         UnknownName: no part has a numeric field of that name.
-        BadValue: the field has no number in it to begin from.
+        BadValue: the field holds no number to begin from.
     """
     part, inner = _owner(system, name)
     owner = _parts(system)[part]
@@ -105,13 +105,13 @@ def parameter(system: HybridSystem, name: str) -> float:
 
 
 def number(system: HybridSystem, name: str) -> float:
-    """Value of a number of the law, the springs, the ground, or the robot.
+    """Returns the value of a number of the law, the springs, the ground, or the robot.
 
-    Of a robot there are those of `model.variants`, and of its bodies those of `model.numbers`.
+    A robot has the numbers of `model.variants`, and its bodies have the numbers of `model.numbers`.
 
     Raises:
         UnknownName: nothing has a number of that name.
-        BadValue: the field has no number in it to begin from.
+        BadValue: the field holds no number to begin from.
     """
     robot = system.robot
     if name in parameters_of(robot):
@@ -126,7 +126,7 @@ def number(system: HybridSystem, name: str) -> float:
 
 
 def nonzero(system: HybridSystem, names: Iterable[str]) -> tuple[str, ...]:
-    """Those of some names that a system has a number of, other than zero."""
+    """Returns those names for which a system has a number other than zero."""
     found = []
     for name in names:
         with suppress(SpearError):
@@ -136,7 +136,7 @@ def nonzero(system: HybridSystem, names: Iterable[str]) -> tuple[str, ...]:
 
 
 def unit(system: HybridSystem, name: str) -> str:
-    """Unit of a number of the robot, the law, which may name its units, the springs or the ground; else empty."""
+    """Returns the unit of a number of the robot, the law (if it names units), the springs or the ground; else ""."""
     if name in parameters_of(system.robot):
         return PARAMETERS[name].unit
     bodies = body_numbers(system.robot)
@@ -145,11 +145,11 @@ def unit(system: HybridSystem, name: str) -> str:
 
 
 def with_numbers(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
-    """System with other numbers, by the names of `number`; the given one is left alone.
+    """Returns a system with other numbers, by the names of `number`; the given one is left unchanged.
 
     Raises:
         UnknownName: nothing has a number of that name.
-        BadValue: a value is not valid for what it is of.
+        BadValue: a value is not valid for its number.
     """
     robot = system.robot
     varied = {name: float(value) for name, value in values.items() if name in parameters_of(robot)}
@@ -166,12 +166,12 @@ def with_numbers(system: HybridSystem, values: Mapping[str, float]) -> HybridSys
 
 
 def _parts(system: HybridSystem) -> dict[str, Any]:
-    """Law, spring and all that the ground may be."""
+    """Returns the parts with numbers: law, spring, and ground or contact."""
     return dict(zip(PARTS, (system.law, system.spring, system.ground), strict=True))
 
 
 def _owner(system: HybridSystem, name: str) -> tuple[str, str | None]:
-    """The part that has a number of a name, and the field of it that does if that is a dataclass of its own."""
+    """Returns the part that has a number of a name, and its field if the number lies in a dataclass within the part."""
     owners: dict[str, tuple[str, str | None]] = {}
     for part, whole in _parts(system).items():
         for field in fields(whole):
@@ -191,15 +191,15 @@ def _numeric(owner: Any, name: str) -> bool:
 
 @typed
 def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSystem:
-    """System with hardware, or without; rebuilt systems keep it.
+    """Returns the system with hardware, or without any; rebuilt systems keep it.
 
-    Where a robot's legs are pairs, an actuator drives both of a joint: twice the inertia, half the resistance.
+    If a robot's legs are pairs, an actuator drives both joints of a pair: twice the inertia, half the resistance.
 
-    Currents, heat and clock start at zero in every run, those of a return map too: a gait found with such
-    hardware is periodic in (q, v) alone, and its multipliers leave the others out.
+    Currents, heat and clock start at zero in every run, including those of a return map. A gait found with such
+    hardware is periodic only in (q, v), and its multipliers leave out the states of the hardware.
 
     Raises:
-        BadValue: not as many actuators as the robot has actuated joints.
+        BadValue: the number of actuators is not that of the robot's actuated joints.
     """
     if hardware is None and system.hardware is None:
         return system
@@ -208,16 +208,16 @@ def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSyst
 
 @dataclass(frozen=True)
 class Fitted:
-    """The change that it makes.
+    """The change of a system that sets its hardware.
 
     Attributes:
-        hardware: between law and joints; None takes it away.
+        hardware: hardware between law and joints; None removes it.
     """
 
     hardware: Hardware | None
 
     def __call__(self, system: HybridSystem) -> HybridSystem:
-        """The system with it, or without."""
+        """Returns the system with the hardware, or without any."""
         count = system.robot.nu if self.hardware is None else len(self.hardware.actuators)
         if count != system.robot.nu:
             raise BadValue("actuators", count, f"{system.robot.nu}, one for each of {system.robot.actuated}")

@@ -1,4 +1,4 @@
-"""Linear algebra of many lanes at once. A lane's numbers depend on that lane alone, to the last digit."""
+"""Linear algebra of many lanes at once. A lane's results depend exactly on that lane alone."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from spear_pin.arrays import Array
 
 
 def null_spaces(rows: Array) -> Array:
-    """Orthonormal bases of the null spaces of matrices, (n, r, m), of one rank, as columns, (n, m, m - rank)."""
+    """Returns orthonormal bases of null spaces, as columns, (n, m, m - rank), of matrices of one rank, (n, r, m)."""
     _, sizes, right = np.linalg.svd(rows, full_matrices=True)
     small = np.finfo(float).eps * max(rows.shape[1:]) * sizes.max(axis=1, initial=0.0, keepdims=True)
     rank = int((sizes > small).sum(axis=1).min(initial=sizes.shape[1]))
@@ -18,5 +18,5 @@ def null_spaces(rows: Array) -> Array:
 
 
 def applied(matrices: Any, vectors: Any) -> Array:
-    """Each matrix times its vector, summed in the same order whatever the number of lanes."""
+    """Multiplies each matrix by its vector, and sums in the same order for any number of lanes."""
     return np.asarray((matrices * np.asarray(vectors)[:, None, :]).sum(axis=2))

@@ -18,16 +18,16 @@ from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting
 from spear_pin.hybrid.spatial_section import seen
 from spear_pin.hybrid.translation import translations, without
 
-EVALUATIONS = 60_000  # right-hand sides of one cycle; a gait's takes some thousands, even near an rtol of 1e-13
+EVALUATIONS = 60_000  # most right-hand sides of one cycle; a gait's cycle takes some thousands, even at rtol 1e-13
 
 
 def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:
-    """One cycle from a state on the section, P of (4.11); a result with a reason if it does not return."""
+    """Runs one cycle from a state on the section, P of (4.11); the result has a reason if it does not return."""
     return run(system, state, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
 
 
 def displacement(system: HybridSystem, before: State, after: State) -> Array:
-    """P(x) - x over (q, v), without translation along the ground; in space as of `spatial_section.seen`."""
+    """Returns P(x) - x over (q, v), without translation along the ground; in space see `spatial_section.seen`."""
     if system.section_toes:
         (q, v), (q_after, v_after) = seen(system, before), seen(system, after)
         return np.concatenate([q_after - q, v_after - v])
@@ -35,17 +35,18 @@ def displacement(system: HybridSystem, before: State, after: State) -> Array:
 
 
 def residual(system: HybridSystem, state: State, rtol: float = 1e-10) -> float:
-    """‖P(x) - x‖∞ of (4.12), in m, rad, m/s, rad/s; infinite if the cycle does not close."""
+    """Returns ‖P(x) - x‖∞ of (4.12), in m, rad, m/s, rad/s; infinite if the cycle does not close."""
     result = return_map(system, state, rtol)
     return float(np.abs(displacement(system, state, result.state)).max()) if result.cycles else np.inf
 
 
 def one_by_one(cycle: Callable[[State, Array], tuple[Run, Array] | str], measures: int = 0) -> Cycle:
-    """Cycles of lanes, run one after the other; of a lane none after one that does not close.
+    """Returns a function that runs the cycles of lanes one after the other; a lane ends with one that does not close.
 
     Args:
-        cycle: runs one from a state with values of what varies; the run with its measures, or why there is none.
-        measures: how many there are.
+        cycle: runs one cycle from a state with values of the varied parameters; returns the run with its measures, or
+            why there is none.
+        measures: number of measures.
     """
 
     def cycles(lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
@@ -99,7 +100,7 @@ def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: f
 def eigenvalues(matrices: Array) -> NDArray[np.complex128]:
     """Eigenvalues by decreasing modulus, (..., d).
 
-    Of a pair, the one above the real axis comes first, however rounding falls.
+    Of a conjugate pair, the one above the real axis comes first, independent of rounding.
     """
     values = np.linalg.eigvals(matrices).astype(np.complex128)
     order = np.lexsort((-values.imag, -np.round(np.abs(values), 9)), axis=-1)

@@ -25,21 +25,21 @@ def contact_domains(
     *,
     clear: float | None = None,
 ) -> tuple[Domain, ...]:
-    """The domains of a phase in which the toes marked "stick" in `domain` are on the ground.
+    """Makes the domains of a phase in which the toes marked "stick" in `domain` are on the ground.
 
-    Sticking comes first, then every combination with slip; each gets the guards of its contacts
-    ahead of its own: lift-off, slip, stick, and the end of the slip equation's validity. A toe that
-    the impact on entering lifts off, while another stays, leaves by its lift-off at once.
+    Sticking comes first, then every combination with slip. Each domain gets the guards of its contacts
+    before its own: lift-off, slip, stick, and the end of the slip equation's validity. If the impact on
+    entering lifts a toe off while another stays, that toe leaves by its lift-off immediately.
 
     Args:
         domain: the phase with its toes sticking.
         toes: names of the robot's toes.
-        lift_off: what happens when a toe's normal force falls to zero; by toe if it depends on the
-            toe, and then the event of "front_toe" is named "front_lift_off".
-        first: guards that win a tie with those of the contacts.
-        ways: modes in which a toe may slide: in the plane either way, in space along a direction of its own.
-        clear: height, in m, up to which a toe whose force fell to zero bounces: it stays in its phase, and its lift-off
-            is where it gets higher. Without it, it lifts off where its force ends.
+        lift_off: reset when a toe's normal force falls to zero. If it depends on the toe it is a mapping by toe, and
+            the event of "front_toe" is named "front_lift_off".
+        first: guards that win a tie with the guards of the contacts.
+        ways: modes in which a toe may slide: in the plane either way, in space along its own direction.
+        clear: height, in m, up to which a toe whose force fell to zero bounces: it stays in its phase, and lifts off
+            when it gets higher. Without `clear` a toe lifts off when its force ends.
     """
     modes = (STICK, *ways) if clear is None else (STICK, *ways, OPEN)
     choices = [modes if mode == STICK else (mode,) for mode in domain.contacts]
@@ -72,5 +72,5 @@ def _leg(toe: str) -> str:
 
 
 def _lift_off(toe: str, lift_off: Reset | Mapping[str, Reset]) -> tuple[str, Reset]:
-    """Name and reset of a toe's lift-off."""
+    """Returns name and reset of a toe's lift-off."""
     return ("lift_off", lift_off) if isinstance(lift_off, Reset) else (f"{_leg(toe)}_lift_off", lift_off[toe])

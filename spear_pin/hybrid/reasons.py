@@ -1,4 +1,4 @@
-"""Why runs end."""
+"""Reasons why runs end."""
 
 REASONS = {
     "complete": "all cycles were run",

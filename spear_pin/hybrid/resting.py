@@ -1,4 +1,4 @@
-"""Toes at rest on the ground that no phase leaves at rest: which of them bear, which alternate, which leave."""
+"""Toes at rest on the ground that no phase leaves at rest: decides which of them bear, alternate or leave."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ BEARS, ALTERNATES, LEAVES = range(3)
 
 
 def resting(system: HybridSystem, flow: Flow, y: Array, tried: Sequence[Domain] = ()) -> Sliding | None:
-    """Motion in which toes at rest on the ground alternate, whatever phases would follow each other there.
+    """Finds a motion in which toes at rest on the ground alternate, for any sequence of phases.
 
-    Each toe's switch acts by itself: a toe that bears has it closed, one that leaves has it open, one that does
-    neither alternates. Of what is consistent that with the most toes bearing is taken, then the fewest leaving.
+    Each toe's switch acts by itself: a bearing toe keeps it closed, a leaving toe keeps it open, any other toe
+    alternates. It takes the consistent motion with the most toes bearing, then with the fewest leaving.
 
     Args:
         system: the system.
         flow: the present motion.
         y: the state.
-        tried: motions that have ended in this instant already.
+        tried: motions that have already ended in this instant.
     """
     q, v = y[: system.robot.nq], y[system.robot.nq : system.robot.nq + system.robot.nv]
     feet = {toe: system.ground.foot(system.robot, q, toe) for toe in system.robot.toes}
@@ -39,7 +39,7 @@ def resting(system: HybridSystem, flow: Flow, y: Array, tried: Sequence[Domain] 
     for far, kinds in product((BEYOND[:1], BEYOND[1:]), ordered):
         try:
             found = _motion(system, flow, y, dict(zip(toes, kinds, strict=True)), far)
-        except KeyError:  # a leg that has never borne has latched nothing
+        except KeyError:  # a leg that has never borne has latched no values
             continue
         if found is not None and not any(_alike(found.domain, domain) for domain in tried):
             return found
@@ -47,7 +47,7 @@ def resting(system: HybridSystem, flow: Flow, y: Array, tried: Sequence[Domain] 
 
 
 def _alike(one: Domain, other: Domain) -> bool:
-    """Whether the same toes alternate and bear in two motions."""
+    """Tells whether the same toes alternate and bear in two motions."""
     bears = ([mode != OPEN for mode in domain.contacts] for domain in (one, other))
     return one.alternating == other.alternating and next(bears) == next(bears)
 
@@ -65,7 +65,7 @@ def _motion(system: HybridSystem, flow: Flow, y: Array, kinds: dict[str, int], f
     if found is None:
         return None
     index = Watch(found, 0.0, y).at_once
-    found(0.0, y)  # a moment ahead it has latched what holds there
+    found(0.0, y)  # so that it has latched the present values a moment ahead
     then = None if index == NONE else found.domain.guards[index]
     return found if then is None or not then.leaves or then.ends == "overload" else None
 
@@ -73,7 +73,7 @@ def _motion(system: HybridSystem, flow: Flow, y: Array, kinds: dict[str, int], f
 def _between(
     system: HybridSystem, held: Held, y: Array, toes: list[str], bearing: set[str]
 ) -> Alternation | Crossing | None:
-    """Alternation of one toe, or crossing of two, while others bear."""
+    """Returns the alternation of one toe, or the crossing of two, while others bear."""
     if len(toes) == 1:
         return _surface(system, held, y, toes[0], bearing)
     if len(toes) != 2:
@@ -92,7 +92,7 @@ def _between(
 
 
 def _surface(system: HybridSystem, held: Held, y: Array, toe: str, bearing: set[str]) -> Alternation | None:
-    """The two phases between which a toe alternates while others bear: each leads into the other."""
+    """Returns the alternation of a toe between two phases that lead into each other, while others bear."""
     for on, leave in _with(system, bearing | {toe}):
         for off, touch in _with(system, bearing):
             leaves, touches = leave.reset, touch.reset
@@ -105,7 +105,7 @@ def _surface(system: HybridSystem, held: Held, y: Array, toe: str, bearing: set[
 
 
 def _with(system: HybridSystem, bearing: set[str]) -> Iterator[tuple[str, Guard]]:
-    """The phases in which just these toes are on the ground, and the events that leave them."""
+    """Yields the phases in which exactly these toes are on the ground, and the events that leave them."""
     for phase in system.phases:
         domain = system.of_phase(phase)[0]
         closed = {toe for toe, mode in zip(system.robot.toes, domain.contacts, strict=True) if mode != OPEN}

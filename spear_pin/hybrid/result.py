@@ -18,13 +18,13 @@ State = tuple[Array, Array]
 
 @dataclass(frozen=True)
 class Moment:
-    """A point of a run from which it can go on: in the middle of a phase, with what is held there.
+    """A point in the middle of a phase, with the values held, from which a run can continue.
 
     Attributes:
         q: configuration, (nq,).
         v: velocity, (nv,).
         phase: name of the phase.
-        held: what is held.
+        held: held values.
         t: time since the phase began, in s.
     """
 
@@ -35,14 +35,14 @@ class Moment:
     t: float = 0.0
 
 
-SHORTEST_STEP = 1e-7  # s: shorter ones than this come to nothing
+SHORTEST_STEP = 1e-7  # s: shorter steps make no progress
 FINEST = 1e-13  # relative tolerance that doubles allow
 BOOKED = ("impact", "released")  # flows of energy that happen at events; the others are integrated
 
 
 @dataclass(frozen=True)
 class Piece:
-    """One accepted integration step, or its part up to an event; times are counted from the phase's beginning."""
+    """One accepted integration step, or its part up to an event; times count from the beginning of the phase."""
 
     begin: float
     end: float
@@ -55,11 +55,11 @@ class Segment:
 
     Attributes:
         domain: the domain.
-        held: what is held.
-        cycle: in which it is.
+        held: held values.
+        cycle: number of the cycle.
         began: absolute time of the phase's beginning, in s.
         pieces: steps of the integrator.
-        ended: what ends it; None for a knot of a spring's curve, and where it breaks off.
+        ended: event that ends the segment; None for a knot of a spring's curve, and where the motion breaks off.
     """
 
     domain: Domain
@@ -76,19 +76,19 @@ class Run:
 
     Attributes:
         start: (q, v) at the beginning.
-        state: (q, v) reached.
-        held: what is held there.
+        state: (q, v) at the end.
+        held: values held at the end.
         domain: the last domain.
-        segments: the motion, if it was kept and nobody took it.
-        events: what happened.
-        work: energy by flow of each whole cycle.
-        change: change of stored energy of each whole cycle.
-        stored: change of the energy in the hardware's inductances.
-        durations: seconds in each phase in the last whole cycle.
-        cycles: whole cycles run.
-        reason: why it ended, a key of `REASONS`.
-        detail: where or on what, in words.
-        evaluations: right-hand sides evaluated.
+        segments: the motion, if it was kept and not handed over.
+        events: the events.
+        work: energy by flow in each whole cycle, in J.
+        change: change of the stored energy in each whole cycle, in J.
+        stored: change of the energy in the hardware's inductances, in J.
+        durations: time in each phase in the last whole cycle, in s.
+        cycles: number of whole cycles.
+        reason: why the run ended, a key of `REASONS`.
+        detail: place or cause of the end, in words.
+        evaluations: number of right-hand sides evaluated.
     """
 
     start: State
@@ -112,10 +112,10 @@ class Run:
         return REASONS[self.reason] + (f" ({self.detail})" if self.detail else "")
 
     def event(self, name: str) -> Event:
-        """The last event of a name.
+        """Returns the last event with a name.
 
         Raises:
-            UnknownName: it did not happen.
+            UnknownName: no event with that name happened.
         """
         for event in reversed(self.events):
             if event.name == name:
@@ -126,12 +126,12 @@ class Run:
 @typed
 @dataclass(frozen=True)
 class Options:
-    """How a run is computed.
+    """Options for the computation of a run.
 
     Attributes:
-        rtol: relative tolerance of the integrator; of a system with hardware a tenth of it, 1e-13 at least.
-        atol: absolute tolerance; None means 0.01 rtol; of a system with hardware a tenth of it.
-        max_evaluations: cap on right-hand sides.
+        rtol: relative tolerance of the integrator; systems with hardware use a tenth of it, 1e-13 at least.
+        atol: absolute tolerance; None means 0.01 rtol; systems with hardware use a tenth of it.
+        max_evaluations: most evaluations of right-hand sides.
         keep: whether to keep the motion, as dense output, for sampling.
         max_step: longest step of the integrator, in s; None leaves it to the integrator, which takes 0.05 s at most.
     """
@@ -143,7 +143,7 @@ class Options:
     max_step: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         if not FINEST <= self.rtol <= 1e-2:
             raise BadValue("rtol", self.rtol, "a number from 1e-13 to 1e-2")
         if not self.max_evaluations >= 1:

@@ -1,4 +1,4 @@
-"""The event-exact run of a hybrid system: integrate, find the event, reset, choose the next domain.
+"""Runs a hybrid system event-exactly: integrates, finds the event, resets, chooses the next domain.
 
 Integration is restarted at every event and at every scheduled switch of a torque.
 """
@@ -31,7 +31,7 @@ from spear_pin.hybrid.stored import in_inductances, in_mechanism, in_springs
 from spear_pin.hybrid.strikes import Overlap, struck
 from spear_pin.hybrid.trajectory import Event
 
-NOTHING = 1e-12  # J: a spring that was latched in this instant
+NOTHING = 1e-12  # J: energy of a spring that was latched in this instant
 
 
 def run(
@@ -42,21 +42,21 @@ def run(
     on_cycle: Callable[[int], object] = lambda n: None,
     on_segment: Callable[[Segment], object] | None = None,
 ) -> Run:
-    """Run whole cycles from a state (q, v), on the section or in the air, or from a moment of another run.
+    """Runs whole cycles from a state (q, v), on the section or in the air, or from a moment of another run.
 
-    Numerical and physical failure end the run with a reason; nothing is raised for them.
+    Numerical and physical failures end the run with a reason, and raise no exception.
 
     Args:
         system: robot, law and ground.
         state: (q, v), or a moment of another run.
-        cycles: number of whole cycles; of a system without a section none closes, and it runs until it ends.
-        options: how it is computed.
-        on_cycle: told the number of cycles after each of them.
-        on_segment: takes each segment when it is over; without it a motion that is kept is in the result.
+        cycles: number of whole cycles; a system without a section closes none, and runs until it ends.
+        options: options for the computation.
+        on_cycle: called with the number of cycles after each cycle.
+        on_segment: called with each segment when it is over; without it the result has the motion, if it is kept.
 
     Raises:
         BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
-        BadFunction: there is a mistake in a law, a guard, a latch, a spring or a ground of one's own.
+        BadFunction: there is a mistake in a user's law, guard, latch, spring or ground.
     """
     runner = _Runner(system, state, cycles, options, on_cycle)
     kept = runner.run.segments.append if options.keep else lambda segment: None
@@ -66,7 +66,7 @@ def run(
 
 
 class _Runner:
-    """The loop's variables: time, state, phase, what is held."""
+    """The variables of the loop: time, state, phase, held values."""
 
     def __init__(
         self,
@@ -91,12 +91,12 @@ class _Runner:
         self.t, self.began, self.switches = begun, -begun, 0  # t counts from the phase's beginning
         self.booked: dict[str, float] = defaultdict(float)
         self.spent: dict[str, float] = defaultdict(float)
-        self.came: tuple[Domain, Reset] | None = None  # from where the present phase was entered
-        self.grounded = np.full(len(self.robot.toes), -np.inf)  # when each toe was last on the ground
+        self.came: tuple[Domain, Reset] | None = None  # the domain and reset that led into the phase
+        self.grounded = np.full(len(self.robot.toes), -np.inf)  # time at which each toe was last on the ground
         self.overlap = Overlap(system.overlap)
         self.instant_events, self.cycle_events, self.last_event = 0, 0, -math.inf
-        self.instant: list[Reset] = []  # into other phases, of the present instant
-        self.tried: list[Domain] = []  # motion of toes at rest that began in it
+        self.instant: list[Reset] = []  # resets into other phases in the present instant
+        self.tried: list[Domain] = []  # motions of toes at rest that began in this instant
         self.on_section = bool(system.section) and phase in system.section_phases and begun == 0.0
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
@@ -104,7 +104,7 @@ class _Runner:
         self.accuracy = accuracy(options, system.hardware)
 
     def go(self, on_segment: Callable[[Segment], object]) -> None:
-        """Run to the end."""
+        """Runs to the end."""
         while not self.run.reason:
             segment = Segment(self.flow.domain, self.flow.held, self.run.cycles + self.on_section, self.began)
             self._segment(segment)
@@ -114,7 +114,7 @@ class _Runner:
         self.run.held, self.run.domain = self.flow.held, self.flow.domain
         self.run.evaluations += self.flow.evaluations
 
-    # one domain, from entering it to the event that ends it
+    # one domain, from its entry to the event that ends it
 
     def _segment(self, segment: Segment) -> None:
         watch = Watch(self.flow, self.t, self.y)
@@ -136,7 +136,7 @@ class _Runner:
                 self._happen(event)
 
     def _leave(self, guard: Guard) -> None:
-        """An event as soon as the domain is entered, which may be the begin of motion on a switching surface."""
+        """Carries out an event on entering the domain, which may begin motion on a switching surface."""
         chatter = self._chatter(guard)
         if chatter is None:
             self._happen(guard)
@@ -145,9 +145,9 @@ class _Runner:
             self._move_to(chatter)
 
     def _move(self, segment: Segment, watch: Watch, until: float) -> Guard | None:
-        """Integrate up to the first event, which is returned, or the scheduled one.
+        """Integrates up to the first event, or the scheduled one, and returns it.
 
-        None where motion breaks off, or only passes a knot of a spring's curve, from which it is integrated anew.
+        Returns None if the motion breaks off, or only passes a knot of a spring's curve, where integration restarts.
         """
         keep, most = self.options.keep, self.options.max_evaluations - self.run.evaluations
         motion = integrated(self.flow, watch, self.t, self.y, until, self.accuracy, keep=keep, most=most)
@@ -164,7 +164,7 @@ class _Runner:
         return motion.event
 
     def _scheduled(self) -> Guard | None:
-        """What is due now, as an event."""
+        """Returns the scheduled event that is due now."""
         switch = self.flow.domain.switch
         if switch is None or self.t < rules.due(self.flow.domain, self.switches, self.system.law):
             self._overdue()
@@ -202,10 +202,10 @@ class _Runner:
             self._close_cycle()
 
     def _reset(self, name: str, reset: Reset) -> Held:
-        """Reset the state at an event, record and book it; returns what is held then.
+        """Resets the state at an event, records the event and books its energy; returns the values held after it.
 
         Raises:
-            _Undefined: its impact, or what it latches, has no value.
+            _Undefined: its impact, or its latch, has no value.
         """
         nq, nv, held = self.robot.nq, self.robot.nv, self.flow.held
         q, v = self.y[:nq], self.y[nq : nq + nv]
@@ -232,7 +232,7 @@ class _Runner:
         return held
 
     def _choose(self, reset: Reset, phase: str, held: Held) -> None:
-        """Go on in the domain that fits after an event, on switching surfaces if it was within a phase on them."""
+        """Continues after an event in the domain that fits, or on switching surfaces if it was on them before."""
         stays = None if reset.phase is not None else going_on(self.system, self.flow, held, self.y)
         flow = stays or choose(self.system, phase, held, self.t, self.y)
         if reset == Reset():
@@ -241,7 +241,7 @@ class _Runner:
         self._move_to(flow)
 
     def _enter(self, phase: str, spent_in: str) -> None:
-        """Begin a phase: its clock and its switches start anew; the time since the last began counts to `spent_in`."""
+        """Begins a phase with new clock and switches; the time since the last phase began counts to `spent_in`."""
         self.spent[spent_in] += self.t
         self.began, self.t, self.switches = self._now(), 0.0, 0
 
@@ -251,9 +251,9 @@ class _Runner:
         self.flow = flow
 
     def _chatter(self, guard: Guard) -> Flow | None:
-        """Motion on a switching surface, where this phase is left as soon as entered for one that would be too.
+        """Finds the motion on a switching surface, if this phase and the next are both left as soon as entered.
 
-        Where phases follow each other round and round in an instant, on all surfaces that there are.
+        If phases repeat in a cycle within an instant, it is motion on all their surfaces.
         """
         if self.came is None or guard.reset is None or not rules.left_at_once(guard, self.t):
             return None
@@ -264,7 +264,7 @@ class _Runner:
         return self._resting() if found is None and again else found
 
     def _resting(self) -> Flow | None:
-        """Motion in which toes at rest alternate that has not ended in this instant already."""
+        """Finds a motion in which toes at rest alternate, and which has not already ended in this instant."""
         found = resting(self.system, self.flow, self.y, self.tried)
         if found is None or self._loses(found.domain):
             return None
@@ -272,12 +272,12 @@ class _Runner:
         return found
 
     def _break_off(self, reason: str) -> None:
-        """End the run, unless what cannot go on is motion of two toes, whose shares may cease to exist.
+        """Ends the run, unless the motion is that of two alternating toes, whose shares may cease to exist.
 
         Raises:
-            BadFunction: a function of one's own has no value.
+            BadFunction: a user function has no value.
         """
-        for h in GLIMPSES:  # a function may have no value just ahead, where steps fell to nothing before it
+        for h in GLIMPSES:  # a function may have no value just ahead, so that steps shrank to zero before it
             if self.flow.own.fault is None and reason == "step_size":
                 ahead(self.flow, self.t, self.y, h)
         if self.flow.own.fault is not None:
@@ -296,7 +296,7 @@ class _Runner:
             self._move_to(found)
 
     def _loses(self, domain: Domain) -> bool:
-        """Whether springs that are not engaged in a domain still store something."""
+        """Tells whether springs that are not engaged in a domain still store energy."""
         engaged = {mount.joint for mount in domain.mounts}
         let_go = {mount.joint for mount in self.flow.domain.mounts} - engaged
         return in_springs(self.system, self.flow.domain, self.flow.held, self.y, let_go) > NOTHING
@@ -344,7 +344,7 @@ class _Runner:
         self.run.events.append(Event(name, self.began + time, self.flow.domain.name, y[:nq].copy(), v, v, none))
 
     def _too_many(self, now: float) -> str:
-        """Why the run ends, if this event is one too many in an instant or in a cycle."""
+        """Returns why the run ends, if this event is one too many in an instant or in a cycle."""
         self.instant_events = rules.crowded(self.instant_events, now - self.last_event)
         if not self.instant_events:
             self.instant, self.tried = [], []
@@ -357,7 +357,7 @@ class _Runner:
 
 
 class _Undefined(Exception):
-    """An event does what has no value."""
+    """An event has an effect without a value."""
 
 
 def _never(*_: Any) -> float:

@@ -1,4 +1,4 @@
-"""Samples of a run, taken phase by phase while it goes on, so that its dense output need not be kept."""
+"""Samples a run phase by phase while it proceeds, so that its dense output need not be kept."""
 
 from __future__ import annotations
 
@@ -19,27 +19,27 @@ NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "curre
 
 
 class Sampler:
-    """Takes the segments of a run one after the other; `arrays` are the samples, both sides of every event.
+    """Takes the segments of a run one after the other; `arrays` returns the samples, on both sides of every event.
 
-    The segments of a phase share its samples by length.
+    The segments of a phase share its samples in proportion to their durations.
     """
 
     def __init__(self, system: HybridSystem, least: int) -> None:
-        """Of a system, at least so many samples a phase."""
+        """Prepares a sampler of a system, with at least so many samples a phase."""
         self.springs = tuple(dict.fromkeys(mount.joint for domain in system.domains for mount in domain.mounts))
         self._system, self._least = system, least
-        self._phase: list[Segment] = []  # what is known of the present one
+        self._phase: list[Segment] = []  # segments of the present phase
         self._columns = {name: array("d") for name in NUMERIC}  # flat: a list of rows takes five times the memory
-        self._parts: list[tuple[Domain, int, int]] = []  # of each segment the domain, cycle and number of samples
+        self._parts: list[tuple[Domain, int, int]] = []  # domain, cycle and number of samples of each segment
 
     def add(self, segment: Segment) -> None:
-        """Take a segment that is over."""
+        """Takes a finished segment."""
         if self._phase and segment.began != self._phase[0].began:
             self._sample_phase()
         self._phase.append(segment)
 
     def arrays(self, y: Array) -> dict[str, Any]:
-        """The samples by field of a `Trajectory`, when all segments are there; y is the state reached."""
+        """Returns the samples by field of a `Trajectory`, after all segments were added; y is the final state."""
         last = self._phase[-1]
         self._sample_phase()
         if not self._parts:  # no time has passed
@@ -68,7 +68,7 @@ class Sampler:
             begin, end, whole = segment.pieces[0].begin, segment.pieces[-1].end, moving[-1].pieces[-1].end
             if end == begin:
                 continue  # left as soon as entered
-            # of a whole phase exactly so many, however its end is rounded
+            # exactly so many for a whole phase, whatever the rounding of its end
             count = 2 + int(np.ceil(self._least * (end - begin) / whole - 1e-6))
             times = np.linspace(begin, end, count)
             pieces = np.searchsorted([piece.end for piece in segment.pieces[:-1]], times)
@@ -79,7 +79,7 @@ class Sampler:
     def _sample(self, segment: Segment, times: Array, states: Array) -> None:
         robot, columns = self._system.robot, self._columns
         flow = flow_of(self._system, segment.domain, segment.held)
-        if segment.domain.crossing is not None:  # at its end the shares of two toes may have ceased to exist
+        if segment.domain.crossing is not None:  # the shares of two toes may not exist at its end
             exist = [bool(np.isfinite(flow(t, y)).all()) for t, y in zip(times, states, strict=True)]
             times, states = times[exist], states[exist]
         for t, y in zip(times, states, strict=True):

@@ -1,7 +1,7 @@
 """The Poincaré section just after its event (4.11), and charts of it around many states, or one.
 
-Points on it satisfy the closed toes' constraints, so a chart has fewer coordinates than the state: three for a hop with
-boom_x locked, four with it free, translation along the ground being left out.
+Points on it satisfy the closed toes' constraints, so a chart has fewer coordinates than the state. A hop has three with
+boom_x locked and four with it free, as translation along the ground is left out.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
 
 Lanes = NDArray[np.int64]
-PROJECTIONS = 8  # onto the ground at most; each squares what is left
-FARTHEST = 1e6  # m, rad: there is no state farther off
+PROJECTIONS = 8  # most projections onto the ground; each squares the remaining error
+FARTHEST = 1e6  # m, rad: no state is farther from the origin
 
 
 @dataclass(frozen=True)
 class Section:
-    """The toes that are closed just after the section's event, and the ground that they are on.
+    """The toes that are closed just after the section's event, and the ground under them.
 
     Attributes:
         robot: the robot.
         planar: its dynamics, if it moves in the plane.
-        toes: the closed ones.
-        ground: its numbers are arrays where lanes have ground of their own.
-        translations: directions along which nothing changes, (k, nv), or (n, k, nv) where lanes have slopes of theirs.
+        toes: the closed toes.
+        ground: the ground; its numbers are arrays where each lane has its own.
+        translations: directions along which the dynamics do not change, (k, nv), or (n, k, nv) if slopes differ.
     """
 
     robot: Robot
@@ -51,7 +51,7 @@ class Section:
     translations: Array
 
     def take(self, lanes: Any) -> Section:
-        """Section of some lanes."""
+        """Returns the section of some lanes."""
         own = {name: value[lanes] for name, value in vars(self.ground).items() if isinstance(value, np.ndarray)}
         if not own:
             return self
@@ -59,14 +59,14 @@ class Section:
         return replace(self, ground=with_fields(self.ground, own), translations=along)
 
     def on(self, numbers: Mapping[str, Array]) -> Section:
-        """Section on ground that has other numbers in each lane, (n,), of all by name those that are the ground's."""
+        """Returns the section on ground with its own numbers in each lane, (n,), by name; other names are ignored."""
         own = {name: values for name, values in numbers.items() if name in OF_GROUND}
         return replace(self, ground=with_fields(self.ground, own)) if own else self
 
     def geometry(self, q: Array) -> tuple[Array, Array]:
-        """Distances of the closed toes from the ground, (n, k), their Jacobians, (n, k, 2, nv), of configurations."""
+        """Returns the closed toes' distances from the ground, (n, k), and their Jacobians, (n, k, 2, nv)."""
         heights, jacobians = np.empty((len(q), len(self.toes))), np.empty((len(q), len(self.toes), 2, self.robot.nv))
-        if self.planar is None or type(self.ground) is not Ground:  # what its shape is may be said of numbers only
+        if self.planar is None or type(self.ground) is not Ground:  # its shape may be defined for numbers only
             for lane, configuration in enumerate(q):
                 ground = _of_lane(self.ground, lane)
                 for i, toe in enumerate(self.toes):
@@ -82,11 +82,11 @@ class Section:
         return heights, jacobians
 
     def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
-        """Which closed toes slide, (n, k)."""
+        """Tells which closed toes slide, (n, k)."""
         return np.asarray(~still(applied(self.geometry(q)[1][:, :, 0], v)))
 
     def charts(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> Charts:
-        """Charts around states in all of which the same toes slide, (k,)."""
+        """Returns the charts around states that all have the same sliding toes, (k,)."""
         _, jacobians = self.geometry(q)
         fixed = np.broadcast_to(self.translations, (len(q), *self.translations.shape[-2:]))
         q_bases = null_spaces(np.concatenate([jacobians[:, :, 1], fixed], axis=1))
@@ -94,11 +94,11 @@ class Section:
 
 
 def section(system: HybridSystem, numbers: Mapping[str, Array] | None = None) -> Section:
-    """Section of a system.
+    """Returns the section of a system.
 
     Args:
         system: the system.
-        numbers: that differ from lane to lane, (n,) each, by name; those of the ground are its own in each lane.
+        numbers: numbers that differ from lane to lane, (n,) each, by name; the section uses those of the ground.
     """
     ground = with_fields(system.ground, {name: each for name, each in (numbers or {}).items() if name in OF_GROUND})
     domain = system.of_phase(system.section_phase)[0]
@@ -112,8 +112,8 @@ class Charts:
     """Coordinates ξ of the section near each of many states: displacements along its tangent spaces.
 
     Attributes:
-        section: what they share.
-        slides: which closed toes slide, (k,), the same ones in every lane.
+        section: the section that all charts share.
+        slides: which closed toes slide, (k,), the same in every lane.
         q: configurations with ξ = 0, (n, nv).
         v: velocities with ξ = 0, (n, nv).
         q_bases: tangent directions of q, orthonormal, (n, nv, dq).
@@ -128,7 +128,7 @@ class Charts:
     v_bases: Array
 
     def __len__(self) -> int:
-        """Number of lanes."""
+        """Returns the number of lanes."""
         return len(self.q)
 
     @property
@@ -137,19 +137,19 @@ class Charts:
         return int(self.q_bases.shape[2] + self.v_bases.shape[2])
 
     def take(self, lanes: Lanes) -> Charts:
-        """Some lanes, in any order, one as often as wanted."""
+        """Returns the charts of some lanes, in any order, with repetitions allowed."""
         parts = (part[lanes] for part in (self.q, self.v, self.q_bases, self.v_bases))
         return Charts(self.section.take(lanes), self.slides, *parts)
 
     def on(self, numbers: Mapping[str, Array]) -> Charts:
-        """Charts with these coordinates on other ground, see `Section.on`."""
+        """Returns charts with these coordinates on other ground, see `Section.on`."""
         return replace(self, section=self.section.on(numbers))
 
     def states(self, xi: Array) -> tuple[Array, Array]:
-        """The states on the section with coordinates ξ, (n, d); not finite where there is none."""
+        """Returns the states on the section with coordinates ξ, (n, d); not finite where there is none."""
         dq = self.q_bases.shape[2]
         q, v = self.q + applied(self.q_bases, xi[:, :dq]), self.v + applied(self.v_bases, xi[:, dq:])
-        near = np.abs(q).max(axis=1) < FARTHEST  # also False where it is not finite
+        near = np.abs(q).max(axis=1) < FARTHEST  # also False where q is not finite
         q[~near], v[~near] = np.nan, np.nan
         moving = lanes = np.flatnonzero(near)
         jacobians = np.empty((len(q), len(self.slides), 2, q.shape[1]))
@@ -165,12 +165,12 @@ class Charts:
         return q, v
 
     def coordinates(self, q: Array, v: Array) -> Array:
-        """ξ of states on the section, (n, d)."""
+        """Returns the coordinates ξ of states on the section, (n, d)."""
         parts = (self.q_bases, q - self.q), (self.v_bases, v - self.v)
         return np.concatenate([applied(np.swapaxes(bases, 1, 2), part) for bases, part in parts], axis=1)
 
     def changes(self, moves: Array) -> Array:
-        """Changes of ξ, (n, d, c), with those of states, (n, nq + nv, c)."""
+        """Returns the changes of ξ, (n, d, c), for changes of the states, (n, nq + nv, c)."""
         nv = self.q.shape[1]
         parts = (self.q_bases, moves[:, :nv]), (self.v_bases, moves[:, nv:])
         return np.concatenate([np.swapaxes(bases, 1, 2) @ part for bases, part in parts], axis=1)
@@ -178,7 +178,7 @@ class Charts:
 
 @dataclass(frozen=True)
 class Chart:
-    """Coordinates ξ of the section near a state: charts with one lane, seen without the axis of lanes.
+    """Coordinates ξ of the section near a state: charts with one lane, without the axis of lanes.
 
     Attributes:
         lane: the charts.
@@ -204,24 +204,24 @@ class Chart:
         return basis
 
     def state(self, xi: Array) -> State:
-        """The state on the section with coordinates ξ."""
+        """Returns the state on the section with coordinates ξ."""
         q, v = self.lane.states(xi[None])
         return q[0], v[0]
 
     def coordinates(self, state: State) -> Array:
-        """ξ of a state on the section."""
+        """Returns the coordinates ξ of a state on the section."""
         q, v = state
         xi: Array = self.lane.coordinates(q[None], v[None])[0]
         return xi
 
 
 def chart(system: HybridSystem, state: State, slides: NDArray[np.bool_] | None = None) -> Chart:
-    """The chart of the section around a state on it.
+    """Returns the chart of the section around a state on it.
 
     Args:
         system: the system.
         state: (q, v).
-        slides: in the plane, which of the toes on the ground slide, (k,); those that do.
+        slides: in the plane, which of the toes on the ground slide, (k,); by default the toes that slide at the state.
 
     Raises:
         BadValue: the state has the wrong shape or is not finite.
@@ -235,12 +235,12 @@ def chart(system: HybridSystem, state: State, slides: NDArray[np.bool_] | None =
 
 
 def velocity_rows(jacobians: Array, slides: NDArray[np.bool_]) -> Array:
-    """Rows along which the velocity vanishes, (n, r, nv): not along a slipping toe's path."""
+    """Returns the rows along which the velocity vanishes, (n, r, nv), without the path of a slipping toe."""
     n, k, axes, nv = jacobians.shape
     return jacobians.reshape(n, k * axes, nv)[:, np.column_stack([~slides, np.ones_like(slides)]).ravel()]
 
 
 def _of_lane(ground: Ground, lane: int) -> Ground:
-    """The ground of one lane."""
+    """Returns the ground of one lane."""
     own = {name: float(value[lane]) for name, value in vars(ground).items() if isinstance(value, np.ndarray)}
     return with_fields(ground, own)

@@ -1,4 +1,4 @@
-"""For which share of the time each law acts while toes alternate on the ground, so that none of them accelerates."""
+"""Computes the share of time that each law acts while toes alternate on the ground, so that none accelerates."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ import scipy
 from spear_pin.arrays import Array
 
 EXACT = 1e-13  # of a share
-ROUNDING = 1e-9  # of the largest acceleration: what may remain of a toe's
+ROUNDING = 1e-9  # largest remaining acceleration of a toe, relative to the largest acceleration
 STARTS = ((0.5, 0.5), *product((0.95, 0.05), repeat=2))
 
 
 class Turn(NamedTuple):
-    """Situation in which one law acts while two toes alternate: which changed last, whether it and the other bear."""
+    """Situation of two alternating toes in which one law acts: which toe changed last, and whether each bears."""
 
     toe: int
     bears: bool
@@ -32,17 +32,17 @@ _BEARS, _OTHER = (np.array([turn[i] for turn in TURNS]) for i in (1, 2))
 
 
 def of_one(rise: float, fall: float) -> float:
-    """The share of a stance that accelerates the toe by `rise`, with a flight that does by `fall`."""
+    """Returns the share of a stance that accelerates the toe by `rise`, with a flight that does so by `fall`."""
     return fall / (fall - rise)
 
 
 def of_two(accelerations: Array, before: Sequence[float] = ()) -> tuple[float, ...]:
-    """The shares of time that two toes' switches are closed, not numbers if there are none.
+    """Returns the shares of time that two toes' switches are closed, NaN if there are none.
 
-    Of several it is the first found between 0 and 1, or else those least outside.
+    Of several solutions it takes the first found between 0 and 1, or else the one least outside.
 
     Args:
-        accelerations: vertical ones of both toes in each of `TURNS`, (8, 2), in m/s².
+        accelerations: vertical accelerations of both toes in each of `TURNS`, (8, 2), in m/s².
         before: the shares a moment ago, if they are known.
     """
     scale = float(np.abs(accelerations).max())
@@ -62,10 +62,10 @@ def of_two(accelerations: Array, before: Sequence[float] = ()) -> tuple[float, .
 
 
 def weights(first: float, second: float) -> Array:
-    """The share of each of `TURNS`, (8,), given those of the toes' switches.
+    """Returns the share of each of `TURNS`, (8,), given the shares of the toes' switches.
 
-    The switches are independent: both are closed for the product of their shares. Where a phase depends on which toe
-    changed last, that is each toe as often as it changes at all, in proportion to α (1 - α).
+    The switches are independent: both are closed for the product of their shares. If a phase depends on which toe
+    changed last, each toe counts as often as it changes, in proportion to α (1 - α).
     """
     closed = np.array((first, second))
     own, other = closed[_TOE], closed[1 - _TOE]

@@ -1,6 +1,6 @@
 """Shooting: the return map P of (4.11) in the section's coordinates, and the equations of a gait, x = P(x) and targets.
 
-They are of lanes, whichever engine runs their cycles; one lane is a search for one gait.
+The equations are for many lanes, and any engine may run their cycles; one lane is a search for one gait.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.section import Charts
 from spear_pin.hybrid.spatial_section import SpatialCharts
 
-SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within it makes no gait, though it is nearly periodic
+SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within this makes no gait, though it is nearly periodic
 NOT_FINITE, SHORT_CYCLE = "not_finite", "short_cycle"
 
 
@@ -26,13 +26,13 @@ class Cycles:
     """One cycle of some lanes; NaN where it does not close.
 
     Attributes:
-        q: configurations reached, (n, nq).
-        v: velocities reached, (n, nv).
+        q: final configurations, (n, nq).
+        v: final velocities, (n, nv).
         measured: the measures that have targets, (n, k).
-        durations: seconds in each phase, (n,) each.
-        reason: why it does not close, "" where it does, (n,).
-        reference: whether the reference engine ran it, (n,).
-        orders: of the events, (n,); empty where it is not known, as of many lanes together.
+        durations: time in each phase, in s, (n,) each.
+        reason: why the cycle does not close, "" where it does, (n,).
+        reference: whether the reference engine ran the cycle, (n,).
+        orders: orders of the events, (n,); empty where they are not known, as for many lanes together.
     """
 
     q: Array
@@ -53,14 +53,14 @@ and by what varies; NaN where they are not known."""
 
 @dataclass(frozen=True)
 class Shooting:
-    """Cycles of lanes from states near those of charts. Unknowns are ξ and then the values of what varies, (n, d + k).
+    """Cycles of lanes from states near those of charts; unknowns are ξ, then the varied parameters, (n, d + k).
 
     Attributes:
-        charts: a chart of each lane.
+        charts: a chart for each lane.
         cycle: runs the cycles.
         vary: names of the parameters that are solved for.
         wanted: the targets, (n, k).
-        slopes: derivatives of the cycles, if anything knows them.
+        slopes: returns the derivatives of the cycles, if they are known.
     """
 
     charts: Charts | SpatialCharts
@@ -70,7 +70,7 @@ class Shooting:
     slopes: Slopes | None = None
 
     def states(self, lanes: Lanes, unknowns: Array) -> tuple[Array, Array]:
-        """The states on the section, (n, nq) and (n, nv); it is on the ground as it varies."""
+        """Returns the states on the section, (n, nq) and (n, nv); the section follows a varying ground."""
         return self._on_ground(lanes, unknowns).states(unknowns[:, : self.charts.dimension])
 
     def _on_ground(self, lanes: Lanes, unknowns: Array) -> Charts | SpatialCharts:
@@ -78,13 +78,13 @@ class Shooting:
         return self.charts.take(lanes).on(dict(zip(self.vary, values.T, strict=True)))
 
     def mapped(self, lanes: Lanes, unknowns: Array) -> tuple[Array, Words]:
-        """ξ of P(x), (n, d)."""
+        """Returns ξ of P(x), (n, d), and why there is none."""
         charts, d = self._on_ground(lanes, unknowns), self.charts.dimension
         after = self.cycle(lanes, *charts.states(unknowns[:, :d]), unknowns[:, d:])
         return charts.coordinates(after.q, after.v), after.reason
 
     def residuals(self, lanes: Lanes, unknowns: Array) -> tuple[Array, Words]:
-        """ξ of P(x) less that of x, and measures less targets, (n, d + k)."""
+        """Returns ξ of P(x) minus ξ of x, and measures minus targets, (n, d + k), and why there is none."""
         charts, d = self._on_ground(lanes, unknowns), self.charts.dimension
         q, v = charts.states(unknowns[:, :d])
         after = self.cycle(lanes, q, v, unknowns[:, d:])
@@ -97,9 +97,10 @@ class Shooting:
         return values, reason
 
     def jacobians(self, lanes: Lanes, unknowns: Array) -> Array:
-        """Exact Jacobians of the residuals, (n, d + k, d + k), NaN where they are not known.
+        """Returns exact Jacobians of the residuals, (n, d + k, d + k), NaN where they are not known.
 
-        How a state moves on the section, with ξ and with the ground, is geometry, and differenced: no cycle is run.
+        The change of a state on the section with ξ and with the ground is geometry. It comes from differences, which
+        run no cycle.
         """
         n, width = unknowns.shape
         charts, d = self._on_ground(lanes, unknowns), self.charts.dimension
@@ -115,7 +116,15 @@ class Shooting:
     def solve(
         self, start: Array, tolerance: float, calls: int | None = None, on_iterates: OnIterates = ignored
     ) -> Roots:
-        """Newton's method from the charts' origins and values of what varies, (n, k); arguments as of `newton`."""
+        """Solves for a gait of each lane by Newton's method, from the charts' origins.
+
+        Args:
+            start: initial values of the varied parameters, (n, k).
+            tolerance: tolerance on the residual's largest component.
+            calls: most calls of the evaluator; None for no bound.
+            on_iterates: called with the lanes that have taken a step (or a first value), their numbers of steps, and
+                the residuals.
+        """
         still = np.zeros((len(start), self.charts.dimension))
         scale = np.concatenate([np.ones_like(still), np.maximum(1.0, np.abs(start))], axis=1)
         begin = np.concatenate([still, start], axis=1)

@@ -15,7 +15,7 @@ from spear_pin.hybrid.trajectory import Ledger, Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.origin import origin
 
-SAMPLES = 100  # a phase, at least
+SAMPLES = 100  # least number of samples of a phase
 
 
 @typed
@@ -31,7 +31,7 @@ def simulate(
     samples: int = SAMPLES,
     progress: bool = True,
 ) -> Trajectory:
-    """Simulate whole cycles from a state on the section, or in the air before the first touchdown.
+    """Simulates whole cycles from a state on the section, or in the air before the first touchdown.
 
     A fall, a Zeno point or a numerical failure ends the trajectory with a `reason`.
 
@@ -41,11 +41,11 @@ def simulate(
         cycles: number of whole cycles, from section to section.
         rtol: relative tolerance of the integrator, see `Options`.
         atol: absolute tolerance; None means 0.01 rtol.
-        max_evaluations: cap on right-hand side evaluations.
+        max_evaluations: most evaluations of right-hand sides.
         max_step: longest step of the integrator, in s, for laws that act for a shorter time than its steps; None leaves
             it to the integrator, which takes 0.05 s at most.
-        samples: of each phase, at least; they share its time evenly. They are what a long run's memory goes to.
-        progress: show a progress bar on long runs, if stderr is a terminal.
+        samples: least number of samples of each phase, evenly spaced in time. They take most of a long run's memory.
+        progress: whether to show a progress bar on long runs, if stderr is a terminal.
 
     Raises:
         BadValue: a tolerance, the number of cycles or samples, or the state is not valid.
@@ -67,7 +67,7 @@ def simulate(
 
 
 def sample(system: HybridSystem, result: Run, samples: int = SAMPLES) -> Trajectory:
-    """Sample a run that was kept, as `simulate` does."""
+    """Samples a run that was kept, as `simulate` does."""
     sampler = Sampler(system, samples)
     for segment in result.segments:
         sampler.add(segment)
@@ -99,7 +99,7 @@ def _trajectory(system: HybridSystem, result: Run, sampler: Sampler) -> Trajecto
 
 
 def _ledgers(system: HybridSystem, result: Run) -> tuple[Ledger, Ledger | None]:
-    """Of the mechanism, and of what drives it: battery = joule + gearbox + motors + what the inductances store."""
+    """Returns the ledgers of the mechanism and of its drives: battery = joule + gearbox + motors + inductances."""
     flows = (*flow_names(system), *BOOKED)
     everything = Ledger(flows, np.array(result.work).reshape(-1, len(flows)), np.array(result.change))
     drives = electrical_flows(system)

@@ -1,4 +1,4 @@
-"""Whether an automaton hangs together: every name in it is one that there is. Asked when it is made."""
+"""Checks that an automaton is consistent when it is made: every name in it must exist."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ from spear_pin.model.robot import Robot
 
 
 class Latched(dict[str, Any]):
-    """Values that are held; another name is refused with the names that there are."""
+    """Held values; an unknown name is refused with a list of the known names."""
 
     def __missing__(self, name: str) -> Any:
         raise UnknownName("name of what is held", name, self)
 
 
 def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]]) -> None:
-    """Refuse domains that name what is not there.
+    """Checks that every name in the domains exists.
 
-    Their contacts are modes, one for each toe; springs and friction are on joints; events lead into phases, strike
-    toes, release springs that are engaged and end for known reasons; and springs rest where a latch puts them.
+    Contacts must be modes, one for each toe. Springs and friction must be on joints. Events must lead into phases,
+    strike toes, release engaged springs and end for known reasons. The rest angles of springs must be latched.
 
     Args:
         robot: the robot.
-        domains: those of all phases.
+        domains: domains of all phases.
         law: parameters of the control law.
-        guess: a state (q, v) at which latches can be asked.
+        guess: returns a state (q, v) at which latches can be called.
 
     Raises:
-        UnknownName: of all this, one that is not; it lists the valid ones.
+        UnknownName: one of these names does not exist; the message lists the valid ones.
         BadValue: contacts are not one for each toe, or an event both resets and ends.
     """
     phases = dict.fromkeys(domain.phase for domain in domains)
@@ -78,7 +78,7 @@ def _check_reset(robot: Robot, domain: Domain, reset: Reset, phases: Iterable[st
 
 
 def _check_pinned(reset: Reset, domains: Sequence[Domain], place: tuple[str, ...]) -> None:
-    """Refuse an impact that pins some toes, and leaves others to friction."""
+    """Refuses an impact that pins some toes, and leaves others to friction."""
     after = next((domain.contacts for domain in domains if domain.phase == reset.phase), ())
     closed = {mode for mode in after if mode != OPEN}
     if reset.impact and PINNED in closed and len(closed) > 1:
@@ -87,14 +87,14 @@ def _check_pinned(reset: Reset, domains: Sequence[Domain], place: tuple[str, ...
 
 
 def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]]) -> None:
-    """Whether springs rest, and pull, as something latches; latches that cannot be asked are left alone."""
+    """Checks that some reset latches every rest angle and taut value; skips latches that cannot be called."""
     if not any(domain.mounts for domain in domains):
         return
     latches = [reset.latch for domain in domains for _, reset, _ in _events(domain) if reset and reset.latch]
     try:
         q, v = (list(map(float, part)) for part in guess())
         held, missing = _held(list({id(latch): latch for latch in latches}.values()), q, v, law)
-    except Exception:  # whatever a function not ours raises at a state at which a run need not ask it
+    except Exception:  # a user function may raise anything at a state that a run need not reach
         return
     if missing is not None:
         raise missing
@@ -105,7 +105,7 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
 
 
 def _held(latches: Sequence[Latch], q: list[float], v: list[float], law: Any) -> tuple[Latched, UnknownName | None]:
-    """Values that latches hold, each asked as soon as what it reads is held, and what is missing for the others."""
+    """Calls each latch once the values that it reads are held; returns the held values, and the first missing name."""
     held, waiting = Latched(), latches
     while True:
         asked, waiting, missing = waiting, list[Latch](), None

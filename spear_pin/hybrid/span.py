@@ -1,8 +1,8 @@
-"""One integration step as polynomials of time, and where within it a guard cannot be told to be on one side of zero.
+"""One integration step as polynomials of time, and its parts in which a guard may not be on one side of zero.
 
-State and dynamics along a step are polynomials, whose coefficients in Bernstein's basis hold their values between the
-least and the greatest of them. So a guard is asked with intervals for all times of a step at once, and for halves of
-those in which the answer may be both positive and not, down to `SHORTEST` and, while there are few of them, `LEAST`.
+State and dynamics along a step are polynomials. Their values lie between the least and the greatest coefficient in
+Bernstein's basis. So a guard is evaluated with intervals for all times of a step at once. Where the answer may have
+either sign, the part is halved, down to `SHORTEST` and, while there are few parts, down to `LEAST`.
 """
 
 from __future__ import annotations
@@ -21,18 +21,18 @@ from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.intervals import INTERVALS, Interval, Unsure, bounds, enclosing
 
 SHORTEST = 1e-5  # s: a guard that is on the other side of zero for less may pass unseen
-LEAST, MANY = 1e-9, 500  # s, and parts of a step: as long as it takes no more of them, it does not
-GLANCE = 2e-4  # s: the same for one that does not take intervals, seen at both ends and halfway
+LEAST, MANY = 1e-9, 500  # s, and number of parts of a step up to which this shorter time is resolved
+GLANCE = 2e-4  # s: the same for a guard that does not take intervals, evaluated at both ends and halfway
 DEGREE = 7  # of the integrator's interpolant
 POSITIVE, NEGATIVE, UNKNOWN = 1, -1, 0
-STATE, PLACE, HEIGHT = "state", "place", "height"  # what is known of a step without asking for its dynamics
+STATE, PLACE, HEIGHT = "state", "place", "height"  # known along a step without its dynamics
 
 NODES = 0.5 - 0.5 * np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
-CHECKS = np.array([0.31, 0.79])  # where what is no polynomial is compared with the one through the nodes
+CHECKS = np.array([0.31, 0.79])  # points at which other functions are compared with the polynomial through the nodes
 
 
 def _basis(x: Array) -> Array:
-    """Bernstein's polynomials at some points, (n, DEGREE + 1)."""
+    """Returns Bernstein's polynomials at n points, (n, DEGREE + 1)."""
     k = np.arange(DEGREE + 1)
     return np.array([comb(DEGREE, i) for i in k]) * x[:, None] ** k * (1.0 - x[:, None]) ** (DEGREE - k)
 
@@ -47,9 +47,9 @@ class Span:
 
     Args:
         whole: the step.
-        begin: of the part, in s.
-        end: of the part, in s.
-        half: of which part it is which half; None for the step.
+        begin: beginning of the part, in s.
+        end: end of the part, in s.
+        half: the part of which it is a half, and the number of the half; None for the step.
     """
 
     def __init__(self, whole: Step, begin: float, end: float, half: tuple[Span, int] | None = None) -> None:
@@ -57,12 +57,12 @@ class Span:
         self._coefficients: dict[Any, Array] = {}
 
     def halves(self) -> tuple[Span, Span]:
-        """Its first and its second half."""
+        """Returns its first and its second half."""
         middle = 0.5 * (self.begin + self.end)
         return Span(self.whole, self.begin, middle, (self, 0)), Span(self.whole, middle, self.end, (self, 1))
 
     def coefficients(self, what: Any) -> Array:
-        """Coefficients in Bernstein's basis of something that the step knows, (8, m)."""
+        """Returns the coefficients in Bernstein's basis of a quantity of the step, (8, m)."""
         if what not in self._coefficients:
             if self._half is None:
                 found = self.whole.fitted(what)
@@ -73,16 +73,16 @@ class Span:
         return self._coefficients[what]
 
     def enclosure(self, what: Any) -> Any:
-        """All values of something between begin and end: an interval, or an array of them."""
+        """Returns all values of a quantity between begin and end, as an interval or an array of intervals."""
         coefficients, (error, shape) = self.coefficients(what), self.whole.about(what)
         low, high = coefficients.min(axis=0) - error, coefficients.max(axis=0) + error
         return enclosing(low.reshape(shape), high.reshape(shape))
 
     def value(self, guard: Guard) -> tuple[float, float]:
-        """The least and the greatest that a guard may be.
+        """Returns the least and the greatest value that a guard may have.
 
         Raises:
-            Unsure: there is no telling.
+            Unsure: they are not known.
         """
         flow = self.whole.flow
         nv = flow.system.robot.nv
@@ -96,12 +96,12 @@ class Span:
 
 
 class Step:
-    """What is known of a step, found when it is first asked for.
+    """Quantities of a step, computed when they are first needed.
 
     Args:
         flow: the motion.
-        begin: of the step, in s.
-        end: of the step, in s.
+        begin: beginning of the step, in s.
+        end: end of the step, in s.
         solution: the integrator's interpolant.
     """
 
@@ -113,11 +113,11 @@ class Step:
         self.span = Span(self, begin, end)
 
     def fitted(self, what: Any) -> Array:
-        """Coefficients of something on the whole step, (8, m)."""
+        """Returns the coefficients of a quantity on the whole step, (8, m)."""
         return self._known(what)[0]
 
     def about(self, what: Any) -> tuple[Array, tuple[int, ...]]:
-        """By how much it may differ from its polynomial, (m,), and its shape."""
+        """Returns how much a quantity may differ from its polynomial, (m,), and its shape."""
         _, error, shape = self._known(what)
         return error, shape
 
@@ -133,7 +133,7 @@ class Step:
         return self._fitted[what]
 
     def _values(self, what: Any) -> Any:
-        """Something at the nodes and where it is checked."""
+        """Returns a quantity at the nodes and at `CHECKS`."""
         if what == STATE:
             return self._states
         name, arguments = what
@@ -149,7 +149,7 @@ class Step:
         return found
 
     def _places(self, frame: str) -> Array:
-        """Positions of a frame at the nodes and where it is checked, (n, 3), in m."""
+        """Returns the positions of a frame at the nodes and at `CHECKS`, (n, 3), in m."""
         model, index = self.flow.system.robot.model, self.flow.frame(frame)
         data, found = pin.Data(model), np.empty((len(self._states), 3))
         for place, y in zip(found, self._states, strict=True):
@@ -165,7 +165,7 @@ class _Dynamics:
         self._span, self._flow = span, span.whole.flow
 
     def height(self, frame: str) -> Any:
-        """Distance of a frame from the ground."""
+        """Returns the distance of a frame from the ground, in m."""
         ground = self._flow.system.ground
         if ground.plane:
             return self._span.enclosure((HEIGHT, (frame,)))
@@ -184,12 +184,12 @@ class _Dynamics:
 
 
 def parted(guard: Guard, step: Step) -> Iterator[tuple[float, float, int]]:
-    """Parts of a step, in their order, and on which side of zero a guard is in them, or `UNKNOWN` in short ones.
+    """Yields parts of a step, in order, and the side of zero on which a guard is, or `UNKNOWN` in short parts.
 
-    Values within the guard's tolerance of zero are not looked at more closely.
+    Values within the guard's tolerance of zero are not resolved further.
 
     Raises:
-        Exception: whatever the guard raises for intervals, which it need not take.
+        Exception: any exception that the guard raises for intervals, which it need not take.
     """
     waiting, short = [step.span], 0
     while waiting:
@@ -211,7 +211,7 @@ def parted(guard: Guard, step: Step) -> Iterator[tuple[float, float, int]]:
 
 
 def glances(step: Step) -> Iterator[tuple[float, float, int]]:
-    """Parts of a step for a guard that does not take intervals."""
+    """Yields parts of a step for a guard that does not take intervals."""
     begin, end = step.span.begin, step.span.end
     times = np.linspace(begin, end, int(np.ceil((end - begin) / GLANCE)) + 1).tolist()
     for before, after in pairwise(times):

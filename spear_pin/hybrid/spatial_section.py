@@ -1,12 +1,12 @@
 """The section in space, just before the first touchdown of some toes, and charts of it.
 
-What is cyclic is left out: a state counts as it is seen from where the robot is and heads. The height follows from the
-others, so that of a robot with nv coordinates 2 nv - 4 are left. They are means and differences of left and right: what
-is symmetric and what is antisymmetric, between which a symmetric gait's return map has no first-order coupling but one,
-|h'a| of which foot lands first, that central differences do not see.
+Cyclic coordinates are left out: a state is expressed relative to the robot's position and heading. The height follows
+from the other coordinates, so that a robot with nv coordinates has 2 nv - 4 left. They are means and differences of
+left and right, symmetric and antisymmetric coordinates. A symmetric gait's return map does not couple these to first
+order, except for |h'a|, which decides which foot lands first; central differences do not see it.
 
-Where a cycle is half a stride, and the other half its mirror image, states between the halves are seen in the mirror,
-so that a cycle leads back to where it began.
+If a cycle is half a stride, and the other half its mirror image, states between the halves are mirrored, so that a
+cycle leads back to its beginning.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ class SpatialCharts:
     """Coordinates ξ of the section near each of many states.
 
     Attributes:
-        system: of which it is the section.
+        system: the system of the section.
         q: configurations with ξ = 0, (n, nv), x = y = yaw = 0.
         v: velocities with ξ = 0, (n, nv).
-        q_basis: directions of q, orthonormal, (nv, dq), symmetric ones first.
-        v_basis: directions of v, orthonormal, (nv, dv), symmetric ones first.
+        q_basis: directions of q, orthonormal, (nv, dq), first the symmetric ones.
+        v_basis: directions of v, orthonormal, (nv, dv), first the symmetric ones.
         even: whether a coordinate is symmetric, (dq + dv,).
     """
 
@@ -46,7 +46,7 @@ class SpatialCharts:
     even: NDArray[np.bool_]
 
     def __len__(self) -> int:
-        """Number of lanes."""
+        """Returns the number of lanes."""
         return len(self.q)
 
     @property
@@ -65,15 +65,15 @@ class SpatialCharts:
         return np.broadcast_to(self.v_basis, (len(self), *self.v_basis.shape))
 
     def take(self, lanes: Lanes) -> SpatialCharts:
-        """Some lanes, in any order, one as often as wanted."""
+        """Returns the charts of some lanes, in any order, with repetitions allowed."""
         return replace(self, q=self.q[lanes], v=self.v[lanes])
 
     def on(self, numbers: Mapping[str, Array]) -> SpatialCharts:
-        """The same on ground of other friction, on which no coordinate depends."""
+        """Returns the same charts, as coordinates do not depend on the ground's friction."""
         return self
 
     def states(self, xi: Array) -> tuple[Array, Array]:
-        """The states on the section with coordinates ξ, (n, d)."""
+        """Returns the states on the section with coordinates ξ, (n, d)."""
         dq = self.q_basis.shape[1]
         q, v = self.q + xi[:, :dq] @ self.q_basis.T, self.v + xi[:, dq:] @ self.v_basis.T
         for each in q:
@@ -82,14 +82,17 @@ class SpatialCharts:
         return q, v
 
     def coordinates(self, q: Array, v: Array) -> Array:
-        """ξ of states on the section, (n, d), wherever they are and head."""
+        """Returns the coordinates ξ of states on the section, (n, d), at any position and heading."""
         states = [seen(self.system, state) for state in zip(q, v, strict=True)]
         places, rates = (np.array(part) for part in zip(*states, strict=True))
         return np.concatenate([(places - self.q) @ self.q_basis, (rates - self.v) @ self.v_basis], axis=1)
 
 
 def seen(system: HybridSystem, state: State) -> State:
-    """A state on the section from where the robot is and heads; between the halves of a stride in the mirror."""
+    """Returns a state on the section relative to the robot's position and heading.
+
+    Between the halves of a stride the state is mirrored.
+    """
     q, v = headed(*state)
     toes, others = system.section_toes, system.mirrored_toes
     if not others or lowest(system, q, toes) <= lowest(system, q, others):
@@ -99,12 +102,12 @@ def seen(system: HybridSystem, state: State) -> State:
 
 
 def lowest(system: HybridSystem, q: Array, toes: Sequence[str]) -> float:
-    """Height of the lowest of some toes, in m."""
+    """Returns the height of the lowest of some toes, in m."""
     return min(system.ground.foot(system.robot, q, toe)[0] for toe in toes)
 
 
 def charts(system: HybridSystem, q: Array, v: Array) -> SpatialCharts:
-    """Charts around states on the section, (n, nv) each."""
+    """Returns the charts around states on the section, (n, nv) each."""
     mirror, nv = mirror_of(system.robot), system.robot.nv
     places = mirror.parts([i for i in range(nv) if i not in (X, Y, Z, YAW)])
     rates = mirror.parts(range(nv))

@@ -13,14 +13,14 @@ from spear_pin.hybrid.own import asked, is_own, number
 def in_springs(
     system: HybridSystem, domain: Domain, held: Held, y: Array, joints: Container[str] | None = None
 ) -> float:
-    """Energy in the springs that are engaged, in J, on some joints or on all.
+    """Returns the energy in the engaged springs on some joints, in J.
 
     Args:
         system: the system.
-        domain: the present one.
-        held: what is held.
-        y: the state, of which the first nq are the configuration.
-        joints: those whose springs count; None: all.
+        domain: the present domain.
+        held: held values.
+        y: the state; its first nq entries are the configuration.
+        joints: joints whose springs count; None for all.
     """
     energy = 0.0
     for mount in domain.mounts:
@@ -38,13 +38,13 @@ def _energy(mount: Mount, angle: float, held: Held) -> float:
 
 
 def in_mechanism(system: HybridSystem, domain: Domain, held: Held, y: Array) -> float:
-    """Kinetic energy, that of gravity and that of engaged springs, in J."""
+    """Returns the kinetic energy plus the energies of gravity and of engaged springs, in J."""
     robot = system.robot
     q, v = y[: robot.nq], y[robot.nq : robot.nq + robot.nv]
     return robot.kinetic_energy(q, v) + robot.potential_energy(q) + in_springs(system, domain, held, y)
 
 
 def in_inductances(system: HybridSystem, y: Array) -> float:
-    """Energy in the hardware's inductances, in J."""
+    """Returns the energy in the hardware's inductances, in J."""
     hardware, first = system.hardware, system.robot.nq + system.robot.nv
     return 0.0 if hardware is None else hardware.stored(y[first : first + len(hardware.names)].tolist())

@@ -1,4 +1,4 @@
-"""Impacts of events on a robot's state."""
+"""Computes the effect of an event's impact on a robot's state."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class Strike(NamedTuple):
     """Effect of an impact.
 
     Attributes:
-        v: velocity afterwards, (nv,).
-        impulse: on each toe of the robot, along the ground and normal to it, (ntoes, 2) or (ntoes, 3), in N·s.
-        work: done on the mechanism, in J, never positive.
-        rises: speeds at which toes are lifted off by an impact of several, in m/s, and in space whether it was one of
-            theirs, too, by name in `held`.
+        v: velocity after the impact, (nv,).
+        impulse: impulse on each toe, along the ground and normal to it, (ntoes, 2) or (ntoes, 3), in N·s.
+        work: work done on the mechanism, in J, never positive.
+        rises: speeds at which an impact of several toes lifts toes off, in m/s, and in space whether toes took part,
+            by name in `held`.
     """
 
     v: Array
@@ -47,31 +47,31 @@ class Strike(NamedTuple):
 
 @dataclass
 class Overlap:
-    """Impacts that may not be over: each lasts for a while, and those that overlap are one.
+    """Impacts that may not be over: each lasts for a while, and overlapping impacts count as one.
 
     Attributes:
-        window: how long one lasts, in s.
-        recent: of each toe that was struck when it was, in s, and its impulse since, (3,).
+        window: duration of an impact, in s.
+        recent: time at which each toe was struck, in s, and its impulse since, (3,).
     """
 
     window: float
     recent: dict[str, tuple[float, Array]] = field(default_factory=dict)
 
     def received(self, toes: Sequence[str], now: float) -> Array:
-        """What toes have received in impacts that are not over, (m, 3), in N·s."""
+        """Returns the impulses that toes have received in impacts that are not over, (m, 3), in N·s."""
         for toe, (time, _) in list(self.recent.items()):
             if now - time > self.window:
                 del self.recent[toe]
         return np.array([self.recent[toe][1] if toe in self.recent else np.zeros(3) for toe in toes])
 
     def add(self, toes: Sequence[str], striking: Container[str], impulse: Array, now: float) -> None:
-        """Take down an impact.
+        """Records an impact.
 
         Args:
-            toes: that took part.
-            striking: those of them that were in the air.
-            impulse: of each, (m, 3).
-            now: when, in s.
+            toes: toes that took part.
+            striking: toes among them that were in the air.
+            impulse: impulse on each, (m, 3), in N·s.
+            now: time of the impact, in s.
         """
         for toe, own in zip(toes, impulse, strict=True):
             if toe in self.recent:
@@ -84,7 +84,17 @@ class Overlap:
 def struck(
     system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array, overlap: Overlap, now: float
 ) -> Strike | None:
-    """Effect of an event on the velocity, in the plane or in space; None if it has none. Arguments as below."""
+    """Computes the effect of an event on the velocity, in the plane or in space; returns None if it has none.
+
+    Args:
+        system: the system.
+        domain: the domain that the event ends.
+        reset: reset of the event.
+        q: configuration.
+        v: velocity before.
+        overlap: earlier impacts, to which this one is added.
+        now: time of the event, in s.
+    """
     if reset.stop:
         return stopped(system, domain, reset, q, v)
     if not reset.impact:
@@ -98,11 +108,11 @@ def struck(
 
 
 def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Strike:
-    """Effect of an impact by which toes are pinned to where they strike, by `caught`.
+    """Computes the effect of an impact that pins toes to the ground where they strike, by `caught`.
 
     Args:
         system: the system.
-        toes: all that are on the ground afterwards.
+        toes: all toes that are on the ground afterwards.
         q: configuration.
         v: velocity before.
     """
@@ -117,18 +127,18 @@ def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Str
 def struck_in_space(
     system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array, overlap: Overlap, now: float
 ) -> Strike:
-    """Effect of an impact in space, by the system's law, in which toes that touch the ground at that instant take part.
+    """Computes the effect of an impact in space on the toes that touch the ground in that instant, by the system's law.
 
-    By Keller's an impact of one toe is one of its own, whatever the toe has received before.
+    By Keller's law an impact of one toe is separate, whatever impulse the toe has received before.
 
     Args:
         system: the system.
-        domain: the one that it ends.
-        reset: of the event.
+        domain: the domain that the impact ends.
+        reset: reset of the event.
         q: configuration.
         v: velocity before.
-        overlap: the impacts before it, to which it is added.
-        now: when, in s.
+        overlap: earlier impacts, to which this one is added.
+        now: time of the impact, in s.
     """
     robot = system.robot
     feet = {toe: system.ground.foot(robot, q, toe) for toe in robot.toes}
@@ -159,9 +169,9 @@ def struck_in_space(
 
 
 def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array) -> Strike:
-    """Effect of the end of toes' sliding in space that has all but ended, which is no impact: its impulse is not told.
+    """Computes the effect of stopping toes in space whose sliding has almost ended; it reports no impulse.
 
-    Others that slide as slowly are at rest with them, and those that stick go on doing so.
+    Other toes that slide as slowly stop with them, and sticking toes keep sticking.
     """
     robot, rows = system.robot, []
     for toe, mode in zip(robot.toes, domain.contacts, strict=True):
@@ -179,12 +189,12 @@ def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Arr
 
 
 def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Array, v: Array) -> Strike:
-    """Effect of the impact in the plane in which some toes take part, by `plastic_impact` or `joint_impact`.
+    """Computes the effect of an impact in the plane of some toes, by `plastic_impact` or `joint_impact`.
 
     Args:
         system: the system.
-        struck: the toes, as of `rules.impact.struck_toes`.
-        reset: of the event.
+        struck: the toes that take part, see `rules.impact.struck_toes`.
+        reset: reset of the event.
         q: configuration.
         v: velocity before.
     """

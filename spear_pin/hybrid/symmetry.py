@@ -1,4 +1,4 @@
-"""Symmetries of motion in space on level ground: it may be moved and turned, and mirrored left to right."""
+"""Symmetries of motion in space on level ground: translation, rotation, and reflection of left and right."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from spear_pin.model.tree import Tree
 X, Y, Z, YAW, PITCH, ROLL = range(len(CHAIN))
 ODD = (Y, YAW, ROLL)
 """Coordinates of the base that change sign in the mirror."""
-ALIKE = 1e-6  # rad: zeros of joints
+ALIKE = 1e-6  # rad: largest difference between the zeros of corresponding joints
 
 
 def turned(q: Array, v: Array, yaw: float, place: Sequence[float] = (0.0, 0.0)) -> State:
-    """The state turned about z by an angle in rad, and then moved by a vector (x, y) in m."""
+    """Turns a state about z by an angle, in rad, and then moves it by a vector (x, y), in m."""
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
     c, s = math.cos(yaw), math.sin(yaw)
     turn = np.array([[c, -s], [s, c]])
@@ -34,7 +34,7 @@ def turned(q: Array, v: Array, yaw: float, place: Sequence[float] = (0.0, 0.0)) 
 
 
 def headed(q: Array, v: Array) -> State:
-    """The state moved and turned so that x = y = yaw = 0."""
+    """Moves and turns a state so that x = y = yaw = 0."""
     q, v = turned(q, v, -float(q[YAW]))
     q[:2] = 0.0
     return q, v
@@ -42,24 +42,24 @@ def headed(q: Array, v: Array) -> State:
 
 @dataclass(frozen=True)
 class Mirror:
-    """Reflection at the x-z plane: what is left becomes right.
+    """Reflection at the x-z plane, which exchanges left and right.
 
     Attributes:
-        of: of each coordinate the one that it becomes, (nv,).
-        signs: and the sign with which it does, (nv,).
+        of: index of the coordinate that each coordinate becomes, (nv,).
+        signs: sign with which it does so, (nv,).
     """
 
     of: tuple[int, ...]
     signs: tuple[float, ...]
 
     def __call__(self, vector: Array) -> Array:
-        """A configuration, a velocity or a force over the coordinates, (..., nv), seen in the mirror."""
+        """Reflects a configuration, a velocity or a force over the coordinates, (..., nv)."""
         seen = np.empty_like(vector)
         seen[..., list(self.of)] = vector * self.signs
         return seen
 
     def parts(self, coordinates: Sequence[int]) -> tuple[Array, Array]:
-        """Orthonormal bases, (nv, k) each, of what is symmetric and what is antisymmetric over some coordinates."""
+        """Returns orthonormal bases, (nv, k) each, of the symmetric and antisymmetric parts of some coordinates."""
         nv, parts = len(self.of), ([], [])  # type: tuple[int, tuple[list[Array], list[Array]]]
         for i in coordinates:
             unit = np.eye(nv)[i]
@@ -73,15 +73,16 @@ class Mirror:
 
 
 def asymmetry(robot: Robot, state: State) -> float:
-    """How far a state is from its mirror image: the largest difference, in SI units."""
+    """Returns the largest difference between a state and its mirror image, in SI units."""
     mirror = mirror_of(robot)
     return max(float(np.abs(mirror(part) - part).max()) for part in headed(*state))
 
 
 def lopsided(robot: Robot) -> float:
-    """How far a robot on a chain is from its mirror image.
+    """Measures how far a robot on a chain is from its mirror image.
 
-    The largest difference of its masses, of D_ij over √(D_ii D_jj), and of the places of its feet, in m, in a posture.
+    Returns the largest difference of its masses, of D_ij over √(D_ii D_jj), and of its feet's positions, in m, in a
+    posture.
 
     Example:
         >>> from spear_pin import load
@@ -100,15 +101,16 @@ def lopsided(robot: Robot) -> float:
 
 
 def evened(robot: Robot) -> Robot:
-    """The robot whose bodies have the mean of their own inertia and of that of their partner's mirror image.
+    """Returns a robot whose bodies average their inertia with that of their partner's mirror image.
 
-    Its left and right are alike if joints and feet of the given one, which is left alone, are.
+    Its left and right are alike if the joints and feet of the given robot, which is left unchanged, are.
 
     Args:
-        robot: on a chain, as of `mirror_of`.
+        robot: a robot on a chain.
 
     Raises:
-        BadValue: as of `mirror_of`.
+        BadValue: the base is no chain, a leg has no partner on the other side, or its joints have another zero than
+            the partner's.
 
     Example:
         >>> from spear_pin import load
@@ -133,14 +135,15 @@ def evened(robot: Robot) -> Robot:
 
 
 def mirror_of(robot: Robot) -> Mirror:
-    """The mirror of a robot on a chain.
+    """Returns the mirror of a robot on a chain.
 
-    Of joints that correspond on either side, one turns as the other's image does, whatever the sense of their axes;
-    where these are alike, adductions, which turn about the direction ahead, change their sign, hips and knees do not.
-    Of a robot that is not quite symmetric it is that of one which is.
+    Each joint turns as the mirror image of its partner on the other side does, whatever the sense of their axes. If the
+    axes are alike, adductions, which turn about the forward direction, change sign; hips and knees do not. A robot that
+    is not exactly symmetric gets the mirror of a symmetric robot.
 
     Raises:
-        BadValue: the base is no chain, a leg has no partner on the other side, or its joints another zero than that.
+        BadValue: the base is no chain, a leg has no partner on the other side, or its joints have another zero than
+            the partner's.
     """
     if robot.coordinates[: len(CHAIN)] != CHAIN:
         raise BadValue("robot", robot, 'one on a chain, load(..., base="chain")')

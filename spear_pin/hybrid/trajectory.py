@@ -1,4 +1,4 @@
-"""Result of a simulation: samples, events, the energy ledger; saved, loaded, cut, shown, and made tables of."""
+"""Result of a simulation: samples, events and energy ledger, which can be saved, loaded, cut, shown and tabulated."""
 
 from __future__ import annotations
 
@@ -26,17 +26,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened at one instant.
+    """An event of a motion.
 
     Attributes:
         name: the guard's or switch's name.
-        time: in s.
+        time: time of the event, in s.
         domain: name of the domain in which it happened.
         q: configuration, (nq,).
         v_before: velocity before, (nv,).
         v: velocity after, (nv,).
-        impulse: of the ground on each toe, along the ground and normal to it, in N·s, (ntoes, 2); in space (ntoes, 3).
-        work: energy brought into the mechanism at this instant by flow, in J (losses negative).
+        impulse: impulse of the ground on each toe, along the ground and normal to it, in N·s, (ntoes, 2); in space
+            (ntoes, 3).
+        work: energy brought into the mechanism at this instant, in J, by flow (losses are negative).
     """
 
     name: str
@@ -55,7 +56,7 @@ class Ledger:
 
     Attributes:
         flows: names of the flows.
-        work: energy of each, in J, (cycles, flows).
+        work: energy of each flow, in J, (cycles, flows).
         change: change of the stored energy (kinetic, gravity, springs), in J, (cycles,).
     """
 
@@ -64,7 +65,7 @@ class Ledger:
     change: Array
 
     def __getitem__(self, flow: str) -> Array:
-        """Energy of one flow in each cycle, in J, (cycles,).
+        """Returns the energy of one flow in each cycle, in J, (cycles,).
 
         Raises:
             UnknownName: there is no such flow.
@@ -76,16 +77,16 @@ class Ledger:
 
     @property
     def residual(self) -> Array:
-        """Imbalance of energy in each cycle, in J, (cycles,): change of the stored energy less all flows."""
+        """Imbalance of energy in each cycle, in J, (cycles,): change of the stored energy minus all flows."""
         left: Array = self.change - self.work.sum(axis=1)
         return left
 
 
 @dataclass(frozen=True, repr=False)
 class Trajectory(Shown):
-    """Motion over time; at every sample D a + C v + G = B tau + friction + Σ Jᵀ F, J and F in the ground's axes.
+    """Motion over time; at every sample D a + C v + G = B tau + friction + Σ Jᵀ F, with J and F in the ground's axes.
 
-    An event's two sides are two samples. There are at least 100 samples a phase.
+    The two sides of an event are two samples. There are at least 100 samples a phase.
 
     Attributes:
         robot: name or path of the robot.
@@ -106,19 +107,19 @@ class Trajectory(Shown):
         force: ground force on each toe, along the ground (x) and normal to it (z), in N, (n, ntoes, 2); in
             space along x, y and z, (n, ntoes, 3).
         spring: torque of each spring on its joint, in N·m, (n, nsprings).
-        engaged: whether each spring is engaged, (n, nsprings); one that never pulls is none.
-        current: of each motor, in A, (n, nu); (n, 0) without hardware.
-        reference: the current that was asked for, in A, as `current`.
-        events: what happened.
+        engaged: whether each spring is engaged, (n, nsprings); a spring that never pulls is not engaged.
+        current: current of each motor, in A, (n, nu); (n, 0) without hardware.
+        reference: commanded current of each motor, in A, (n, nu); (n, 0) without hardware.
+        events: the events.
         ledger: the energy ledger of whole cycles.
         cycles: number of whole cycles.
-        reason: why the run ended; "complete" if it reached the cycles asked for.
-        message: the same in a sentence.
+        reason: why the run ended; "complete" if it reached the requested number of cycles.
+        message: the reason in a sentence.
         evaluations: number of right-hand sides evaluated.
-        electrical: the ledger of what drives the joints, None without hardware: batteries positive, heat, gears
-            and motors negative (a motor's work is here what leaves), the change that of the inductances.
-        ground: on which it is, along which and normal to which forces and impulses are; None if a file does not say.
-        origin: of the robot, see `spear_pin.model.origin`; None if a file does not say.
+        electrical: the ledger of the drives, None without hardware. Batteries are positive; heat, gears and motors are
+            negative, as a motor's work leaves the drive. The change is that of the inductances.
+        ground: the ground, whose axes forces and impulses use; None if a file has none.
+        origin: origin of the robot, see `spear_pin.model.origin`; None if a file has none.
 
     Example:
         >>> from spear_pin import hopping, load, simulate
@@ -168,21 +169,21 @@ class Trajectory(Shown):
         return f"Trajectory({printable(repr(self.robot))}: {', '.join(parts)}, {self.reason})"
 
     def __len__(self) -> int:
-        """Number of samples."""
+        """Returns the number of samples."""
         return len(self.t)
 
     @property
     def complete(self) -> bool:
-        """Whether all the cycles asked for were run."""
+        """Tells whether all requested cycles were run."""
         return self.reason == "complete"
 
     def named(self, event: str) -> tuple[Event, ...]:
-        """The events of one name, in order of time."""
+        """Returns the events of one name, in order of time."""
         return tuple(e for e in self.events if e.name == event)
 
     @typed
     def save(self, path: str | Path) -> Path:
-        """Write an npz file: arrays, and one JSON string for the rest; nothing is pickled."""
+        """Writes an npz file: arrays, and one JSON string for the rest; nothing is pickled."""
         from spear_pin.hybrid.trajectory_file import write
 
         return write(self, path)
@@ -190,10 +191,10 @@ class Trajectory(Shown):
     @classmethod
     @typed
     def load(cls, path: str | Path) -> Trajectory:
-        """Read what `save` wrote.
+        """Reads a file that `save` wrote.
 
         Raises:
-            BadFile: it cannot be read, or is not a trajectory: an array is missing, unknown, of another kind or
+            BadFile: the file cannot be read, or is not a trajectory: an array is missing, unknown, of another kind or
                 shape than its axes' names say, not finite, or out of order.
         """
         from spear_pin.hybrid.trajectory_file import read
@@ -202,7 +203,7 @@ class Trajectory(Shown):
 
     @typed
     def export(self, path: str | Path) -> Path:
-        """Write the samples as CSV or MATLAB file, by the path's suffix.
+        """Writes the samples as CSV or MATLAB file, by the path's suffix.
 
         A CSV file has the columns of `to_pandas`, time first, each headed by its name and unit: "q_knee [rad]".
 
@@ -214,19 +215,19 @@ class Trajectory(Shown):
         return export(self, path, SAMPLED)
 
     def columns(self) -> tuple[list[str], Array]:
-        """Names, and values, of everything numeric, one row a sample; `units` has their units."""
+        """Returns names and values of all numeric columns, one row a sample; `units` has their units."""
         from spear_pin.hybrid.trajectory_tables import columns
 
         return columns(self)
 
     def units(self) -> dict[str, str]:
-        """Unit of each column by its name; "m or rad" and the like where the robot, which tells, is not found."""
+        """Returns the unit of each column by its name; "m or rad" and the like if the robot is not found."""
         from spear_pin.hybrid.trajectory_tables import units
 
         return units(self)
 
     def to_pandas(self) -> Any:
-        """The samples as a `pandas.DataFrame`, indexed by time: the `columns`, domain, phase and engaged springs.
+        """Returns the samples as a `pandas.DataFrame` over time: the `columns`, domain, phase and engaged springs.
 
         Its `attrs["units"]` has the unit of each column.
         """
@@ -235,7 +236,7 @@ class Trajectory(Shown):
         return frame(self)
 
     def to_xarray(self) -> Any:
-        """The samples as an `xarray.Dataset` over time, coordinates, motors, toes and springs, with their units.
+        """Returns the samples as an `xarray.Dataset` over time, coordinates, motors, toes and springs, with units.
 
         Raises:
             MissingExtra: xarray is not installed.
@@ -246,11 +247,11 @@ class Trajectory(Shown):
 
     @typed
     def in_cycles(self, first: int, last: int | None = None) -> Trajectory:
-        """A part: the cycles from the first to the last, both in it, with their events and their rows of the ledger.
+        """Returns the cycles from the first to the last, inclusive, with their events and rows of the ledger.
 
         Args:
-            first: number of the first, as in `cycle`: 1 is the first whole one.
-            last: number of the last; None: there is no other.
+            first: number of the first cycle, as in `cycle`: 1 is the first whole one.
+            last: number of the last cycle; None for only the first.
 
         Raises:
             BadValue: there are no such cycles.
@@ -261,7 +262,7 @@ class Trajectory(Shown):
 
     @typed
     def in_phase(self, name: str) -> Trajectory:
-        """A part: the samples and events of a phase, wherever it recurs; its ledger has no rows.
+        """Returns the samples and events of a phase, each time it occurs; the ledger has no rows.
 
         Raises:
             UnknownName: there is no such phase.
@@ -272,27 +273,27 @@ class Trajectory(Shown):
 
     @typed
     def load_robot(self, source: str | None = None) -> Robot:
-        """The robot that moved, loaded again.
+        """Loads the robot of the trajectory again.
 
         Args:
-            source: its name or path, where its own is not found; of what was cut out of a robot, that robot's.
+            source: name or path of the robot, if its own is not found; if it was cut out of a robot, that robot's.
 
         Raises:
-            SpearError: there is no such robot, or it is not this one's.
+            SpearError: there is no such robot, or it is not the robot of this trajectory.
         """
         return mover(self.origin, self.robot, self.coordinates, self.toes, source)
 
     @typed
     def play(self, robot: Robot | None = None, *, title: str = "", height: int = 480) -> Player:
-        """The motion as a notebook plays it in place; of a long one the end, as much as 2 MB hold.
+        """Returns a player that shows the motion in a notebook; of a long motion it shows the end, up to 2 MB.
 
         Args:
-            robot: that moved; by default it is loaded again, which needs its file.
-            title: shown above; by default the robot's name.
-            height: of the frame, in pixels.
+            robot: the robot that moved; by default it is loaded again, which needs its file.
+            title: title above the player; by default the robot's name.
+            height: height of the frame, in pixels.
 
         Raises:
-            BadValue: there are gaps in it, its robot is not found, or the height is not positive.
+            BadValue: the motion has gaps, its robot is not found, or the height is not positive.
         """
         require("height", height, lambda pixels: pixels >= 1, "a whole number of pixels, at least 1")
         if len(gaps(self)):
@@ -308,14 +309,14 @@ class Trajectory(Shown):
 
     @typed
     def plot(self, *columns: str, cycles: int | None = 3) -> Figure:
-        """Columns over time, those of the same unit in one panel, stance shaded; a notebook shows the figure.
+        """Plots columns over time, with one panel for each unit and stance shaded; a notebook shows the figure.
 
         Args:
-            columns: names among those of `columns`, or what all of a kind begin with: "q", "v", "a", "u", "tau",
-                "friction", "spring", "current", "reference", "force_x" or "force_z". By default "q", "spring" where
-                there is one, and "force_z". Of a quadruped in its sagittal plane torques and forces are of a pair, and
-                labelled so.
-            cycles: how many are drawn, from the first; None: all there is.
+            columns: names among those of `columns`, or the common beginning of all of a kind: "q", "v", "a", "u",
+                "tau", "friction", "spring", "current", "reference", "force_x" or "force_z". By default "q", "spring"
+                if there is one, and "force_z". A quadruped in its sagittal plane has torques and forces of a pair of
+                legs, which are labelled so.
+            cycles: number of cycles drawn, from the first; None for all.
 
         Raises:
             UnknownName: there is no such column.

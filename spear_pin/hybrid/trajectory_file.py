@@ -1,4 +1,4 @@
-"""Trajectories on disk: an npz file of arrays and one JSON string, nothing pickled; what is read is checked."""
+"""Trajectories on disk: an npz file of arrays and one JSON string, nothing pickled; every read is checked."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from spear_pin.printable import is_printable, printable
 FORMAT = "spear_pin trajectory 1"
 UNITS = "SI, radians"
 KINDS = {"f": "numbers", "i": "whole numbers", "b": "truth values", "U": "names"}
-ARRAYS = {  # the kind of each, and what its axes are counted by
+ARRAYS = {  # kind of each array, and the names of its axes
     "t": ("f", "samples"),
     "q": ("f", "samples", "coordinates"),
     "v": ("f", "samples", "coordinates"),
@@ -53,22 +53,22 @@ ARRAYS = {  # the kind of each, and what its axes are counted by
     "ledger_change": ("f", "cycles"),
 }
 ELECTRICAL = {"electrical_work": ("f", "cycles", "drives"), "electrical_change": ("f", "cycles")}
-CURRENTS = ("current", "reference")  # files from before there was hardware have none
+CURRENTS = ("current", "reference")  # missing in files that are older than hardware
 ORDERED = ("t", "cycle", "event_time")
-STATES = ("t", "q", "v")  # finite however the run ended
+STATES = ("t", "q", "v")  # finite for any end of a run
 EVENT_ARRAYS = ("time", "q", "v_before", "v", "impulse")
 NAMES = ("coordinates", "actuated", "toes", "spring_joints")
 COUNTS = ("cycles", "evaluations")
 TEXTS = ("robot", "reason", "message")
 PLAIN = ("robot", *NAMES, "cycles", "reason", "message", "evaluations")
 GROUND_FIELDS = tuple(field.name for field in fields(Ground))
-DENSEST = 1100  # bytes that one of a compressed file may stand for: more than deflate packs
+DENSEST = 1100  # most bytes that one byte of a compressed file may stand for: more than deflate packs
 
 Arrays = Mapping[str, NDArray[Any]]
 
 
 def write(trajectory: Trajectory, path: str | Path) -> Path:
-    """Write a trajectory; see `Trajectory.save`."""
+    """Writes a trajectory; see `Trajectory.save`."""
     arrays: dict[str, Any] = {name: getattr(trajectory, name) for name in SAMPLED}
     arrays |= {f"event_{name}": np.array([getattr(e, name) for e in trajectory.events]) for name in EVENT_ARRAYS}
     arrays |= {"ledger_work": trajectory.ledger.work, "ledger_change": trajectory.ledger.change}
@@ -90,7 +90,7 @@ def write(trajectory: Trajectory, path: str | Path) -> Path:
 
 
 def read(path: str | Path) -> Trajectory:
-    """Read a trajectory; see `Trajectory.load`."""
+    """Reads a trajectory; see `Trajectory.load`."""
     try:
         with regular(path).open("rb") as file, ZipFile(file) as archive:
             return _trajectory(archive)
@@ -130,8 +130,8 @@ def _trajectory(archive: ZipFile) -> Trajectory:
     wanted = {name: rule for name, rule in (ARRAYS | (ELECTRICAL if drives else {})).items() if name not in older}
     check_keys("array", members, wanted)
     forces, _ = _header(archive, members["force"])
-    sizes["directions"] = 3 if forces[-1:] == (3,) else 2  # of space or of the plane
-    for name, rule in wanted.items():  # before anything is read
+    sizes["directions"] = 3 if forces[-1:] == (3,) else 2  # in space or in the plane
+    for name, rule in wanted.items():  # before any array is read
         _check_header(name, rule, *_header(archive, members[name]), sizes)
     arrays = {name: _array(archive, members[name]) for name in wanted}
     for name, array in arrays.items():
@@ -151,7 +151,7 @@ def _trajectory(archive: ZipFile) -> Trajectory:
 
 
 def _ground(numbers: Any) -> Ground | None:
-    """The ground, which files from before it was kept do not say."""
+    """Returns the ground, None for older files, which lack it."""
     if numbers is None:
         return None
     if not isinstance(numbers, dict):
@@ -161,7 +161,7 @@ def _ground(numbers: Any) -> Ground | None:
 
 
 def _origin(meta: Mapping[str, Any]) -> dict[str, Any] | None:
-    """The robot's origin, which files from before it was kept do not say."""
+    """Returns the robot's origin, None for older files, which lack it."""
     said: dict[str, Any] | None = meta.get("origin")
     if said is not None:
         check_origin(said, "origin")
@@ -182,7 +182,7 @@ def _events(infos: Iterable[Mapping[str, Any]], arrays: Arrays) -> tuple[Event, 
 
 
 def _header(archive: ZipFile, info: ZipInfo) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Shape and type of an array that holds as much as it says."""
+    """Returns shape and type of an array, after checking that it holds as many bytes as its header says."""
     name = info.filename.removesuffix(".npy")
     if info.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
         raise ValueError(f"{name} is compressed in another way")
@@ -208,14 +208,14 @@ def _npy_header(name: str, member: IO[bytes]) -> tuple[tuple[int, ...], np.dtype
 def _array(archive: ZipFile, info: ZipInfo) -> NDArray[Any]:
     with archive.open(info) as member:
         array: NDArray[Any] = npy.read_array(member, allow_pickle=False)
-        member.read()  # to its end, where the checksum is looked at
+        member.read()  # to its end, where the checksum is checked
     return array.astype(array.dtype.newbyteorder("="), copy=False)
 
 
 def _check_header(
     name: str, rule: tuple[str, ...], shape: tuple[int, ...], kind: np.dtype[Any], sizes: dict[str, int]
 ) -> None:
-    """Check an array's type and shape; the first with samples tells how many there are."""
+    """Checks an array's type and shape; the first array with samples sets their number."""
     wanted, *axes = rule
     if kind.kind != wanted or wanted in "fi" and kind.itemsize != 8:
         raise ValueError(f"{name} is of type {kind}; expected {KINDS[wanted]}")
@@ -282,7 +282,7 @@ def _check_names(name: str, value: Any) -> None:
 
 
 def _check_seen(kind: str, names: Iterable[str]) -> None:
-    """Refuse names that would act on a terminal, and such as look like others; a robot's may be its path."""
+    """Refuses names that would act on a terminal, or that look like others; a robot's name may be its path."""
     for name in names:
         if not is_printable(name):
             raise BadValue(kind, name, "names of printable characters")

@@ -1,4 +1,4 @@
-"""Parts of a trajectory: whole cycles, and what happens in a phase."""
+"""Parts of a trajectory: whole cycles, and the samples of a phase."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def cycles(trajectory: Trajectory, first: int, last: int) -> Trajectory:
-    """The samples, events and ledger of cycles from one to another, both in it."""
+    """Returns the samples, events and ledger of the cycles from the first to the last, inclusive."""
     there = trajectory.cycle
     if not there[0] <= first <= last <= there[-1]:
         given = first if first == last else f"{first} to {last}"
@@ -26,7 +26,7 @@ def cycles(trajectory: Trajectory, first: int, last: int) -> Trajectory:
 
 
 def phase(trajectory: Trajectory, name: str) -> Trajectory:
-    """The samples and events of a phase, wherever it recurs; the ledger, which is of whole cycles, is empty."""
+    """Returns the samples and events of a phase, each time it occurs; the ledger, of whole cycles only, is empty."""
     chosen = trajectory.phase == name
     if not chosen.any():
         raise UnknownName("phase", name, list(dict.fromkeys(trajectory.phase.tolist())))
@@ -34,7 +34,7 @@ def phase(trajectory: Trajectory, name: str) -> Trajectory:
 
 
 def gaps(trajectory: Trajectory) -> NDArray[np.int64]:
-    """Rows after which samples are left out."""
+    """Returns the rows after which samples are missing."""
     later = np.diff(trajectory.t) > 0
     elsewhere = (np.diff(trajectory.cycle) != 0) | (trajectory.phase[1:] != trajectory.phase[:-1])
     return np.flatnonzero(later & elsewhere)

@@ -27,18 +27,18 @@ from spear_pin.hybrid.column_names import (
 if TYPE_CHECKING:
     from spear_pin.hybrid.trajectory import Trajectory
 
-AXES = {  # of arrays over samples, besides time
+AXES = {  # axes of arrays over samples, besides time
     **dict.fromkeys(("q", "v", "a", "friction"), ("coordinate",)),
     **dict.fromkeys(("u", "tau", "current", "reference"), ("motor",)),
     "force": ("toe", "axis"),
     **dict.fromkeys(("spring", ENGAGED), ("spring_joint",)),
     **dict.fromkeys(("domain", "phase", CYCLE), ()),
 }
-DRIVEN = ("current", "reference")  # of hardware alone
+DRIVEN = ("current", "reference")  # only with hardware
 
 
 def columns(trajectory: Trajectory) -> tuple[list[str], Array]:
-    """Names, and values, of everything numeric, one row a sample."""
+    """Returns names and values of all numeric columns, one row a sample."""
     one = trajectory
     names, parts = [TIME, CYCLE], [one.t[:, None], one.cycle[:, None].astype(float)]
     for symbol, values, labels in (
@@ -59,15 +59,15 @@ def columns(trajectory: Trajectory) -> tuple[list[str], Array]:
 
 
 def directions(trajectory: Trajectory) -> str:
-    """Axes of forces: "xz" in the plane, "xyz" in space."""
+    """Returns the axes of forces: "xz" in the plane, "xyz" in space."""
     return "xyz" if trajectory.force.shape[2] == 3 else "xz"
 
 
 def chosen(names: list[str], asked: tuple[str, ...]) -> list[str]:
-    """Names of columns among those that were asked for: of each, or of all that begin with it, as "q" or "force_z".
+    """Returns the names of the requested columns; a beginning such as "q" or "force_z" stands for all of a kind.
 
     Raises:
-        UnknownName: there is none.
+        UnknownName: there is no such column.
     """
     found = []
     for name in asked:
@@ -82,13 +82,13 @@ def chosen(names: list[str], asked: tuple[str, ...]) -> list[str]:
 
 
 def units(trajectory: Trajectory) -> dict[str, str]:
-    """Unit of each column by its name; "m or rad" and the like where the robot, which tells, is not found."""
+    """Returns the unit of each column by its name; "m or rad" and the like if the robot is not found."""
     measured = _measured(trajectory)
     return {name: unit(name, measured) for name in columns(trajectory)[0]}
 
 
 def frame(trajectory: Trajectory) -> Any:
-    """The samples as a `pandas.DataFrame`, see `Trajectory.to_pandas`."""
+    """Returns the samples as a `pandas.DataFrame`, see `Trajectory.to_pandas`."""
     said = units(trajectory)
     made = _table(trajectory).set_index(TIME)
     made.attrs = {"units": said, "robot": trajectory.robot}
@@ -96,7 +96,7 @@ def frame(trajectory: Trajectory) -> Any:
 
 
 def dataset(trajectory: Trajectory) -> Any:
-    """The samples as an `xarray.Dataset`, see `Trajectory.to_xarray`."""
+    """Returns the samples as an `xarray.Dataset`, see `Trajectory.to_xarray`."""
     try:
         import xarray
     except ImportError:
@@ -121,10 +121,10 @@ def dataset(trajectory: Trajectory) -> Any:
 
 
 def export(trajectory: Trajectory, path: str | Path, sampled: tuple[str, ...]) -> Path:
-    """Write the samples, see `Trajectory.export`.
+    """Writes the samples to a file, see `Trajectory.export`.
 
     Args:
-        trajectory: whose they are.
+        trajectory: the trajectory.
         path: the file.
         sampled: names of the arrays over samples.
     """
@@ -152,7 +152,7 @@ def export(trajectory: Trajectory, path: str | Path, sampled: tuple[str, ...]) -
 
 
 def _table(trajectory: Trajectory) -> Any:
-    """All columns as a `pandas.DataFrame`, in the order of a table."""
+    """Returns all columns as a `pandas.DataFrame`, in the order of a table."""
     import pandas
 
     names, numbers = columns(trajectory)
@@ -164,7 +164,7 @@ def _table(trajectory: Trajectory) -> Any:
 
 
 def _measured(trajectory: Trajectory) -> dict[str, str]:
-    """What each coordinate is measured in, "m" or "rad"; nothing where the robot is not found."""
+    """Returns the unit of each coordinate, "m" or "rad"; empty if the robot is not found."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RobotWarning)

@@ -1,4 +1,4 @@
-"""Translation along the ground, on which nothing depends: its direction over the coordinates."""
+"""Translation along the ground, on which the dynamics do not depend: its directions over the coordinates."""
 
 from __future__ import annotations
 
@@ -10,17 +10,18 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.planar import Planar
 
-VERTICAL = 1e-12  # of a slider's direction
+VERTICAL = 1e-12  # largest horizontal part of a vertical slider's direction
 
 
 def translations(system: HybridSystem, ground: Ground | None = None) -> Array:
-    """Unit directions over the coordinates along which a motion may be moved, (k, nv): of each that is cyclic.
+    """Returns the unit directions over the coordinates along which a motion may be moved, (k, nv).
 
-    On level ground that is the coordinate itself; on a slope the robot has to be lifted with it.
+    There is one for each cyclic coordinate. On level ground the direction is the coordinate itself; on a slope the
+    robot has to be lifted with it.
 
     Args:
         system: the system.
-        ground: in place of its own; of n lanes with slopes of their own, directions are (n, k, nv).
+        ground: replaces the system's ground; if n lanes have their own slopes, directions are (n, k, nv).
 
     Raises:
         BadValue: the ground is sloped, and no coordinate lifts the robot as a whole.
@@ -34,14 +35,14 @@ def translations(system: HybridSystem, ground: Ground | None = None) -> Array:
 
 
 def without(rows: Array, motion: Array) -> Array:
-    """Displacements over the coordinates, (..., nv), less what of them is along unit rows, (..., k, nv)."""
+    """Returns displacements over the coordinates, (..., nv), without their parts along unit rows, (..., k, nv)."""
     for row in np.moveaxis(rows, -2, 0):
         motion = motion - (motion * row).sum(axis=-1, keepdims=True) * row
     return motion
 
 
 def _lift(system: HybridSystem) -> int:
-    """Index of the coordinate that lifts the robot as a whole."""
+    """Returns the index of the coordinate that lifts the robot as a whole."""
     bodies = Planar(system.robot).bodies
     for i, body in enumerate(bodies):
         trunk, parent = body.turns == 0.0, body.parent

@@ -1,8 +1,8 @@
 """Actuator between a commanded torque and a joint: current loop, bridge, battery, motor and gearbox.
 
-The controller asks for the current i* = τ*/(N kt), as the source's τ = k_τ i has it. The current follows at once,
-or with the bandwidth of its loop, as far as battery, amplifier and the winding's heat let it; gears then take
-their share. Power is accounted for from the battery to the joint.
+The controller commands the current i* = τ*/(N kt), by the source's τ = k_τ i. The current follows immediately, or with
+the bandwidth of its loop, within the limits of battery, amplifier and winding heat; gears then take their share. Power
+is accounted for from the battery to the joint.
 """
 
 from __future__ import annotations
@@ -17,37 +17,37 @@ from spear_pin.model.bridge import Battery
 from spear_pin.model.motor import Gearbox, Motor, geared_constant, passed_on_creeping
 
 CREEP = 0.05  # rad/s at the joint
-FOLD = 0.1  # of the continuous current's square, over which the limit falls from peak to continuous
+FOLD = 0.1  # share of the continuous current's square over which the limit falls from peak to continuous
 
 
 @dataclass(frozen=True)
 class Thermal:
-    """i²t protection as drives do it: the mean square of the current, forgotten exponentially, is limited.
+    """i²t protection as in drives: it limits the mean square of the current, with exponential forgetting.
 
     Attributes:
         continuous: current that may flow for ever, in A.
-        time_constant: over which the square is averaged, in s.
+        time_constant: time over which the square is averaged, in s.
     """
 
     continuous: float
     time_constant: float
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require("Thermal.continuous", self.continuous, lambda i: i > 0, "a number > 0, in A")
         require("Thermal.time_constant", self.time_constant, lambda tau: tau > 0, "a number > 0, in s")
 
 
 class Power(NamedTuple):
-    """Where the power of an actuator goes at an instant, in W.
+    """Power balance of an actuator at an instant, in W.
 
     Attributes:
-        battery: what the battery's cell gives; negative where it is charged.
+        battery: power from the battery's cell; negative while it is charged.
         joule: heat of winding and battery.
-        gearbox: lost in the gears.
-        joint: what the joint gets.
-        stored: what the inductance takes up.
-        torque: at the joint, in N·m.
+        gearbox: power lost in the gears.
+        joint: power at the joint.
+        stored: power into the inductance.
+        torque: torque at the joint, in N·m.
     """
 
     battery: float
@@ -60,18 +60,18 @@ class Power(NamedTuple):
 
 @dataclass(frozen=True)
 class Actuator:
-    """A current-controlled motor behind a gearbox. Its rotor's inertia stands in D(q), not here.
+    """A current-controlled motor behind a gearbox. D(q) has its rotor's inertia, not this class.
 
-    The bridge is an average of its switching, without loss. Beyond the no-load speed the back-EMF forces a
-    current into the battery, (V - e)/(R + R_b), whatever the current limit; the drop of the diodes is neglected.
+    The bridge is averaged over its switching, without loss. Above the no-load speed the back-EMF forces a current into
+    the battery, (V - e)/(R + R_b), whatever the current limit; the drop of the diodes is neglected.
 
     Attributes:
-        motor: needs `torque_constant` and `resistance`; `inductance` where there is a bandwidth.
-        gearbox: ratio and efficiency. Its efficiency acts on the torque, η driving and 1/η braking.
-        battery: behind the bridge, its own. Of the two duties at which a sagging battery gives the same, the
-            lesser is taken; that beyond its best one more current could be had at less duty is not used.
-        current_limit: of the amplifier, in A; infinite for none.
-        bandwidth: of the current loop, in Hz; None: the current follows at once.
+        motor: the motor; it needs `torque_constant` and `resistance`, and `inductance` if there is a bandwidth.
+        gearbox: ratio and efficiency. The efficiency acts on the torque, η when driving and 1/η when braking.
+        battery: the actuator's own battery behind the bridge. A sagging battery gives the same power at two duties, of
+            which the lesser is taken; the model ignores that beyond the best duty less duty gives more current.
+        current_limit: limit of the amplifier, in A; infinite for none.
+        bandwidth: bandwidth of the current loop, in Hz; None if the current follows immediately.
         thermal: i²t protection, if there is any.
     """
 
@@ -83,7 +83,7 @@ class Actuator:
     thermal: Thermal | None = None
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         self.motor.known("torque_constant")
         self.motor.known("resistance")
         if self.current_limit != math.inf:
@@ -96,7 +96,7 @@ class Actuator:
 
     @cached_property
     def states(self) -> tuple[str, ...]:
-        """Names of what has a memory: current, in A, and the mean square of the current, in A²."""
+        """Names of the states: current, in A, and the mean square of the current, in A²."""
         return ("current",) * (self.bandwidth is not None) + ("square",) * (self.thermal is not None)
 
     @cached_property
@@ -114,15 +114,15 @@ class Actuator:
         return self._resistance + self.battery.resistance
 
     def reference(self, torque: float) -> float:
-        """i* = τ*/(N kt), in A."""
+        """Returns the commanded current i* = τ*/(N kt), in A."""
         return torque / self.constant
 
     def current(self, torque: float, speed: float, x: dict[str, float]) -> float:
-        """The current that flows, in A, when a torque is commanded at a joint speed."""
+        """Returns the current that flows when a torque is commanded at a joint speed, in A."""
         return x["current"] if "current" in x else self._held(self._limited(self.reference(torque), x), speed)
 
     def slopes(self, torque: float, speed: float, x: dict[str, float]) -> dict[str, float]:
-        """Rates of change of the states."""
+        """Returns the rates of change of the states."""
         found: dict[str, float] = {}
         if self.bandwidth is not None:
             wanted = 2.0 * math.pi * self.bandwidth * (self._limited(self.reference(torque), x) - x["current"])
@@ -133,14 +133,14 @@ class Actuator:
         return found
 
     def torque(self, current: float, speed: float) -> float:
-        """Torque at the joint, N kt i times η where it drives, over η where it brakes, in N·m.
+        """Returns the torque at the joint, in N·m: N kt i times η when driving, divided by η when braking.
 
-        It changes from one to the other within about `CREEP`, where gears would stick: the joint creeps instead.
+        It changes from one to the other within about `CREEP`. There gears would stick; in this model the joint creeps.
         """
         return self.constant * current * passed_on_creeping(self.gearbox.efficiency, current, speed, CREEP)
 
     def power(self, current: float, speed: float, current_slope: float = 0.0) -> Power:
-        """Where the power goes; battery = joule + gearbox + joint + stored."""
+        """Returns the power balance: battery = joule + gearbox + joint + stored."""
         stored = (self.motor.inductance or 0.0) * current * current_slope
         shaft = self.constant * current * speed
         heat = self._resistance * current**2
@@ -152,7 +152,7 @@ class Actuator:
         return Power(battery, heat + inside, shaft - joint, joint, stored, torque)
 
     def stored(self, x: dict[str, float]) -> float:
-        """Energy of the inductance, in J."""
+        """Returns the energy of the inductance, in J."""
         return 0.5 * (self.motor.inductance or 0.0) * x.get("current", 0.0) ** 2
 
     def _limited(self, current: float, x: dict[str, float]) -> float:
@@ -164,19 +164,19 @@ class Actuator:
         return min(max(current, -limit), limit)
 
     def _held(self, current: float, speed: float) -> float:
-        """The current that the battery's voltage leaves of one that is wanted."""
+        """Limits a wanted current to the current that the battery's voltage allows."""
         emf = self.constant * speed
         voltage, total = self.battery.voltage, self._circuit
         return min(max(current, (-voltage - emf) / total), (voltage - emf) / total)
 
     def _fastest(self, side: float, speed: float, x: dict[str, float]) -> float:
-        """Slope of the current at full voltage to one side, in A/s."""
+        """Returns the slope of the current at full voltage to one side, in A/s."""
         drop = self._circuit * x["current"] + self.constant * speed
         return (side * self.battery.voltage - drop) / self.motor.known("inductance")
 
     def _drawn(self, terminals: float) -> float:
-        """Power of the battery's cell, in W, when the bridge takes some power from it."""
+        """Returns the power of the battery's cell, in W, when the bridge takes power from the battery."""
         voltage, resistance = self.battery.voltage, self.battery.resistance
-        # V I - R I² = P, the lesser root; written so that a small R costs no digits
+        # the lesser root of V I - R I² = P, written so that a small R costs no digits
         inside = max(voltage**2 - 4.0 * resistance * terminals, 0.0)
         return voltage * 2.0 * terminals / (voltage + math.sqrt(inside))

@@ -20,18 +20,18 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
 HEIGHT = "boom_z"
-REACH = 0.9  # of the radius, above and below the pivot: the height is no coordinate where the arm stands upright
+REACH = 0.9  # of the radius, above and below the pivot; where the arm stands upright the height is no coordinate
 
 
 @typed
 @dataclass(frozen=True)
 class RotaryBoom:
-    """The arm.
+    """The arm of a rotary boom.
 
     Attributes:
-        radius: from the pivot to the hip, in m (source: about 2 m, of SPEAR-I).
-        pivot: its height, in m (assumption: that of the hip in stance and flight, on the average).
-        inertia: of the arm about the pivot, in kg·m² (assumption; its own weight is balanced).
+        radius: distance from the pivot to the hip, in m (source: about 2 m, of SPEAR-I).
+        pivot: height of the pivot, in m (assumption: mean height of the hip in stance and flight).
+        inertia: inertia of the arm about the pivot, in kg·m² (assumption; its own weight is balanced).
     """
 
     radius: float = 2.0
@@ -39,18 +39,18 @@ class RotaryBoom:
     inertia: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require("RotaryBoom.radius", self.radius, lambda radius: radius > 0, "a number > 0, in m")
         require("RotaryBoom.pivot", self.pivot, lambda height: abs(height) >= 0, "a finite number, in m")
         require("RotaryBoom.inertia", self.inertia, lambda inertia: inertia >= 0, "a number >= 0, in kg·m²")
 
     def elevation(self, height: ArrayLike) -> Array:
-        """φ of the arm for heights of its end, in rad; not a number beyond its reach."""
+        """Returns the arm's angle φ for heights of its end, in rad; NaN beyond its reach."""
         with np.errstate(invalid="ignore"):
             return np.asarray(np.arcsin((np.asarray(height, dtype=float) - self.pivot) / self.radius))
 
     def sideways(self, height: ArrayLike) -> Array:
-        """How far the end is drawn towards the pivot, R (1 - cos φ), in m."""
+        """Returns how far the arm's end moves towards the pivot, R (1 - cos φ), in m."""
         return np.asarray(self.radius * (1.0 - np.cos(self.elevation(height))))
 
 
@@ -60,8 +60,8 @@ class Arm:
 
     Attributes:
         boom: the arm.
-        row: of the height among the coordinates.
-        mass: at the end of the arm, in kg.
+        row: index of the height among the coordinates.
+        mass: mass at the end of the arm, in kg.
     """
 
     boom: RotaryBoom
@@ -69,7 +69,7 @@ class Arm:
     mass: float
 
     def __call__(self, q: Array) -> tuple[int, float, float]:
-        """The row of the height, μ on it, in kg, and μ′, in kg/m.
+        """Returns the index of the height, the inertia μ on it, in kg, and μ′, in kg/m.
 
         Raises:
             BadValue: the height is not within the arm's reach.
@@ -86,12 +86,12 @@ class Arm:
 
 @typed
 def on_rotary_boom(robot: Robot, boom: RotaryBoom | None = None) -> Robot:
-    """Robot on a rotary boom in place of its slider; the given one is left alone.
+    """Returns a robot on a rotary boom in place of its slider; the given one is left unchanged.
 
     A saved gait does not keep the boom.
 
     Args:
-        robot: planar, its height the coordinate `boom_z`, `boom_x` locked.
+        robot: a planar robot with the height as coordinate `boom_z`, and `boom_x` locked.
         boom: the arm.
 
     Raises:

@@ -31,10 +31,10 @@ class Quantity:
     """A number with its provenance.
 
     Attributes:
-        value: in the unit.
-        unit: of SI.
-        source: where it comes from.
-        verification: how far to trust it.
+        value: value in the unit.
+        unit: SI unit.
+        source: where the number comes from.
+        verification: how far to trust the number.
     """
 
     value: float
@@ -59,15 +59,15 @@ Entry = Mapping[str, Quantity]
 
 @typed
 def scaled(motor: Motor, power: float) -> Motor:
-    """A motor of the same kind for another power: an assumption, for want of its numbers.
+    """Scales a motor to another power, as an assumption where its numbers are not known.
 
-    It is r = power / rated_power equal motors side by side on one shaft and one supply, r not being bound to
-    integers: torques, currents, inertia and mass are multiplied by r, resistance and inductance are divided
-    by r; torque constant, voltage and speeds stay. A manufacturer's larger motor will differ.
+    The result acts like r = power / rated_power equal motors on one shaft and one supply, where r need not be an
+    integer. Torques, currents, inertia and mass are multiplied by r, resistance and inductance are divided by r; torque
+    constant, voltage and speeds stay the same. A manufacturer's larger motor will differ.
 
     Args:
-        motor: with a known `rated_power`.
-        power: in W.
+        motor: a motor with a known `rated_power`.
+        power: the new rated power, in W.
     """
     require("power", power, lambda p: p > 0, "a number > 0, in W")
     ratio = power / motor.known("rated_power")
@@ -80,7 +80,7 @@ def scaled(motor: Motor, power: float) -> Motor:
 
 @typed
 def motor(name: str) -> Motor:
-    """A motor of the catalogue; what is not known of it is None, for `dataclasses.replace` to fill in.
+    """Returns a motor of the catalogue; numbers that are not known are None, for `dataclasses.replace` to fill in.
 
     Raises:
         UnknownName: there is no such motor.
@@ -92,7 +92,7 @@ def motor(name: str) -> Motor:
 
 @typed
 def gearbox(name: str) -> Gearbox:
-    """A gearbox of the catalogue; an efficiency or inertia that is not known is left at no loss or none.
+    """Returns a gearbox of the catalogue; an unknown efficiency means no loss, an unknown inertia none.
 
     Raises:
         UnknownName: there is no such gearbox.
@@ -103,7 +103,7 @@ def gearbox(name: str) -> Gearbox:
 
 
 def rows() -> list[Row]:
-    """Every number of the catalogue, motors first."""
+    """Returns every number of the catalogue, motors first."""
     return [
         Row(name, field, quantity.value, quantity.unit, quantity.source, quantity.verification)
         for name, entry in {**MOTORS, **GEARBOXES}.items()
@@ -116,7 +116,7 @@ def _given(verification: Verification, source: str, **values: float) -> Entry:
 
 
 def _assumed(base: str, power: float) -> Entry:
-    """An entry for a scaled motor."""
+    """Returns an entry for a scaled motor."""
     larger = scaled(motor(base), power)
     source = f"{base} scaled to {power:g} W as equal motors on one shaft"
     return _given("assumption", source, **{field: getattr(larger, field) for field in MOTORS[base]})

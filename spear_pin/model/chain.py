@@ -1,8 +1,8 @@
 """A floating base as a chain of six joints, in which q̇ = v: along x, y and z, then yaw, pitch and roll.
 
-Simulation reckons with it: a gait of the plane is copied into it as it is, and nothing has to be normalised. It is
-singular where the pitch is ±90°, which for a legged robot is a fall. Yaw turns about z, to the left; pitch about -y,
-nose up, as in the plane; roll about x, to the right side.
+Simulation uses it: a gait of the plane can be copied into it unchanged, and no coordinate has to be normalised. It is
+singular at a pitch of ±90°, which for a legged robot is a fall. Yaw turns about z, to the left; pitch about -y, nose
+up, as in the plane; roll about x, to the right side.
 """
 
 from __future__ import annotations
@@ -52,10 +52,10 @@ class State(NamedTuple):
 
 
 def on_chain(model: pin.Model) -> pin.Model:
-    """The model, its floating base in front of all other joints replaced by the chain.
+    """Returns the model with its floating base, which precedes all other joints, replaced by the chain.
 
     Raises:
-        BadValue: its first joint is no floating one, it has another, or a joint has a name of the chain's.
+        BadValue: the first joint does not float, another joint does, or a joint has a name of the chain's joints.
     """
     flying = [i for i in range(1, model.njoints) if model.joints[i].shortname() == FREE]
     if flying != [1] or model.parents[1] != 0:
@@ -74,7 +74,7 @@ def on_chain(model: pin.Model) -> pin.Model:
         numbers[i] = made.addJoint(parent, model.joints[i], model.jointPlacements[i], model.names[i])
     for i in range(1, model.njoints):
         made.appendBodyToJoint(numbers[i], model.inertias[i], STAY)
-    frames = {0: 0}  # names do not tell: a joint and a body may have the same
+    frames = {0: 0}  # names are no key: a joint and a body may have the same
     for i, frame in list(enumerate(model.frames))[1:]:
         parent, carrier = frames[int(frame.parentFrame)], numbers[frame.parentJoint]
         like = pin.Frame(frame.name, carrier, parent, frame.placement, frame.type, pin.Inertia.Zero())
@@ -91,15 +91,15 @@ def on_chain(model: pin.Model) -> pin.Model:
 
 
 def to_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
-    """The state in the chain's coordinates of one with a quaternion.
+    """Converts a state with a quaternion to the chain's coordinates.
 
     Args:
-        robot: with a floating base in front of all other joints, such as `load("q_spear_full")`.
-        q: place, quaternion (x, y, z, w), and the other joints, (nq,).
-        v: velocity and angular velocity of the base in its own axes, and the other joints', (nv,).
+        robot: a robot with a floating base before all other joints, such as `load("q_spear_full")`.
+        q: position, quaternion (x, y, z, w), and the other joints, (nq,).
+        v: velocity and angular velocity of the base in its own axes, and rates of the other joints, (nv,).
 
     Returns:
-        those of `load(..., base="chain")`, of which the roll and the yaw are within ±π and the pitch within ±π/2.
+        the state of `load(..., base="chain")`, with roll and yaw within ±π and pitch within ±π/2.
 
     Raises:
         BadValue: the base does not float, the state has the wrong shape, or the pitch is ±90°.
@@ -124,11 +124,11 @@ def to_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
 
 
 def from_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
-    """The state with a quaternion of one in the chain's coordinates, the inverse of `to_chain`.
+    """Converts a state in the chain's coordinates to one with a quaternion; this inverts `to_chain`.
 
     Args:
-        robot: on a chain, `load(..., base="chain")`.
-        q: the six of the chain and the other joints, (nv,).
+        robot: a robot on a chain, `load(..., base="chain")`.
+        q: the six coordinates of the chain and the other joints, (nv,).
         v: their rates, (nv,).
 
     Raises:
@@ -156,19 +156,19 @@ def _check_floating(robot: Robot) -> None:
 
 
 def _turn(yaw: float, pitch: float, roll: float) -> Array:
-    """The base's axes in the world, (3, 3)."""
+    """Returns the base's axes in the world, (3, 3)."""
     return np.asarray(pin.utils.rotate("z", yaw) @ pin.utils.rotate("y", -pitch) @ pin.utils.rotate("x", roll))
 
 
 def _rates(pitch: float, roll: float) -> Array:
-    """The base's angular velocity in its own axes by the rates of yaw, pitch and roll, (3, 3)."""
+    """Returns the matrix from rates of yaw, pitch and roll to the base's angular velocity in its axes, (3, 3)."""
     nod, lean = pin.utils.rotate("y", -pitch), pin.utils.rotate("x", roll)
     columns = (lean.T @ nod.T @ (0.0, 0.0, 1.0), lean.T @ (0.0, -1.0, 0.0), np.array((1.0, 0.0, 0.0)))
     return np.column_stack(columns)
 
 
 def _angles(q: Array) -> Array:
-    """The chain's coordinates of a base with a quaternion, (6,)."""
+    """Returns the chain's coordinates of a base with a quaternion, (6,)."""
     turned = pin.Quaternion(q[3:FREE_Q].reshape(4, 1)).normalized().toRotationMatrix()
     pitch = math.asin(max(-1.0, min(1.0, turned[2, 0])))
     yaw, roll = math.atan2(turned[1, 0], turned[0, 0]), math.atan2(turned[2, 1], turned[2, 2])

@@ -14,12 +14,12 @@ import scipy
 class Curve:
     """A continuous piecewise polynomial, for scalars of any kind.
 
-    f(x) = f₀ + Σᵢ pᵢ(uᵢ) with pᵢ(0) = 0, where uᵢ is how far x has come through the i-th piece: 0 before it, its whole
-    length behind it. The first piece goes on below, the last one above.
+    f(x) = f₀ + Σᵢ pᵢ(uᵢ) with pᵢ(0) = 0, where uᵢ is the part of the i-th piece below x: 0 before the piece, its whole
+    length after it. The first piece continues below its start, the last one above its end.
 
     Attributes:
-        starts: where the pieces begin, rising; the first one's is where its own argument is 0.
-        pieces: coefficients of each pᵢ, from that of uᵢ on.
+        starts: starts of the pieces, increasing; at the first start the argument of the first piece is 0.
+        pieces: coefficients of each pᵢ, beginning with that of uᵢ.
         offset: f₀.
     """
 
@@ -28,10 +28,10 @@ class Curve:
     offset: float = 0.0
 
     def __call__(self, x: Any, ops: Any = np) -> Any:
-        """The value.
+        """Returns the value at x.
 
         Args:
-            x: where.
+            x: the argument, a scalar of any kind.
             ops: has `maximum` for such scalars.
         """
         beyond = [x - self.starts[0], *(ops.maximum(x - start, 0.0) for start in self.starts[1:])]
@@ -41,7 +41,7 @@ class Curve:
         return value
 
     def integral(self) -> Curve:
-        """The curve of the integral from 0 on."""
+        """Returns the curve of the integral from 0 on."""
         ends = np.diff(self.starts)
         values, pieces = self.offset, []
         for i, piece in enumerate(self.pieces):
@@ -53,7 +53,7 @@ class Curve:
 
 
 def _polynomial(coefficients: Sequence[float], u: Any) -> Any:
-    """c₀ u + c₁ u² + ..."""
+    """Returns c₀ u + c₁ u² + ..."""
     value: Any = 0.0
     for coefficient in reversed(coefficients):
         value = u * (coefficient + value)
@@ -61,13 +61,13 @@ def _polynomial(coefficients: Sequence[float], u: Any) -> Any:
 
 
 def through(points: Sequence[tuple[float, float]]) -> Curve:
-    """The monotone cubic of Fritsch and Carlson (PCHIP) through points, straight beyond the last.
+    """Returns the monotone cubic of Fritsch and Carlson (PCHIP) through points, straight beyond the last.
 
-    Below the first it is straight, too, unless that is 0, from where the first piece goes on. It has one continuous
-    derivative, and rises wherever the points do.
+    Below the first point it is straight, too, unless this point is at 0, where the first piece continues. It has one
+    continuous derivative, and rises wherever the points do.
 
     Args:
-        points: two or more (x, y), rising in x.
+        points: two or more (x, y), increasing in x.
     """
     x, y = np.array(points, dtype=float).T
     with np.errstate(over="ignore"):  # of the harmonic mean of slopes that are all but zero

@@ -1,6 +1,6 @@
 """Parts cut out of a robot to move in the sagittal plane: inertias projected onto it, motors and limits carried over.
 
-Where the cut came from, what its angles are, and what it leaves out is said by a `Cut`.
+A `Cut` describes the origin of a cut, its angles, and the amounts that it leaves out.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ AHEAD, UP, PITCH, FLEX = (
     pin.JointModelRY(),
 )
 """Joints of the plane: two that slide, one that turns the nose up or a knee forward, one that flexes a knee."""
-ROUNDING = 1e-8  # of SI units: what differs by less is alike
+ROUNDING = 1e-8  # in SI units: amounts that differ by less are alike
 STAY = pin.SE3(np.eye(3), np.zeros(3))
 
 
 class Amount(NamedTuple):
-    """How much of something there is.
+    """An amount of a quantity.
 
     Attributes:
-        what: in words.
-        value: the largest, without sign.
-        unit: of the value.
+        what: the quantity, in words.
+        value: the largest value, without sign.
+        unit: unit of the value.
     """
 
     what: str
@@ -51,9 +51,9 @@ class Turn(NamedTuple):
     """An angle of a cut, sign (q - zero), of an angle q of the robot.
 
     Attributes:
-        joint: the robot's.
+        joint: joint of the robot.
         sign: +1 or -1.
-        zero: in rad.
+        zero: angle q at which the cut's angle is zero, in rad.
     """
 
     joint: str
@@ -68,22 +68,22 @@ class Turn(NamedTuple):
 
 @dataclass(frozen=True)
 class Cut:
-    """Origin of a robot that was cut out of another, and what that leaves out. It prints in a few lines.
+    """Origin of a robot that was cut out of another, and the amounts that the cut leaves out. It prints in a few lines.
 
     Attributes:
         kind: "monopod" or "sagittal".
         of: name of the robot.
-        source: what that was loaded from.
-        body: mass of what is not legs, as the cut has it, in kg.
-        angles: for each of the cut's joints that turn the robot's joints that turn with it.
-        held: joints of the robot that are held at zero, those that it had locked among them.
+        source: name or path from which the robot was loaded.
+        body: mass of the cut's parts that are not legs, in kg.
+        angles: for each turning joint of the cut, the joints of the robot that turn with it.
+        held: joints of the robot that are held at zero, including its locked joints.
         robot: the `Robot` itself.
-        legs: those of the robot that were cut out, for each leg of the cut one or a pair. With the kind and the body
-            that is all from which `spear_pin.model.recut` cuts again.
-        sides: where it is known, +1 if a leg of the cut flexes its knee to positive angles, -1 if to negative.
+        legs: legs of the robot that were cut out, one or a pair for each leg of the cut. `spear_pin.model.recut` needs
+            only these, the kind and the body to cut again.
+        sides: where known, +1 if a leg of the cut flexes its knee to positive angles, -1 if to negative ones.
         mirrored: whether the cut's x points to the robot's rear.
         asymmetric: how far left and right are from each other's mirror images.
-        neglected: what is out of the plane.
+        neglected: amounts out of the plane.
     """
 
     kind: str
@@ -124,11 +124,11 @@ class Limb:
     """A leg of a cut, which stands for one of the robot's legs or for a pair.
 
     Attributes:
-        turns: of the hip and of the knee.
-        thigh: inertia about the hip, hanging straight down.
-        shank: inertia about the knee, hanging straight down.
-        lengths: of thigh and shank, in m.
-        hip: place of the hip in the robot with every joint at zero, (3,), in m.
+        turns: angles of the hip and of the knee.
+        thigh: inertia of the thigh about the hip, hanging straight down.
+        shank: inertia of the shank about the knee, hanging straight down.
+        lengths: lengths of thigh and shank, in m.
+        hip: position of the hip in the robot with every joint at zero, (3,), in m.
     """
 
     turns: tuple[Turn, Turn]
@@ -145,7 +145,7 @@ class Source:
         robot: a `Robot`.
 
     Raises:
-        BadValue: it has inertia beside its model's.
+        BadValue: the robot has inertia in addition to its model's.
     """
 
     def __init__(self, robot: Any) -> None:
@@ -156,30 +156,30 @@ class Source:
         self.data = self.tree.data
 
     def below(self, joint: str) -> set[int]:
-        """Numbers of the joints that a joint carries, its own among them."""
+        """Returns the numbers of the joints that a joint carries, including its own."""
         return set(map(int, self.model.subtrees[self.model.getJointId(joint)]))
 
     def rest(self, legs: Iterable[Leg]) -> set[int]:
-        """Numbers of the joints that no hip of the legs carries, 0 for what is fixed to the world among them."""
+        """Returns the numbers of the joints that no hip of the legs carries, including 0 for the fixed parts."""
         return set(range(self.model.njoints)).difference(*(self.below(leg.hip) for leg in legs))
 
     def above(self, leg: Leg) -> tuple[str, ...]:
-        """Joints between the world and a hip that turn, or slide out of the plane; a floating base is none of them."""
+        """Returns the joints between world and hip, without a floating base, that turn or slide out of the plane."""
         chain = self.tree.chain(self.model.getJointId(leg.hip))[:-1]
         held = [joint for joint in chain if not self.tree.floats(joint) and not self.tree.slides(joint)]
         return tuple(str(self.model.names[joint]) for joint in held)
 
     def lump(self, joints: Iterable[int]) -> pin.Inertia:
-        """The bodies that some joints move, as one, in the world."""
+        """Returns the joint inertia of the bodies that some joints move, in the world."""
         bodies = (self.data.oMi[joint].act(self.model.inertias[joint]) for joint in sorted(joints))
         return sum(bodies, pin.Inertia.Zero())
 
     def limb(self, leg: Leg, mirrored: bool = False) -> Limb:
-        """A leg, alone.
+        """Cuts out a single leg.
 
         Args:
-            leg: of the robot.
-            mirrored: whether x is to point to the rear.
+            leg: leg of the robot.
+            mirrored: whether x shall point to the rear.
         """
         hip, knee = (self.data.oMi[self.model.getJointId(joint)].translation for joint in (leg.hip, leg.knee))
         ahead = -1 if mirrored else 1
@@ -198,7 +198,7 @@ class Source:
 
 
 def _hung(body: pin.Inertia, joint: Array, angle: float, ahead: int) -> pin.Inertia:
-    """A body in the world about a joint in it, turned back by the angle it hangs at; its y stays that in the world."""
+    """Returns a body about a joint, turned back by the angle at which it hangs; its y stays that of the world."""
     cosine, sine = math.cos(angle), math.sin(angle)
     turned = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
     placed = pin.SE3(turned, -turned @ (joint * (1.0, 0.0, 1.0))).act(body)
@@ -207,27 +207,27 @@ def _hung(body: pin.Inertia, joint: Array, angle: float, ahead: int) -> pin.Iner
 
 
 def flat(body: pin.Inertia) -> pin.Inertia:
-    """A body's projection onto the plane: the mean of it and its mirror image."""
+    """Projects a body onto the plane: returns the mean of the body and its mirror image."""
     inertia = np.array(body.inertia)
     inertia[[0, 1, 1, 2], [1, 0, 2, 1]] = 0.0
     return pin.Inertia(body.mass, body.lever * (1.0, 0.0, 1.0), inertia)
 
 
 def products(bodies: Iterable[pin.Inertia]) -> Amount:
-    """The largest product of inertia that `flat` leaves out."""
+    """Returns the largest product of inertia that `flat` leaves out."""
     largest = max(float(np.abs(body.inertia[1, [0, 2]]).max()) for body in bodies)
     return Amount("products of inertia with y", largest, "kg·m²")
 
 
 class Assembly:
-    """A planar model that is put together joint by joint, named as a URDF's is.
+    """A planar model that is assembled joint by joint, with names as in a URDF.
 
     Args:
-        name: of the model.
-        gravity: as of the robot's model.
+        name: name of the model.
+        gravity: gravity of the robot's model.
 
     Raises:
-        BadValue: gravity is not along z, which a cut's axes are taken by.
+        BadValue: gravity is not along z, which defines a cut's axes.
     """
 
     def __init__(self, name: str, gravity: Any) -> None:
@@ -238,7 +238,7 @@ class Assembly:
         self.model.name, self.model.gravity = name, gravity
 
     def add(self, name: str, kind: Any, parent: int, place: Sequence[float], link: str, body: pin.Inertia) -> int:
-        """Add a joint and the link that it moves; its number."""
+        """Adds a joint and the link that it moves; returns the joint's number."""
         placement = pin.SE3(np.eye(3), np.array([place[0], 0.0, place[1]]))
         joint = int(self.model.addJoint(parent, kind, placement, name))
         self.model.appendBodyToJoint(joint, body, STAY)
@@ -247,18 +247,18 @@ class Assembly:
         return joint
 
     def add_leg(self, prefix: str, parent: int, place: Sequence[float], limb: Limb) -> None:
-        """Add hip, knee and toe, their names with a prefix."""
+        """Adds hip, knee and toe, with a prefix to their names."""
         thigh, shank = limb.lengths
         hip = self.add(f"{prefix}hip", PITCH, parent, place, f"{prefix}thigh", flat(limb.thigh))
         knee = self.add(f"{prefix}knee", FLEX, hip, (0.0, -thigh), f"{prefix}shank", flat(limb.shank))
         self.model.addBodyFrame(f"{prefix}toe", knee, pin.SE3(np.eye(3), np.array([0.0, 0.0, -shank])), -1)
 
     def carry(self, robot: Any, angles: Mapping[str, Sequence[Turn]]) -> None:
-        """Take motors, friction and limits from a robot's joints: torques and inertias are the sum of those of a pair.
+        """Takes motors, friction and limits from a robot's joints; torques and inertias of a pair are added.
 
         Args:
             robot: a `Robot`.
-            angles: as of `Cut`.
+            angles: for each turning joint of the cut, the joints of the robot that turn with it.
 
         Raises:
             BadValue: two joints have no angle that the limits of both allow.
@@ -280,7 +280,7 @@ class Assembly:
 
 
 def _carried(model: pin.Model, turns: Sequence[Turn]) -> dict[str, float]:
-    """Numbers of a joint that stands for some of a model, by what Pinocchio calls them."""
+    """Returns the numbers of a joint that stands for several joints of a model, by Pinocchio's names."""
     joints = [model.joints[model.getJointId(turn.joint)] for turn in turns]
 
     def each(attribute: str) -> list[float]:
@@ -289,7 +289,7 @@ def _carried(model: pin.Model, turns: Sequence[Turn]) -> dict[str, float]:
     speed = min(each("upperVelocityLimit"))
     numbers = {name: sum(each(name)) for name in ("armature", "damping")}
     ratios = each("rotorGearRatio")
-    ratio = max(ratios, key=abs)  # of the rotor that stands for all, as heavy at the joint as they are
+    ratio = max(ratios, key=abs)  # of one rotor with the same inertia at the joint as all together
     shares = ((own / ratio) ** 2 if ratio else 1.0 for own in ratios)
     rotors = (share * inertia for share, inertia in zip(shares, each("rotorInertia"), strict=True))
     numbers |= {"rotorGearRatio": ratio, "rotorInertia": sum(rotors)}
@@ -302,6 +302,6 @@ def _carried(model: pin.Model, turns: Sequence[Turn]) -> dict[str, float]:
 
 
 def _range(limits: Limits, turn: Turn) -> tuple[float, float]:
-    """Least and largest angle of a cut's joint, in rad, by the limits of the robot's."""
+    """Returns the least and the largest angle of a cut's joint, in rad, by the limits of the robot's joint."""
     low, high = sorted(turn.sign * (end - turn.zero) for end in limits.position)
     return low, high

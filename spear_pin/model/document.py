@@ -1,4 +1,4 @@
-"""The file a robot was loaded from: its elements, and what it looks like."""
+"""The file from which a robot was loaded: its elements, and its look."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from spear_pin.model.urdf import read_urdf, urdf_of
 
 @dataclass(frozen=True)
 class Description:
-    """A robot's file, as far as it says how the robot looks.
+    """The parts of a robot's file that describe its look.
 
     Attributes:
-        path: of the file.
+        path: path of the file.
         root: its root element, without comments.
-        look: of an MJCF file, what its bodies look like.
+        look: look of the bodies, for an MJCF file.
     """
 
     path: Path
@@ -31,7 +31,7 @@ class Description:
 
 
 def document(robot: Robot) -> Any:
-    """The root element of the URDF, without comments; entities are neither expanded nor fetched.
+    """Returns the root element of the URDF, without comments; entities are neither expanded nor fetched.
 
     Raises:
         BadFile: the file is gone, or no longer valid (see `read_urdf`).
@@ -41,11 +41,11 @@ def document(robot: Robot) -> Any:
 
 
 def describe(robot: Robot) -> Description:
-    """The file that a robot was loaded from.
+    """Returns the file from which a robot was loaded.
 
     Raises:
-        UnknownName: it is not installed any more.
-        BadFile: it is gone, or no longer valid.
+        UnknownName: the robot is not installed any more.
+        BadFile: the file is gone, or no longer valid.
     """
     path, root = parse(path_of(robot.source))
     if root.tag == "mujoco":

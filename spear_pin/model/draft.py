@@ -1,4 +1,4 @@
-"""A robot as its file has it: Pinocchio's model, the joints with motors, and what there is to say about it."""
+"""A robot as its file describes it: Pinocchio's model, the joints with motors, and warnings."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class Draft:
     """A robot as a file, or a model, describes it.
 
     Attributes:
-        model: with no gear set but what is in the armature of an MJCF file.
-        name: of the robot.
-        place: what errors name, a path.
-        gears: what is said of ratios and rotors, by joint.
-        motors: names of the joints that have one.
-        notes: what there is to warn of, a line each.
-        source: what the robot is loaded from again.
+        model: the model, without gears except for the armatures of an MJCF file.
+        name: name of the robot.
+        place: path that errors name.
+        gears: ratios and rotors that the file gives, by joint.
+        motors: names of the joints with motors.
+        notes: warnings, a line each.
+        source: name or path from which the robot can be loaded again.
     """
 
     model: pin.Model
@@ -48,7 +48,7 @@ class Draft:
 
 
 def of_urdf(urdf: Urdf, base: Base | None) -> Draft:
-    """The robot of a URDF, its joints in the order of the document.
+    """Builds the robot of a URDF, with its joints in the order of the document.
 
     Raises:
         BadFile: Pinocchio cannot build it, or a transmission drives a joint of several degrees of freedom.
@@ -58,7 +58,7 @@ def of_urdf(urdf: Urdf, base: Base | None) -> Draft:
     except (ValueError, RuntimeError) as error:
         raise BadFile(urdf.path, f"Pinocchio cannot build it: {str(error).strip().splitlines()[0]}") from None
     check_memory(urdf.path, model.njoints - 1, model.nv)
-    # numbered to keep the order of the document, in which Pinocchio would sort by name
+    # numbered to keep the order of the document, as Pinocchio would sort by name
     for i, name in enumerate(model.names):
         model.names[i] = name.partition(":")[2] or name
     for frame in model.frames:
@@ -88,12 +88,12 @@ def of_urdf(urdf: Urdf, base: Base | None) -> Draft:
 
 
 def _forget_gears(model: pin.Model) -> None:
-    """Take away the ratios of 1 that Pinocchio begins with."""
+    """Removes the ratios of 1 with which Pinocchio begins."""
     model.armature, model.rotorInertia, model.rotorGearRatio = (np.zeros(model.nv) for _ in range(3))
 
 
 def _turn_plane(model: pin.Model, joint: int, normal: Array) -> None:
-    """Turn the plane of a planar joint, whose normal is z in Pinocchio, by the least turn; what it carries stays."""
+    """Turns the plane of a planar joint, whose normal is z in Pinocchio, by the least turn; its bodies stay."""
     up, normal = np.array([0.0, 0.0, 1.0]), normal / np.linalg.norm(normal)
     axis = np.cross(up, normal)
     length = float(np.linalg.norm(axis))
@@ -111,7 +111,7 @@ def _turn_plane(model: pin.Model, joint: int, normal: Array) -> None:
 
 
 def of_mjcf(mjcf: Mjcf, base: Base | None) -> Draft:
-    """The robot of an MJCF file; its armatures are reflected already.
+    """Builds the robot of an MJCF file; its armatures are already reflected.
 
     Raises:
         BadFile: Pinocchio cannot build it.
@@ -151,7 +151,7 @@ def of_mjcf(mjcf: Mjcf, base: Base | None) -> Draft:
 
 
 def _configuration(model: pin.Model, posture: Mapping[str, tuple[float, ...]]) -> Array:
-    """A configuration, (nq,), of MuJoCo's coordinates by joint, quaternions' scalars first."""
+    """Returns a configuration, (nq,), from MuJoCo's coordinates by joint, whose quaternions begin with the scalar."""
     q = np.array(pin.neutral(model))
     for name, values in posture.items():
         joint = model.joints[model.getJointId(name)]
@@ -167,7 +167,7 @@ def _configuration(model: pin.Model, posture: Mapping[str, tuple[float, ...]]) -
 
 
 def of_model(model: pin.Model, base: Base | None) -> Draft:
-    """A robot that was built elsewhere; the model is copied.
+    """Makes a draft of a robot that was built elsewhere; the model is copied.
 
     Raises:
         BadFile: Pinocchio's data for it take too much memory.
@@ -184,7 +184,7 @@ def of_model(model: pin.Model, base: Base | None) -> Draft:
 
 
 def fixed_trunk(model: pin.Model, root: str, base: Base | None) -> list[str]:
-    """Warning of a root that has inertia and does not move, unless that was asked for."""
+    """Returns a warning about a root that has inertia and does not move, unless `base` asks for that."""
     mass = float(model.inertias[0].mass)
     if base is not None or mass <= 0.0:
         return []
@@ -194,7 +194,7 @@ def fixed_trunk(model: pin.Model, root: str, base: Base | None) -> list[str]:
 
 
 def _on_floating_joint(model: pin.Model) -> pin.Model:
-    """The model, its universe on a floating joint."""
+    """Returns the model with its universe on a floating joint."""
     name = BASE
     while model.existJointName(name):
         name += "_"
@@ -202,7 +202,7 @@ def _on_floating_joint(model: pin.Model) -> pin.Model:
     made.name, made.gravity = model.name, model.gravity
     frame = made.addJointFrame(made.addJoint(0, pin.JointModelFreeFlyer(), origin, name))
     floating = pin.appendModel(made, model, frame, origin)
-    for each in ("armature", "rotorInertia", "rotorGearRatio"):  # which Pinocchio leaves behind
+    for each in ("armature", "rotorInertia", "rotorGearRatio"):  # Pinocchio does not copy these
         setattr(floating, each, np.concatenate([np.zeros(made.nv), getattr(model, each)]))
     for posture in model.referenceConfigurations:
         placed = np.concatenate([pin.neutral(made), posture.data()])

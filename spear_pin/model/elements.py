@@ -1,4 +1,4 @@
-"""Elements of an XML file: read safely, with nothing fetched or expanded, and their numbers."""
+"""Elements of an XML file, read safely without fetching or expanding anything, and their numbers."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from spear_pin.files import LARGEST, read_bytes
 from spear_pin.printable import is_printable
 
 MAX_BYTES, MAX_NUMBER = LARGEST, 1e30
-MAX_TAGS, MAX_ATTRIBUTES = 200_000, 1000  # of a file, of an element
+MAX_TAGS, MAX_ATTRIBUTES = 200_000, 1000  # in a file, in an element
 DECLARATION = re.compile(rb"<\?xml\s[^>]*?\?>")
-SOURCE = "{spear_pin}source"  # attribute of an element that was included: path of its file
+SOURCE = "{spear_pin}source"  # attribute of an included element: path of its file
 BOM = b"\xef\xbb\xbf"
 VERSION = re.compile(rb"version\s*=\s*[\"'][^\"']*[\"']")
 
 
 def parse(path: str | Path) -> tuple[Path, Any]:
-    """The root element of an XML file, without comments and instructions, and where it was read.
+    """Reads an XML file, and returns its path and its root element, without comments and instructions.
 
-    An XML declaration of another version than 1.0, or one that does not come first, is read all the same, and so are
-    prefixes that are not declared: URDFs have them, and their other readers do not look.
+    It also accepts an XML declaration of a version other than 1.0, or one that does not come first, and undeclared
+    prefixes: URDFs have them, and other readers of URDFs ignore them.
 
     Raises:
         BadFile: the file is missing, too large, not XML, declares a document type or entities, or has a name with a
@@ -69,7 +69,7 @@ def _parsed(text: bytes, **options: Any) -> Any:
 
 
 def _parsed_leniently(text: bytes) -> Any | None:
-    """The root of what fails but for its declaration, or for prefixes that are not declared; None of all else."""
+    """Returns the root of a text that fails only by its declaration or by undeclared prefixes; None for other texts."""
     declaration = DECLARATION.search(text)
     if declaration is not None:
         first = VERSION.sub(b'version="1.0"', declaration[0]).replace(b"\n", b" ")
@@ -87,12 +87,12 @@ def _parsed_leniently(text: bytes) -> Any | None:
 
 
 def fault(path: Path, element: Any, problem: str) -> BadFile:
-    """An error at an element: its line, in the file that it was included from if it was (`SOURCE`)."""
+    """Makes an error at an element, with its line, in the file from which it was included if any (`SOURCE`)."""
     return BadFile(element.get(SOURCE, path), problem, element.sourceline)
 
 
 def called(element: Any) -> str:
-    """An element as errors name it: by its own name, or that of the body that it is on."""
+    """Returns an element's name for errors: its own name, or that of the body on which it is."""
     names = (each.get("name") for each in (element, *element.iterancestors()))
     name = next((name for name in names if name), None)
     of = "" if name is None else f" {name!r}" if element.get("name") else f" of {name!r}"
@@ -100,10 +100,10 @@ def called(element: Any) -> str:
 
 
 def child(path: Path, element: Any, tag: str) -> Any:
-    """The child of that tag.
+    """Returns the child with that tag.
 
     Raises:
-        BadFile: there is none.
+        BadFile: there is no such child.
     """
     found = element.find(tag)
     if found is None:
@@ -113,12 +113,12 @@ def child(path: Path, element: Any, tag: str) -> Any:
 
 
 def number(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
-    """An attribute that is one number."""
+    """Returns an attribute that is one number."""
     return parse_number(path, element, _said(path, element, attribute, default))
 
 
 def numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]:
-    """An attribute of that many numbers."""
+    """Returns an attribute of `count` numbers."""
     values = [parse_number(path, element, part) for part in (element.get(attribute) or "").split()]
     if len(values) != count:
         what = f"{attribute} of {called(element)} is {_said(path, element, attribute)!r}"
@@ -127,25 +127,25 @@ def numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]
 
 
 def limit(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
-    """An attribute that limits something, as of `parse_limit`."""
+    """Returns an attribute that is a limit; infinite where it is larger than any limit, see `parse_limit`."""
     return parse_limit(path, element, _said(path, element, attribute, default))
 
 
 def parse_limit(path: Path, element: Any, text: str | None) -> float:
-    """A limit; infinite where it is larger than any limit, as "inf", 1.8e308 and 3.4e38 are.
+    """Reads a limit; returns infinity if it is larger than any limit, as "inf", 1.8e308 and 3.4e38 are.
 
     Raises:
-        BadFile: it is no number; the text names the element.
+        BadFile: the text is no number; the message names the element.
     """
     value = _value(text)
     return math.copysign(math.inf, value) if abs(value) > MAX_NUMBER else parse_number(path, element, text)
 
 
 def parse_number(path: Path, element: Any, text: str | None) -> float:
-    """A finite number, in any notation that Python reads.
+    """Reads a finite number, in any notation that Python reads.
 
     Raises:
-        BadFile: it is none; the text names the element.
+        BadFile: the text is no finite number; the message names the element.
     """
     value = _value(text)
     if not abs(value) <= MAX_NUMBER:

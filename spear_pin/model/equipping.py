@@ -1,4 +1,4 @@
-"""What a TOML file says of a robot, held against the robot: legs, springs, motors and gears."""
+"""Checks the legs, springs, motors and gears of a TOML file against the robot."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ from spear_pin.model.sidecar import JOINTS, ROLES, Sidecar, blaming
 from spear_pin.model.spring import Spring
 from spear_pin.model.tree import Tree
 
-SAME = 1e-6  # relative difference of two numbers that say the same
+SAME = 1e-6  # relative difference up to which two numbers agree
 
 
 def equipped(
     said: Sidecar, model: pin.Model, known: Mapping[str, Gear], name: str, toes: Sequence[str]
 ) -> tuple[Settings | None, Any, Mapping[str, Gear]]:
-    """What the file says, held against the robot.
+    """Checks the contents of a TOML file against the robot.
 
     Args:
-        said: what it says.
-        model: of the robot as its file has it.
-        known: what that file says of ratios and rotors, by joint.
-        name: of the robot.
-        toes: of the robot, whatever arguments say.
+        said: contents of the TOML file.
+        model: model of the robot as its file describes it.
+        known: ratios and rotors in the robot's file, by joint.
+        name: name of the robot.
+        toes: toes of the robot, whatever the arguments are.
 
     Returns:
-        the settings, None without a file; the joints with motors: names, "all", or None where it does not say; and
-        ratios and rotors as both files say them.
+        the settings, None without a file; the joints with motors: names, "all", or None if the file has none; and
+        ratios and rotors from both files.
 
     Raises:
-        BadFile: there is no such joint, frame or leg, or the model says otherwise.
+        BadFile: there is no such joint, frame or leg, or the model contradicts the file.
     """
     path = said.path
     if path is None:
@@ -75,12 +75,12 @@ def equipped(
 
 
 def _own(table: Mapping[str, Any]) -> Gear:
-    """What a table itself says of a gear."""
+    """Returns the gear that a table itself describes."""
     return Gear(table.get("ratio"), table.get("rotor_inertia"))
 
 
 def _post(said: Sidecar, path: Path, model: pin.Model) -> tuple[float, float] | None:
-    """Where the joint that is said to be on a post stands."""
+    """Returns the position of the joint that the file puts on a post."""
     if said.post is None:
         return None
     with blaming(path, "post"):
@@ -94,7 +94,7 @@ def _post(said: Sidecar, path: Path, model: pin.Model) -> tuple[float, float] | 
 
 
 def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...], tuple[Leg, ...]]:
-    """Legs that are given joint by joint, if they are, and all legs."""
+    """Returns the legs that are given joint by joint, if any, and all legs."""
     explicit = {name: table for name, table in said.legs.items() if set(table) - {"side"}}
     for name, table in said.legs.items():
         missing = [key for key in JOINTS if key not in table] if explicit else []
@@ -120,7 +120,7 @@ def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...]
 
 
 def _check_side(path: Path, robot: Robot, leg: Leg, side: int | None) -> None:
-    """Refuse a side to which the limits let no knee flex."""
+    """Refuses a side to which the limits let no knee flex."""
     limits = robot.limits.get(leg.knee)
     if side is None or limits is None:
         return
@@ -131,7 +131,7 @@ def _check_side(path: Path, robot: Robot, leg: Leg, side: int | None) -> None:
 
 
 def _springs(said: Sidecar, path: Path, legs: Sequence[Leg]) -> dict[str, Spring]:
-    """Springs by the joints of knees; those of one joint go over those of all."""
+    """Returns the springs by the joints of knees; a spring of one joint overrides that of all."""
     knees = [leg.knee for leg in legs]
     springs: dict[str, Spring] = {}
     for name in sorted(said.springs, key=lambda name: name != "knee"):
@@ -148,7 +148,7 @@ def _springs(said: Sidecar, path: Path, legs: Sequence[Leg]) -> dict[str, Spring
 def _gears(
     said: Sidecar, path: Path, model: pin.Model, legs: Sequence[Leg]
 ) -> dict[str, tuple[str, Mapping[str, Any]]]:
-    """For each joint with a motor the name of its table, and that: a joint's goes over a role's, that over all's."""
+    """Returns name and table of each joint with a motor; a joint's table overrides a role's, which overrides all's."""
     tables = said.motors if isinstance(said.motors, Mapping) else {}
     joints = drivable(model)
     roles = {role: [joint for leg in legs if (joint := getattr(leg, role))] for role in ROLES} | {"all": joints}
@@ -165,7 +165,7 @@ def _gears(
 
 
 def _geared(path: Path, known: Gear, joint: str, key: str, table: Mapping[str, Any]) -> tuple[Gear, float]:
-    """A joint's gear as a table says it, and its efficiency; what the robot's file says has to be the same."""
+    """Returns a joint's gear from a table, and its efficiency; the robot's file must not contradict it."""
     where, own = f"motors.{key}", _own(table)
     if own.ratio is None and known.ratio is None and {"motor", "rotor_inertia"} & set(table):
         raise BadFile(path, f"{where} has no ratio, and neither has the robot's file for {joint!r}; expected one")

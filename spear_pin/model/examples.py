@@ -13,11 +13,11 @@ from spear_pin.model.elements import number, parse
 PACKAGE = "example-robot-data"
 FOLDER = "cmeel.prefix/share/example-robot-data/robots"
 FREEDOM = {"revolute": 1, "continuous": 1, "prismatic": 1, "planar": 3, "floating": 6}
-SUFFIXES = ("_description", "_data")  # of the folder of a robot, which are no part of its name
+SUFFIXES = ("_description", "_data")  # suffixes of a robot's folder that are not part of its name
 
 
 class Outline(NamedTuple):
-    """A URDF at a glance: its base as the file has it, the mass in kg."""
+    """Summary of a URDF: its base as the file has it, the mass in kg."""
 
     links: int
     degrees_of_freedom: int
@@ -26,9 +26,9 @@ class Outline(NamedTuple):
 
 @cache
 def example_robots() -> dict[str, Path]:
-    """The URDFs of the package by the names of their robots; none where it is not installed.
+    """Returns the URDFs of the package by the names of their robots; none if it is not installed.
 
-    A robot is called as its file; where several files are called the same, as the folder of the robot.
+    A robot has the name of its file; if several files have the same name, that of the robot's folder.
     """
     try:
         folder = Path(str(distribution(PACKAGE).locate_file(FOLDER)))
@@ -40,17 +40,17 @@ def example_robots() -> dict[str, Path]:
 
 
 def beginning_with(name: str) -> list[str]:
-    """Names of the robots of which this is the beginning, up to an underscore: "anymal_b" of "anymal_b_simple"."""
+    """Returns the robots whose names begin with this, up to an underscore: "anymal_b" matches "anymal_b_simple"."""
     return [each for each in example_robots() if each.startswith(f"{name}_")]
 
 
 def source_of_examples() -> str:
-    """The package and its release."""
+    """Returns the package and its release."""
     return f"{PACKAGE} {distribution(PACKAGE).version}"
 
 
 def outline(path: Path) -> Outline:
-    """Count what a URDF has, in a hundredth of the time that loading takes."""
+    """Summarizes a URDF in a hundredth of the time that loading takes."""
     _, root = parse(path)
     masses = [number(path, mass, "value") for mass in root.iterfind("link/inertial/mass")]
     freedom = [FREEDOM.get(joint.get("type"), 0) for joint in root.iterfind("joint")]

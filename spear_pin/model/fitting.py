@@ -1,4 +1,4 @@
-"""A model made ready: joints held, inertia for every joint that moves, and motors where they are wanted."""
+"""Prepares a model: holds joints, checks that every moving joint has inertia, and adds the wanted motors."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from spear_pin.errors import BadFile, BadValue, UnknownName, listed
 FLOATING = 6  # velocities of a floating joint
 SINGULAR = 1e-12  # least eigenvalue of a mass matrix whose diagonal is 1
 REMEDY = "give its links an <inertial>"
-MENDED = 1e-4  # kg·m² or kg, the armature of a joint that moves no inertia
+MENDED = 1e-4  # kg·m² or kg, the armature added to a joint that moves no inertia
 
 
 def drivable(model: pin.Model) -> list[str]:
-    """Names of the joints that can have a motor: those of one degree of freedom."""
+    """Returns the names of the joints that can have a motor: those of one degree of freedom."""
     return [name for name, joint in list(zip(model.names, model.joints, strict=True))[1:] if joint.nv == 1]
 
 
 def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
-    """A model with some joints held at zero.
+    """Returns a model with some joints held at zero.
 
     Raises:
         UnknownName: there is no such joint; the text lists the valid ones.
@@ -39,12 +39,12 @@ def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
 def with_motors(
     model: pin.Model, wanted: Sequence[str], locked: Sequence[str] = ()
 ) -> tuple[pin.Model, tuple[str, ...]]:
-    """The model, every joint that is to have a motor with a gear ratio, and their names in its order.
+    """Gives every joint that shall have a motor a gear ratio; returns the model, and the joints in its order.
 
     Args:
-        model: it is changed.
-        wanted: names of joints, or "all" for each that can.
-        locked: names of joints that may be wanted, but are no more.
+        model: the model, which is changed.
+        wanted: names of joints, or "all" for each joint that can have a motor.
+        locked: names of joints that may be wanted, but do not exist any more.
 
     Raises:
         UnknownName: there is no such joint.
@@ -61,14 +61,14 @@ def with_motors(
     ratios, rotors = model.rotorGearRatio.copy(), model.rotorInertia.copy()
     for joint in actuated:
         row = model.joints[model.getJointId(joint)].idx_v
-        if not ratios[row]:  # that nothing says
+        if not ratios[row]:  # no source gives a ratio
             ratios[row], rotors[row] = 1.0, model.armature[row]
     model.rotorGearRatio, model.rotorInertia = ratios, rotors
     return model, actuated
 
 
 def check_floating(path: str | Path, model: pin.Model) -> None:
-    """Refuse a root that is to float and has no inertia, where nothing else makes up for it.
+    """Refuses a root that shall float and has no inertia, unless other inertia makes up for it.
 
     Raises:
         BadFile: the mass matrix is singular, and the link on a floating joint at the root has no mass.
@@ -82,15 +82,16 @@ def check_floating(path: str | Path, model: pin.Model) -> None:
 
 
 def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.Model, list[str]]:
-    """The model if its mass matrix is positive definite, and what was mended to make it so.
+    """Returns the model if its mass matrix is positive definite, and the repairs that made it so.
 
     Args:
-        path: what errors name.
-        model: it is changed where it is mended.
-        repair: give joints that move no inertia of their own an armature.
+        path: path that errors name.
+        model: the model, which is changed by repairs.
+        repair: whether to give joints that move no inertia of their own an armature.
 
     Raises:
-        BadFile: a joint moves no inertia, or two the same, so that the mass matrix is singular; or it is not finite.
+        BadFile: a joint moves no inertia, or two joints move the same, so that the mass matrix is singular; or it is
+            not finite.
     """
     notes: list[str] = []
     while fault := _fault(path, model):
@@ -108,7 +109,7 @@ def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.
 
 
 def _fault(path: str | Path, model: pin.Model) -> tuple[str | None, str] | None:
-    """Cause of a singular mass matrix: the joint that an armature would mend, if any, and what is wrong."""
+    """Finds the cause of a singular mass matrix: the joint that an armature would repair, if any, and the problem."""
     data = pin.Data(model)
     rng = np.random.default_rng(0)
     for _ in range(3):
@@ -129,7 +130,7 @@ def _fault(path: str | Path, model: pin.Model) -> tuple[str | None, str] | None:
 
 
 def _outermost(model: pin.Model, motion: Array) -> str | None:
-    """The last joint, of one degree of freedom, that takes part in a motion."""
+    """Returns the last joint of one degree of freedom that takes part in a motion."""
     moving = np.abs(motion) > 0.1 * np.abs(motion).max()
     names = [name for name in drivable(model) if moving[model.joints[model.getJointId(name)].idx_v]]
     return names[-1] if names else None

@@ -6,14 +6,14 @@ import pinocchio as pin
 
 from spear_pin.errors import UnknownName
 
-POINT = pin.FrameType.OP_FRAME  # of an MJCF file: a site, or a geom where a limb may end
+POINT = pin.FrameType.OP_FRAME  # in an MJCF file: a site, or a geom where a limb may end
 INSIDE = pin.FrameType.SENSOR  # the middle of any other geom
-# of frames that are called the same, a link's goes first
+# of frames with the same name, a link's goes first
 KINDS = (pin.FrameType.BODY, pin.FrameType.FIXED_JOINT, pin.FrameType.JOINT, POINT, INSIDE)
 
 
 def frame_id(model: pin.Model, frame: str) -> int:
-    """Index of a frame; a link's where a joint has the same name.
+    """Returns the index of a frame; the link's frame if a joint has the same name.
 
     Raises:
         UnknownName: there is no such frame; the text lists the valid ones.

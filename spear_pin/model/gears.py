@@ -1,4 +1,4 @@
-"""What drives a joint: the ratio and the rotor of its gear, each of them None where nothing says it."""
+"""The gear that drives a joint: its ratio and its rotor, each of them None if no source gives it."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import pinocchio as pin
 
 @dataclass(frozen=True)
 class Gear:
-    """A rotor behind a gear, as far as a file says it; None is "not said", which is neither 1 nor 0.
+    """A rotor behind a gear, as far as a file describes it; None means "not given", which is neither 1 nor 0.
 
     Attributes:
         ratio: rotor turns per joint turn, N.
         rotor: inertia of the rotor at the rotor, J, in kg·m².
-        armature: what a file gives reflected to the joint already, N² J, in kg·m².
+        armature: inertia that a file gives already reflected to the joint, N² J, in kg·m².
     """
 
     ratio: float | None = None
@@ -24,17 +24,17 @@ class Gear:
 
     @property
     def reflected(self) -> float | None:
-        """N² J at the joint, in kg·m² (what (3.12)-(3.13) add to the kinetic energy); a ratio that is not said is 1."""
+        """Returns N² J at the joint, in kg·m², which (3.12)-(3.13) add to the kinetic energy; a missing ratio is 1."""
         if self.armature is not None or self.rotor is None:
             return self.armature
         ratio = 1.0 if self.ratio is None else self.ratio
         return ratio**2 * self.rotor
 
     def completed(self, other: Gear) -> tuple[Gear, tuple[str, ...]]:
-        """Fill what is not said by another source, which is to be believed less.
+        """Fills missing numbers from another source with lower priority.
 
         Returns:
-            both together, and names of what they say otherwise, of which this one's is kept.
+            both together, and the names of numbers in which they differ, of which this gear's are kept.
         """
         pairs = {name: (getattr(self, name), getattr(other, name)) for name in ("ratio", "rotor", "armature")}
         differ = tuple(name for name, (own, more) in pairs.items() if own is not None and more not in (None, own))
@@ -42,14 +42,15 @@ class Gear:
 
 
 def set_gears(model: pin.Model, gears: Mapping[str, Gear]) -> list[str]:
-    """Set armatures, rotors and ratios of joints of one degree of freedom.
+    """Sets armatures, rotors and ratios of joints of one degree of freedom.
 
     Args:
-        model: it is changed; of Pinocchio's numbers only the armature enters the dynamics. A ratio of zero is none.
-        gears: by joint.
+        model: the model, which is changed. Of Pinocchio's numbers only the armature enters the dynamics. A ratio of
+            zero means no gear.
+        gears: the gears, by joint.
 
     Returns:
-        what is assumed of them, a line each.
+        the assumptions about gears, a line each.
     """
     armature, ratios, rotors = model.armature.copy(), model.rotorGearRatio.copy(), model.rotorInertia.copy()
     guessed = []

@@ -1,4 +1,4 @@
-"""The `<inertial>` of a link: checked, mended on request, copied in one notation."""
+"""Checks the `<inertial>` of a link, repairs it on request, and copies it in one notation."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from spear_pin.errors import BadFile, listed
 from spear_pin.model.elements import child, number
 from spear_pin.model.origins import copy_origin
 
-ROUNDING = 1e-15  # kg·m²: what a principal moment is off by this little is none
-# of the largest principal moment: how far the least may be below zero, and it above the sum of the others
+ROUNDING = 1e-15  # kg·m²: an error of a principal moment up to this is ignored
+# relative to the largest principal moment: how far the least may be below zero, and it above the sum of the others
 BELOW, ABOVE = 1e-9, 1e-6
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 @dataclass(frozen=True)
 class Fault:
-    """Something in an inertia that no body has.
+    """A property of an inertia that no body can have.
 
     Attributes:
-        problem: in words that follow "an inertia".
-        by: how far it is off, in words.
-        possible: whether a mass matrix can be made of it all the same.
+        problem: the problem, in words that follow "an inertia".
+        by: size of the violation, in words.
+        possible: whether a mass matrix can be computed from it all the same.
     """
 
     problem: str
@@ -37,7 +37,7 @@ class Fault:
 
 
 def fault_of(matrix: Array) -> Fault | None:
-    """What is wrong with an inertia, (3, 3), in kg·m²; nothing if a body can have it, but for rounding."""
+    """Returns the fault of an inertia, (3, 3), in kg·m²; None if a body can have it, up to rounding."""
     least, middle, most = map(float, np.linalg.eigvalsh(matrix))
     if least < -max(ROUNDING, BELOW * most):
         by = f"by a principal moment of {least:.3g} kg·m²"
@@ -49,26 +49,26 @@ def fault_of(matrix: Array) -> Fault | None:
 
 
 def nearest(matrix: Array) -> Array:
-    """The nearest inertia, (3, 3), that a body can have: its second moments of mass, ½ tr(I) - I, are none negative."""
+    """Returns the nearest inertia, (3, 3), that a body can have: no second moment, ½ tr(I) - I, is negative."""
     values, axes = np.linalg.eigh(matrix)
     second = np.maximum(0.5 * values.sum() - values, 0.0)
     return np.asarray((axes * (second.sum() - second)) @ axes.T)
 
 
 def copy_inertial(path: Path, inertial: Any, link: Any, repair: bool) -> Fault | None:
-    """Copy an `<inertial>` into a link of our own writing.
+    """Copies an `<inertial>` into a link that this package writes.
 
     Args:
-        path: of the file.
+        path: path of the file.
         inertial: the element.
         link: the element that gets the copy.
-        repair: mend an inertia that no body can have.
+        repair: whether to repair an inertia that no body can have.
 
     Returns:
-        What is wrong with the inertia, mended or not.
+        the fault of the inertia, repaired or not.
 
     Raises:
-        BadFile: the mass is negative, or the inertia not positive semidefinite and not to be mended.
+        BadFile: the mass is negative, or the inertia is not positive semidefinite and `repair` is not set.
     """
     name = link.get("name")
     mass = number(path, child(path, inertial, "mass"), "value")
@@ -93,12 +93,12 @@ def copy_inertial(path: Path, inertial: Any, link: Any, repair: bool) -> Fault |
 
 
 def notes_on(faults: Mapping[str, Fault], what: str, repair: bool) -> list[str]:
-    """What there is to say of inertias that were read: a line for each that is mended, one for all that are not.
+    """Returns notes on faulty inertias: a line for each repaired one, one line for all that are not repaired.
 
     Args:
-        faults: by the name of the link, or body.
+        faults: the faults, by the name of the link or body.
         what: "link" or "body".
-        repair: whether they are mended.
+        repair: whether they are repaired.
     """
     if repair:
         return [

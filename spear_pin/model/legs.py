@@ -1,8 +1,8 @@
-"""Legs found in a robot's kinematic tree: a hip and a knee that turn in the sagittal plane, and a toe.
+"""Finds legs in a robot's kinematic tree: a hip and a knee that turn in the sagittal plane, and a toe.
 
-Angles of the convention, whatever the axes and the zeros of the robot's own joints: the hip's is that of the line
-from hip to knee from straight down, positive with the knee forward; the knee's is zero where hip, knee and toe are in
-line, and positive with the shank turned backward. As in `load("spear_ii")`, x is forward and z up.
+The convention defines angles independently of the axes and zeros of the robot's own joints. The hip's angle is that
+between the line from hip to knee and straight down, positive with the knee forward. The knee's angle is zero if hip,
+knee and toe are in line, and positive with the shank turned backward. As in `load("spear_ii")`, x is forward and z up.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from spear_pin.model.limits import limits_of
 from spear_pin.model.tree import SHORTEST, Tree
 
 Sides = Mapping[str, int] | int
-ONE_WAY = 2.0  # a knee flexes to where its limits leave it so many times the room of the other side
-BENT = 0.1  # rad: a knee that is bent by less in a posture tells nothing
+ONE_WAY = 2.0  # a knee flexes to the side where its limits leave this many times the room of the other side
+BENT = 0.1  # rad: a knee that is bent by less in a posture does not reveal its side
 SIDES: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {
         "q_spear": {"posterior": 1, "anterior": -1},
@@ -48,28 +48,28 @@ class LeggedRobot(Protocol):
 
 @dataclass(frozen=True)
 class Leg:
-    """A leg: names of its joints and its toe, and what turns their angles into those of the convention.
+    """A leg: names of its joints and its toe, and the numbers that convert their angles to the convention.
 
     Attributes:
-        name: such as "posterior", of the toe "posterior_toe".
+        name: name of the leg, such as "posterior" for the toe "posterior_toe".
         hip: joint that turns the thigh in the sagittal plane.
         knee: joint that turns the shank in the sagittal plane.
         toe: frame at the leg's end.
         abduction: joint above the hip that swings the leg out of the plane; None if there is none.
-        side: +1 if the knee's own angle grows as it flexes, -1 if it falls; 0 where neither limits nor a posture
-            tells, so that it must be named (see `find_legs`).
+        side: +1 if the knee's own angle grows as it flexes, -1 if it falls; 0 if neither limits nor a posture reveal
+            it, so that it must be given (see `find_legs`).
         thigh: length from hip to knee in the plane, in m.
         shank: length from knee to toe in the plane, in m.
-        hip_sign: +1 or -1 by the sense of the hip's axis: its angle of the convention is hip_sign (q - hip_zero).
-        knee_sign: the same of the knee.
+        hip_sign: +1 or -1 by the sense of the hip's axis: its angle in the convention is hip_sign (q - hip_zero).
+        knee_sign: +1 or -1 by the sense of the knee's axis: its angle in the convention is knee_sign (q - knee_zero).
         hip_zero: the hip's own angle with the thigh straight down, in rad.
         knee_zero: the knee's own angle with the leg straight, in rad.
-        across: from the hip to the toe out of the plane with every joint at zero, in m, to the left.
-        others: moving joints of the leg that are none of these, such as an ankle, or a slide above the hip; rails on
-            which the trunk of a robot with one leg slides are none of the leg's.
+        across: distance from hip to toe out of the plane with every joint at zero, in m, to the left.
+        others: other moving joints of the leg, such as an ankle, or a slide above the hip; rails on which the trunk of
+            a robot with one leg slides do not belong to the leg.
 
     Raises:
-        BadValue: a sign is none, or a length not positive.
+        BadValue: a sign is neither +1 nor -1, or a length is not positive.
 
     Example:
         >>> from spear_pin import load
@@ -103,30 +103,30 @@ class Leg:
 
     @property
     def bends(self) -> int:
-        """+1 if the knee points forward as it flexes, the shank backward; -1 if the other way; 0 as of `side`."""
+        """+1 if the knee points forward as it flexes, -1 if backward, 0 if the `side` is not known."""
         return self.side * self.knee_sign
 
     def length(self, knee: float) -> float:
-        """From hip to toe in the plane, in m, at an angle of the knee in the convention, in rad."""
+        """Returns the distance from hip to toe in the plane, in m, at a knee angle in the convention, in rad."""
         return math.hypot(self.shank * math.sin(knee), self.thigh + self.shank * math.cos(knee))
 
     def lean(self, knee: float) -> float:
-        """The hip's angle with the toe straight below it, in rad, at one of the knee, both in the convention.
+        """Returns the hip's angle with the toe straight below it, in rad, at a knee angle, both in the convention.
 
-        It is half of the knee's where thigh and shank are as long. The angle of the line from hip to toe is that
-        of the hip less this.
+        It is half of the knee's angle if thigh and shank have equal lengths. The angle of the line from hip to toe is
+        the hip's angle minus this.
         """
         return float(lean(self.thigh, self.shank, knee, math)[0])
 
 
 def lean(thigh: Any, shank: Any, knee: Any, ops: Any) -> tuple[Any, Any, Any]:
-    """The hip's angle with the toe straight below it, as of `Leg.lean`, its slope and its curvature over the knee's.
+    """Returns the hip's angle with the toe straight below it, and its first two derivatives by the knee's angle.
 
     Args:
-        thigh: length, in m.
-        shank: length, in m.
-        knee: its angle in the convention, in rad.
-        ops: has sin, cos and atan2 of what the angle is: `math`, NumPy, a module of symbols.
+        thigh: length of the thigh, in m.
+        shank: length of the shank, in m.
+        knee: angle of the knee in the convention, in rad.
+        ops: has sin, cos and atan2 for this kind of scalar: `math`, NumPy, a module of symbols.
     """
     sine, cosine = ops.sin(knee), ops.cos(knee)
     along = thigh * shank * cosine
@@ -137,26 +137,26 @@ def lean(thigh: Any, shank: Any, knee: Any, ops: Any) -> tuple[Any, Any, Any]:
 
 @typed
 def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Sides | None = None) -> tuple[Leg, ...]:
-    """The legs of a robot: limbs with two parallel joints in the sagittal plane, each with a toe at its end.
+    """Returns the legs of a robot: limbs with two parallel joints in the sagittal plane, each with a toe at its end.
 
-    The robot's own toes say which; of a robot without toes the ends of its limbs are found, the ones that end above
-    the rest (arms) left out. Joints that several limbs share, and those of a floating base, are no leg's.
-    The side to which a knee flexes is that to which its limits leave it at least twice the room, else that to which
-    it is bent with every joint at zero, or in the postures of `model.referenceConfigurations`, if these agree.
+    The robot's own toes select them. In a robot without toes it finds the ends of the limbs, except for those that end
+    above the others (arms). Joints that several limbs share, and those of a floating base, belong to no leg.
+    A knee flexes to the side to which its limits leave it at least twice the room. Else it is the side to which it is
+    bent with every joint at zero, or in the postures of `model.referenceConfigurations`, if these agree.
 
     Args:
-        robot: a `Robot`, its x axis forward and z up with every joint at zero.
-        toes: frame names of the toes, one a leg; None: the robot's.
-        sides: +1 or -1 for each leg by its name, or for all (see `Leg.side`), where it is not to be found.
+        robot: a `Robot`, with its x axis forward and z up with every joint at zero.
+        toes: frame names of the toes, one for each leg; None for the robot's toes.
+        sides: +1 or -1 for each leg by its name, or for all legs (see `Leg.side`), instead of finding the side.
 
     Raises:
         UnknownName: there is no such frame, or no such leg.
-        BadValue: what ends in one of the toes that are given here is no leg, or a side is neither +1 nor -1.
+        BadValue: the limb of one of the given toes is no leg, or a side is neither +1 nor -1.
     """
     model, tree = robot.model, Tree(robot.model)
     ends = tuple(toes) if toes is not None else robot.toes or tree.ends()
     tips: dict[int, str] = {}
-    for toe in ends:  # of several at one foot the first
+    for toe in ends:  # the first of several at one foot
         tips.setdefault(int(model.frames[frame_id(model, toe)].parentJoint), toe)
     legs = []
     for tip, toe in tips.items():
@@ -178,13 +178,13 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
 
 
 def lacking_legs(robot: LeggedRobot) -> str:
-    """Say what a robot in which no leg is found would need, in words that follow "expected"."""
+    """Describes what a robot without legs would need to have some, in words that follow "expected"."""
     usual = "a robot, x forward and z up, with a leg: a hip and a knee about the y axis, and a toe"
     return lacking_toe(robot) or usual
 
 
 def lacking_toe(robot: LeggedRobot) -> str | None:
-    """Say which limb of a robot has no frame at its end, in words that follow "expected"; None if there is none."""
+    """Describes a limb that has no frame at its end, in words that follow "expected"; None if there is none."""
     endless = [] if robot.toes else Tree(robot.model).endless()
     if not endless:
         return None
@@ -193,13 +193,13 @@ def lacking_toe(robot: LeggedRobot) -> str | None:
 
 
 def _told_apart(legs: Sequence[Leg]) -> list[Leg]:
-    """Legs, named as their toes where two would have one name."""
+    """Returns the legs, with the names of their toes where two would have the same name."""
     names = [leg.name for leg in legs]
     return [leg if names.count(leg.name) == 1 else replace(leg, name=leg.toe) for leg in legs]
 
 
 def _named(legs: Sequence[Leg], sides: Sides | None) -> Mapping[str, int]:
-    """Sides of legs that are named."""
+    """Returns the given sides of legs by name."""
     names = [leg.name for leg in legs]
     named = sides if isinstance(sides, Mapping) else {} if sides is None else dict.fromkeys(names, sides)
     for name, side in named.items():
@@ -211,20 +211,20 @@ def _named(legs: Sequence[Leg], sides: Sides | None) -> Mapping[str, int]:
 
 
 def leg_name(toe: str) -> str:
-    """Name of a leg: of "anterior_toe" it is "anterior", of "FL_FOOT" "FL", of "toe" "leg"."""
+    """Returns the name of a leg from its toe: "anterior" for "anterior_toe", "FL" for "FL_FOOT", "leg" for "toe"."""
     return re.sub(r"(?i)toe|foot", "", toe).strip("_-. ") or "leg"
 
 
 def named_leg(model: pin.Model, legs: Sequence[Leg], leg: str | Leg) -> Leg:
-    """The leg of a name, or one that is given as it is.
+    """Returns the leg with a name; a leg is returned as it is.
 
     Args:
-        model: that of the robot.
-        legs: those of the robot.
-        leg: a name of one of them, or a leg of the robot's joints.
+        model: model of the robot.
+        legs: legs of the robot.
+        leg: the name of one of them, or a leg with joints of the robot.
 
     Raises:
-        UnknownName: there is no such leg, or it has a joint or a toe that is not there; the text lists the valid ones.
+        UnknownName: there is no such leg, or its joints or toe do not exist; the text lists the valid ones.
     """
     if isinstance(leg, Leg):
         for joint in (leg.hip, leg.knee):
@@ -239,10 +239,10 @@ def named_leg(model: pin.Model, legs: Sequence[Leg], leg: str | Leg) -> Leg:
 
 
 def simple(leg: Leg) -> Leg:
-    """The leg, if hip, knee and abduction are all that moves in it.
+    """Returns the leg if it has no moving joints besides hip, knee and abduction.
 
     Raises:
-        BadValue: it has others, such as ankles.
+        BadValue: the leg has other joints, such as ankles.
     """
     if leg.others:
         expected = f"a leg of hip and knee; {', '.join(leg.others)} would have to be locked (load(..., locked=[...]))"
@@ -251,10 +251,10 @@ def simple(leg: Leg) -> Leg:
 
 
 def in_convention(leg: Leg) -> Leg:
-    """The leg, if its joints' own angles are those of the convention.
+    """Returns the leg if its joints' own angles are those of the convention.
 
     Raises:
-        BadValue: an axis or a zero is another.
+        BadValue: an axis or a zero differs.
     """
     if (leg.hip_sign, leg.knee_sign, leg.hip_zero, leg.knee_zero) != (1, 1, 0.0, 0.0):
         expected = "hip and knee with SPEAR-II's signs and zeros, as of monopod(...) and sagittal(...)"
@@ -263,10 +263,10 @@ def in_convention(leg: Leg) -> Leg:
 
 
 def sided(leg: Leg) -> Leg:
-    """The leg, if it is known to which side its knee flexes.
+    """Returns the leg if it is known to which side its knee flexes.
 
     Raises:
-        BadValue: it is not.
+        BadValue: the side is not known.
     """
     if not leg.side:
         expected = "one whose limits or postures tell where its knee flexes, or find_legs(robot, sides=...) to name it"
@@ -275,15 +275,15 @@ def sided(leg: Leg) -> Leg:
 
 
 def leg_along(tree: Tree, toe: str, own: Sequence[int], hip: int, knee: int, rails: Collection[int] = ()) -> Leg | None:
-    """The leg that ends in a toe, without its side; None if its thigh or shank has no length.
+    """Returns the leg that ends in a toe, without its side; None if its thigh or shank has no length.
 
     Args:
-        tree: of the robot.
-        toe: name of its frame.
-        own: joints of its own, from the trunk on.
-        hip: the one that turns the thigh in the sagittal plane.
-        knee: the one that turns the shank in the sagittal plane.
-        rails: those among them on which the trunk slides.
+        tree: tree of the robot.
+        toe: name of the toe's frame.
+        own: joints of the leg, from the trunk on.
+        hip: joint that turns the thigh in the sagittal plane.
+        knee: joint that turns the shank in the sagittal plane.
+        rails: joints among `own` on which the trunk slides.
     """
     model, data = tree.model, tree.data
     tip = data.oMf[frame_id(model, toe)].translation
@@ -318,7 +318,7 @@ def leg_along(tree: Tree, toe: str, own: Sequence[int], hip: int, knee: int, rai
 
 
 def side_of(tree: Tree, leg: Leg) -> int:
-    """To which side a knee flexes, by its limits or by postures; 0 if they do not tell."""
+    """Returns the side to which a knee flexes, by its limits or by postures; 0 if they do not reveal it."""
     model = tree.model
     joint = model.joints[model.getJointId(leg.knee)]
     lower, upper = limits_of(model)[leg.knee].position
@@ -332,11 +332,11 @@ def side_of(tree: Tree, leg: Leg) -> int:
 
 
 def _alone(joint: int, tips: set[int], model: pin.Model) -> bool:
-    """Whether a joint carries one of the tips only."""
+    """Tells whether a joint carries only one of the tips."""
     return len(tips.intersection(map(int, model.subtrees[joint]))) == 1
 
 
 def _angle(joint: Any, q: Array) -> float:
-    """A joint's angle, in rad, in a configuration."""
+    """Returns a joint's angle in a configuration, in rad."""
     part = q[joint.idx_q : joint.idx_q + joint.nq]
     return float(part[0]) if joint.nq == 1 else math.atan2(part[1], part[0])

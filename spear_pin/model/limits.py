@@ -8,19 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-UNKNOWN = 1e6  # rad/s, N·m: files that know no limit name a number beyond this, or 0
+UNKNOWN = 1e6  # rad/s, N·m: files without a known limit give a number beyond this, or 0
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Limits of one joint that turns or slides; what its file does not limit is infinite.
+    """Limits of one joint that turns or slides; a missing limit is infinite.
 
-    Many files say 0 for an effort or a velocity that nobody knew.
+    Many files have 0 for an unknown effort or velocity.
 
     Attributes:
-        position: the least and the largest, in rad or m.
-        velocity: the largest, either way, in rad/s or m/s.
-        effort: the largest, either way, in N·m or N.
+        position: least and largest position, in rad or m.
+        velocity: largest speed in either direction, in rad/s or m/s.
+        effort: largest effort in either direction, in N·m or N.
     """
 
     position: tuple[float, float] = (-np.inf, np.inf)
@@ -29,7 +29,7 @@ class Limits:
 
 
 def limits_of(model: pin.Model) -> dict[str, Limits]:
-    """Limits of each joint of one degree of freedom, by its name, in the order of the model."""
+    """Returns the limits of each joint of one degree of freedom, by its name, in the order of the model."""
     found = {}
     for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
         if joint.nv == 1:
@@ -45,13 +45,13 @@ def limits_of(model: pin.Model) -> dict[str, Limits]:
 
 
 def order_limits(model: pin.Model) -> list[str]:
-    """Exchange limits of joints of which the lower one is above the upper one.
+    """Exchanges the limits of joints whose lower limit is above the upper one.
 
     Args:
-        model: it is changed.
+        model: the model, which is changed.
 
     Returns:
-        a line for each such joint, and for each whose limits leave it no room, so that they are none.
+        a line for each such joint, and for each joint whose limits leave it no room and are therefore ignored.
     """
     lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
     notes = []
@@ -75,5 +75,5 @@ def order_limits(model: pin.Model) -> list[str]:
 
 
 def _open(limit: float) -> float:
-    """A limit, infinite where it is the largest number there is, which models that are built by hand have."""
+    """Returns a limit, infinite if it is the largest number, as in models that are built by hand."""
     return float(limit) if abs(limit) < np.finfo(float).max else math.copysign(math.inf, limit)

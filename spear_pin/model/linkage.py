@@ -1,4 +1,4 @@
-"""A spring that a linkage compresses as the knee flexes: its torque at the knee, and that as a spring's table."""
+"""A spring that a linkage compresses as the knee flexes: its torque at the knee, also as a spring's table."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 
-FINE = 1000  # angles at which a range is looked through for where the spring begins
+FINE = 1000  # number of angles at which a range is searched for the beginning of the spring
 
 
 @typed
@@ -21,19 +21,19 @@ FINE = 1000  # angles at which a range is looked through for where the spring be
 class SliderLinkage:
     """A compression spring along the thigh, pushed by a slider that a rod joins to a crank on the shank.
 
-    In the thigh, seen from the knee: the crank's pin is c sin φ toward the hip and c cos φ across, the slider's rail e
-    across, and the slider by the rod's reach further on, s(φ) = c sin φ + √(r² - (e - c cos φ)²) toward the hip. The
-    spring is between it and a stop, a toward the hip: it is a - s(φ) long, x = l₀ - a + s(φ) less than when it is free.
-    Where that is negative the spring lies loose: it only pushes. The torque toward extension is k x ds/dφ, the
-    derivative of the energy k x²/2.
+    In the thigh's axes, with the origin at the knee, the crank's pin is at c sin φ toward the hip and c cos φ across.
+    The slider's rail is at e across, and the slider at s(φ) = c sin φ + √(r² - (e - c cos φ)²) toward the hip. The
+    spring acts between the slider and a stop at a toward the hip. Its length is a - s(φ), and its compression is
+    x = l₀ - a + s(φ). Where x is negative the spring is loose, as it only pushes. The torque toward extension is
+    k x ds/dφ, the derivative of the energy k x²/2.
 
     Attributes:
         stiffness: k, in N/m.
         free_length: l₀, in m.
-        crank: c, from the knee to the pin, in m.
-        rod: r, from the pin to the slider, in m.
-        stop: a, from the knee to the spring's end, along the thigh, in m.
-        offset: e, of the slider's rail from the knee, across, in m.
+        crank: c, distance from the knee to the pin, in m.
+        rod: r, distance from the pin to the slider, in m.
+        stop: a, distance from the knee to the spring's end along the thigh, in m.
+        offset: e, distance of the slider's rail from the knee across the thigh, in m.
     """
 
     stiffness: float
@@ -44,7 +44,7 @@ class SliderLinkage:
     offset: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         for field in fields(self)[:-1]:
             unit = "N/m" if field.name == "stiffness" else "m"
             require(
@@ -54,33 +54,33 @@ class SliderLinkage:
         require("SliderLinkage.offset", self.offset, lambda e: abs(e) < reach, "a number, in m, within rod less crank")
 
     def compression(self, angle: ArrayLike) -> Array:
-        """x, in m; negative where the spring lies loose.
+        """Returns the compression x, in m; negative where the spring is loose.
 
         Args:
-            angle: φ, in rad: how far the knee is flexed beyond the crank square to the thigh.
+            angle: φ, in rad: how far the knee is flexed beyond the angle at which the crank is normal to the thigh.
         """
         phi = np.asarray(angle, dtype=float)
         return np.asarray(self.free_length - self.stop + self.crank * np.sin(phi) + self._along(phi))
 
     def lever(self, angle: ArrayLike) -> Array:
-        """ds/dφ, in m, at an angle as of `compression`."""
+        """Returns ds/dφ, in m, at an angle φ, in rad, see `compression`."""
         phi = np.asarray(angle, dtype=float)
         across = self.offset - self.crank * np.cos(phi)
         return np.asarray(self.crank * (np.cos(phi) - np.sin(phi) * across / self._along(phi)))
 
     def torque(self, angle: ArrayLike) -> Array:
-        """Torque toward extension, in N·m, at an angle as of `compression`."""
+        """Returns the torque toward extension, in N·m, at an angle φ, in rad, see `compression`."""
         return np.asarray(self.stiffness * np.maximum(self.compression(angle), 0.0) * self.lever(angle))
 
     def energy(self, angle: ArrayLike) -> Array:
-        """Energy that the spring stores, in J, at an angle as of `compression`."""
+        """Returns the energy that the spring stores, in J, at an angle φ, in rad, see `compression`."""
         return 0.5 * self.stiffness * np.maximum(self.compression(angle), 0.0) ** 2
 
     def begin(self, low: float, high: float) -> float:
-        """The least angle between two at which the spring begins to be compressed, in rad.
+        """Finds the least angle between `low` and `high` at which compression of the spring begins, in rad.
 
         Raises:
-            BadValue: it does not begin between them.
+            BadValue: compression does not begin between them.
         """
         angles = np.linspace(low, high, FINE)
         x = self.compression(angles)
@@ -91,15 +91,15 @@ class SliderLinkage:
         return float(scipy.optimize.brentq(self.compression, angles[i], angles[i + 1], xtol=1e-14))
 
     def table(self, begin: float, deflections: Sequence[float]) -> tuple[tuple[float, float], ...]:
-        """Points of `Spring.table`.
+        """Returns the points of `Spring.table`.
 
         Args:
-            begin: as of `begin`, where the table has its (0, 0), in rad.
-            deflections: beyond it, rising, in rad.
+            begin: angle at which the table has its (0, 0), in rad, see `begin`.
+            deflections: deflections beyond it, increasing, in rad.
         """
         torques = self.torque(begin + np.asarray(deflections, dtype=float))
         return (0.0, 0.0), *zip(map(float, deflections), torques.tolist(), strict=True)
 
     def _along(self, phi: Array) -> Array:
-        """How far the slider is beyond the pin, in m."""
+        """Returns how far the slider is beyond the pin, in m."""
         return np.sqrt(self.rod**2 - (self.offset - self.crank * np.cos(phi)) ** 2)

@@ -1,4 +1,4 @@
-"""From a name, a file or a model of Pinocchio to a `Robot`: base, motors and locked joints as asked for."""
+"""Loads a `Robot` from a name, a file or a model of Pinocchio, with the wanted base, motors and locked joints."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ class Shipped:
     """A robot that comes with the package.
 
     Attributes:
-        file: its URDF in `spear_pin.urdf`; a TOML file may be beside it.
+        file: its URDF in `spear_pin.urdf`; the same folder may have a TOML file.
         toes: frame names of its toes.
-        summary: one line about it.
-        provenance: where its numbers come from.
+        summary: one line about the robot.
+        provenance: source of its numbers.
     """
 
     file: str
@@ -111,30 +111,30 @@ def load(
     motors: str | Iterable[str] | None = None,
     repair: bool = False,
 ) -> Robot:
-    """Load a shipped robot, any URDF or MJCF file, or what Pinocchio has built.
+    """Loads a shipped robot, any URDF or MJCF file, or a model built by Pinocchio.
 
-    What is left out of a file, or mended, and what may not be meant, is said by a `RobotWarning`, a line each.
-    A TOML file of the same stem beside the robot's says what that cannot, see `spear_pin.model.sidecar`; arguments go
-    over what it says.
+    A `RobotWarning` lists, a line each, what is left out of a file, what is repaired, and what may be a mistake. A TOML
+    file of the same stem in the robot's folder adds data that the robot's file cannot hold, see
+    `spear_pin.model.sidecar`; arguments override it.
 
     Args:
-        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed, which may end before an
-            underscore where that leaves one ("anymal_b"); the path of a URDF or an MJCF file (anything else with a
-            suffix or a separator), or of a TOML file that names one of these; or a `pin.Model`, which is copied.
-        toes: frame names of the points that may touch the ground; shipped robots know theirs.
+        source: a name in `ROBOTS`, or of a robot of example-robot-data if that is installed, which may be cut at an
+            underscore if it stays unique ("anymal_b"); the path of a URDF or an MJCF file (anything else with a suffix
+            or a separator), or of a TOML file that names one of these; or a `pin.Model`, which is copied.
+        toes: frame names of the points that may touch the ground; shipped robots have default toes.
         locked: names of joints to hold at zero, for instance `["boom_x"]`.
-        base: "free" puts a floating joint under the root link, unless it has one; "chain" has six joints in its place,
-            as simulation in space needs it, see `spear_pin.to_chain`; "fixed" holds the root. By default it is as the
-            file has it, with a warning where a root link with inertia stays fixed.
-        motors: "all" for one on each joint that turns or slides, or names of joints. By default those of the file's
-            `<transmission>`s, `<ros2_control>` or actuators, with a warning where there are none.
-        repair: mend inertias that no body can have, and joints that move no inertia, with a warning.
+        base: "free" puts a floating joint under the root link, unless there is one; "chain" puts six joints in its
+            place, as simulation in space needs, see `spear_pin.to_chain`; "fixed" holds the root. By default the base
+            is that of the file, with a warning if a root link with inertia stays fixed.
+        motors: "all" for one on each joint that turns or slides, or names of joints. By default the motors are those of
+            the file's `<transmission>`s, `<ros2_control>` or actuators, with a warning if there are none.
+        repair: whether to repair inertias that no body can have, and joints that move no inertia, with a warning.
 
     Raises:
         UnknownName: unknown robot, toe frame or joint; the text lists the valid ones.
-        BadFile: the file is missing or invalid (see `read_urdf`), a joint moves no inertia, or a root that is to float
+        BadFile: the file is missing or invalid (see `read_urdf`), a joint moves no inertia, or a root that shall float
             has none.
-        BadValue: another base, or a motor for a joint of several degrees of freedom.
+        BadValue: an invalid base, or a motor for a joint of several degrees of freedom.
 
     Example:
         >>> from spear_pin import load
@@ -164,7 +164,7 @@ def load(
         notes.append('no joint has a motor: motors="all" gives one to each, motors=[...] to those that it names')
     for note in notes:
         warnings.warn(RobotWarning(f"{draft.name}: {note}"), stacklevel=3)
-    model = on_chain(model) if wanted_base == "chain" else model  # whose joints have no motors
+    model = on_chain(model) if wanted_base == "chain" else model  # the chain's joints have no motors
     return Robot(
         model,
         name=draft.name,
@@ -182,10 +182,10 @@ def load(
 
 
 def sidecar_of(source: str | Path | pin.Model) -> Sidecar:
-    """What a TOML file says of a robot: the one that is its source, or the one beside that.
+    """Returns the contents of a robot's TOML file, which is its source or lies in the folder of its source.
 
     Raises:
-        BadFile: it is not valid, or is of another robot; or it is to name its robot, and does not.
+        BadFile: the file is not valid, or is of another robot; or it has to name its robot, and does not.
     """
     if not isinstance(source, (str, Path)):
         return Sidecar(source)
@@ -205,13 +205,13 @@ def sidecar_of(source: str | Path | pin.Model) -> Sidecar:
 
 
 def path_of(source: str | Path) -> Path:
-    """Path of the file that a robot is loaded from.
+    """Returns the path of the file from which a robot is loaded.
 
     Args:
-        source: a name as of `load`, or a path. Of a TOML file it is the one that this names.
+        source: a name, see `load`, or a path. For a TOML file the result is the file that it names.
 
     Raises:
-        UnknownName: it is no such name, nor a path: it has no suffix or separator.
+        UnknownName: the source is neither a name nor a path, as it has no suffix or separator.
         BadFile: a TOML file is not valid.
     """
     if Path(source).suffix == SUFFIX:
@@ -221,10 +221,10 @@ def path_of(source: str | Path) -> Path:
 
 
 def full_name(source: str | Path) -> str:
-    """A robot's name, complete where it ends before an underscore; a path as it is.
+    """Completes a robot's name that is cut at an underscore; returns a path as it is.
 
     Raises:
-        UnknownName: it is no name, or might be of several, nor a path.
+        UnknownName: the source is no path, and no name or not a unique one.
     """
     name = str(source)
     if name in ROBOTS or name in (examples := example_robots()) or {"/", "\\", "."} & set(name):
@@ -237,7 +237,7 @@ def full_name(source: str | Path) -> str:
 
 
 def _names(names: Iterable[str]) -> tuple[str, ...]:
-    """Names in order, each once; one string is one name."""
+    """Returns names in order, each once; one string is one name."""
     return tuple(dict.fromkeys([names] if isinstance(names, str) else names))
 
 

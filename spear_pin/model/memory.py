@@ -1,4 +1,4 @@
-"""Memory that a robot of many joints takes, against that which is free."""
+"""Checks the memory that a robot of many joints needs against the free memory."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ from pathlib import Path
 
 from spear_pin.errors import BadFile
 
-SHARE = 0.1  # of the memory that is free, for one copy of Pinocchio's data; a simulation holds some
-CUBIC, SQUARE = 33, 600  # bytes for nv³ and nv²: its second derivatives of the kinematics alone are 6 nv³ doubles
+SHARE = 0.1  # share of the free memory for one copy of Pinocchio's data; a simulation holds several
+CUBIC, SQUARE = 33, 600  # bytes per nv³ and nv²: second derivatives of the kinematics alone are 6 nv³ doubles
 MEMINFO = Path("/proc/meminfo")
 
 
 def check_memory(path: str | Path, joints: int, nv: int) -> None:
-    """Refuse a robot before Pinocchio's data for it takes what memory there is.
+    """Refuses a robot before Pinocchio's data for it takes all memory.
 
     Args:
-        path: of its URDF.
-        joints: how many it has.
-        nv: its degrees of freedom.
+        path: path of its URDF.
+        joints: number of its joints.
+        nv: number of its degrees of freedom.
 
     Raises:
         BadFile: one copy would take more than a tenth of the memory that is free.
@@ -35,7 +35,7 @@ def check_memory(path: str | Path, joints: int, nv: int) -> None:
 
 
 def free_memory() -> float:
-    """Bytes that can be had without swapping; infinite where the system does not say."""
+    """Returns the number of bytes available without swapping; infinite if the system does not report it."""
     try:
         found = re.search(r"^MemAvailable:\s+(\d+) kB$", MEMINFO.read_text(encoding="ascii"), re.MULTILINE)
     except OSError:
@@ -44,7 +44,7 @@ def free_memory() -> float:
         return 1024.0 * int(found[1])
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, OSError, ValueError):  # of Windows, and of systems that do not know
+    except (AttributeError, OSError, ValueError):  # on Windows, and on systems that do not report it
         return math.inf
 
 

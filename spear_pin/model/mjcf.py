@@ -63,16 +63,16 @@ class MeshFile:
 def to_mjcf(
     robot: Robot, postures: Mapping[str, ArrayLike] | None = None, meshes: Sequence[MeshFile] | None = None
 ) -> str:
-    """Write a robot as the text of an MJCF file: mass matrix and bias in MuJoCo are the robot's own.
+    """Writes a robot as the text of an MJCF file, which has the robot's mass matrix and bias in MuJoCo.
 
     It has a body for each joint, a site for each toe, a motor for each transmission, the boxes, cylinders and spheres
     that the URDF shows, the ground, and the postures as keyframes. The toes and the trunk meet the ground: the trunk by
     the boxes, cylinders and spheres of its `<collision>`, where it has none by what it shows, of meshes their hulls.
 
     Args:
-        robot: as loaded, varied or with joints locked.
-        postures: configurations, (nq,) each, by name, beside "home" (see `postures.home`).
-        meshes: files of what the URDF shows by meshes; None: these are left out.
+        robot: the robot, as loaded, varied or with joints locked.
+        postures: configurations, (nq,) each, by name, in addition to "home" (see `postures.home`).
+        meshes: files of the meshes that the URDF shows; None to leave them out.
 
     Raises:
         BadValue: the robot has a joint that neither turns nor slides about one axis nor floats from the origin, an
@@ -106,7 +106,7 @@ def to_mjcf(
 
 
 def qpos(robot: Robot, q: Array) -> Array:
-    """A configuration, (nq,), as MuJoCo's qpos of the exported file: scalars of quaternions first, angles as angles."""
+    """Converts a configuration, (nq,), to MuJoCo's qpos of the exported file, with scalars of quaternions first."""
     parts = []
     for joint in list(robot.model.joints)[1:]:
         part = q[joint.idx_q : joint.idx_q + joint.nq]
@@ -117,7 +117,7 @@ def qpos(robot: Robot, q: Array) -> Array:
 
 
 def qvel(robot: Robot, q: Array, v: Array) -> Array:
-    """A velocity, (nv,), as MuJoCo's qvel of the exported file: that of a floating link in world axes."""
+    """Converts a velocity, (nv,), to MuJoCo's qvel of the exported file, for a floating link in world axes."""
     values = np.array(v, dtype=np.float64)
     for joint in list(robot.model.joints)[1:]:
         if joint.nv == FREE:
@@ -127,7 +127,7 @@ def qvel(robot: Robot, q: Array, v: Array) -> Array:
 
 
 def _add_bodies(model: pin.Model, world: Any) -> list[Any]:
-    """The element of each joint's body, the world's first; depth first, as MuJoCo counts."""
+    """Adds a body for each joint, depth first as MuJoCo counts; returns their elements, the world's first."""
     elements = [world]
     for joint in range(1, model.njoints):
         parent, placement, kind = elements[model.parents[joint]], model.jointPlacements[joint], model.joints[joint]
@@ -145,7 +145,7 @@ def _add_bodies(model: pin.Model, world: Any) -> list[Any]:
 
 
 def _link(model: pin.Model, joint: int) -> str:
-    """Name of the link that a joint moves; the joint's own where there is none, as along a chain."""
+    """Returns the name of the link that a joint moves; the joint's own if there is none, as along a chain."""
     links = (frame.name for frame in model.frames if frame.parentJoint == joint and frame.type == pin.FrameType.BODY)
     return str(next(links, model.names[joint]))
 
@@ -177,7 +177,7 @@ def _add_joint(model: pin.Model, joint: int, body: Any) -> None:
 
 
 def _add_shapes(robot: Robot, elements: list[Any], assets: Any, meshes: Sequence[MeshFile] | None) -> None:
-    """Add what the URDF shows, and for the trunk what meets the ground; primitives are read by Pinocchio."""
+    """Adds the shapes of the URDF, and the trunk's collision shapes; Pinocchio reads primitives."""
     if robot.cut is not None:
         elements[0].addprevious(
             etree.Comment(f" shapes are left out: it is cut out of {robot.cut.of.replace('-', '_')} ")
@@ -219,7 +219,7 @@ def _add_shapes(robot: Robot, elements: list[Any], assets: Any, meshes: Sequence
 
 
 def trunk_of(robot: Robot) -> set[int]:
-    """Find the joints that move the trunk, from which legs hang; without legs that of a floating base."""
+    """Finds the joints that move the trunk, from which legs hang; without legs the joint of a floating base."""
     model = robot.model
     first = {leg.hip if leg.abduction is None else leg.abduction for leg in robot.legs}
     floating = (
@@ -266,7 +266,7 @@ def _place(placement: pin.SE3) -> dict[str, str]:
 
 
 def _add(parent: Any, tag: str, **attributes: str | ArrayLike) -> Any:
-    """A new element; numbers are written in full."""
+    """Adds a new element, with numbers written in full."""
     texts = {name: value if isinstance(value, str) else _numbers(value) for name, value in attributes.items()}
     return etree.SubElement(parent, tag, texts)
 

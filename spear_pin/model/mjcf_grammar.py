@@ -1,4 +1,4 @@
-"""List what is read of an MJCF file."""
+"""Lists the data that are read in an MJCF file."""
 
 from __future__ import annotations
 
@@ -97,10 +97,10 @@ MJCF = Grammar(
 
 
 def without_effect(tag: str, said: Mapping[str, str]) -> dict[str, str]:
-    """Leave out attributes that have no effect beside the others: contact of what touches nothing, small bounds.
+    """Leaves out attributes without effect: contact of elements that touch nothing, small bounds of inertias.
 
     Args:
-        tag: of the element.
+        tag: tag of the element.
         said: its attributes, with those of its class.
     """
     idle: Any = ()

@@ -22,11 +22,11 @@ class Place(NamedTuple):
 
 
 def places_of(world: Iterable[Any], defaults: Defaults) -> dict[Any, Place]:
-    """Find the coordinates of every joint of a file, by its element.
+    """Finds the coordinates of every joint of a file, by its element.
 
     Args:
-        world: what is in the world, in order.
-        defaults: of the file.
+        world: elements in the world, in order.
+        defaults: defaults of the file.
     """
     found: dict[Any, tuple[int, float]] = {}
 
@@ -53,18 +53,18 @@ def places_of(world: Iterable[Any], defaults: Defaults) -> dict[Any, Place]:
 
 
 def read_keyframes(path: Path, root: Any, places: Mapping[str, Place]) -> dict[str, dict[str, tuple[float, ...]]]:
-    """Read the postures of all keyframes that have one.
+    """Reads the postures of all keyframes that have one.
 
     Args:
-        path: of the file.
+        path: path of the file.
         root: its element.
-        places: of the robot's joints, by name.
+        places: places of the robot's joints, by name.
 
     Returns:
         coordinates by joint, by the keyframe's name; one without a name is called "key_0" by its place.
 
     Raises:
-        BadFile: one has too many numbers or too few.
+        BadFile: a keyframe has too many numbers or too few.
     """
     postures = {}
     total = next((place.total for place in places.values()), 0)

@@ -1,4 +1,4 @@
-"""What gives a body of an MJCF file its mass: its `<inertial>`, or its geoms."""
+"""Writes the mass of a body of an MJCF file, from its `<inertial>` or its geoms."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ SHORTEST = 1e-14  # m, from end to end
 
 
 def add_mass(writing: Writing, body: Any, to: Any, inherited: str | None) -> None:
-    """Write what gives a body its mass.
+    """Writes the inertial or the geoms that give a body its mass.
 
     Args:
         writing: state.
-        body: of the file.
+        body: body in the file.
         to: the body that is written.
         inherited: class of what is on it.
 
@@ -45,7 +45,7 @@ def add_mass(writing: Writing, body: Any, to: Any, inherited: str | None) -> Non
 
 
 def _weighed(writing: Writing, body: Any, inherited: str | None) -> list[Any]:
-    """The geoms of a body that are in the groups of which the compiler counts the mass."""
+    """Returns the geoms of a body that are in the groups of which the compiler counts the mass."""
     said = {"inertiagrouprange": GROUPS, **writing.compiler}
     least, most = counted(writing, writing.root, said, "inertiagrouprange")
     geoms = body.findall("geom")
@@ -57,7 +57,7 @@ def _weighed(writing: Writing, body: Any, inherited: str | None) -> list[Any]:
 
 
 def _weighs(writing: Writing, geom: Any, inherited: str | None) -> bool:
-    """Whether a geom has mass; MuJoCo keeps the `<inertial>` of a body where none has."""
+    """Tells whether a geom has mass; MuJoCo keeps the `<inertial>` of a body where none has."""
     said = writing.defaults.of(geom, inherited)
     numbers = [values(writing.path, geom, said[each])[0] for each in ("mass", "density") if each in said]
     return said.get("type") != "plane" and (not numbers or numbers[0] > 0)
@@ -86,10 +86,10 @@ def _add_inertial(writing: Writing, body: Any, inertial: Any, to: Any) -> None:
 
 
 def _possible(writing: Writing, inertial: Any, name: str, moments: tuple[float, ...]) -> tuple[float, ...]:
-    """Moments that a body can have: those of the file, or mended ones.
+    """Returns moments that a body can have: those of the file, or repaired ones.
 
     Raises:
-        BadFile: those of the file are not, and are not to be mended.
+        BadFile: no body can have the moments of the file, and repairs are off.
     """
     xx, yy, zz, xy, xz, yz = (*moments, 0.0, 0.0, 0.0)[:6]
     matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

@@ -41,13 +41,13 @@ class Drives:
     """The actuators of a file.
 
     Attributes:
-        motors: those that are motors of joints.
-        rubbing: what all of them add to the joints that they act on, by joint.
+        motors: actuators that are motors of joints.
+        rubbing: armature and damping that the actuators add to joints, by joint.
         others: names of those that are no motors.
         damped: joints with damping of an actuator that is not viscous.
-        uneven: what is not taken over of ranges that differ by direction, in words, and the joint that they are of.
+        uneven: unused parts of ranges that differ by direction, in words, with their joints.
         laws: tags of the motors that are more than a torque, such as "position", by joint.
-        elements: of the others, and of those with a law.
+        elements: elements of the other actuators, and of those with a law.
     """
 
     motors: tuple[DrivenJoint, ...]
@@ -62,12 +62,12 @@ class Drives:
 def read_drives(
     path: Path, root: Any, defaults: Defaults, joints: Mapping[str, str], named: Collection[str], autolimits: bool
 ) -> Drives:
-    """Read the actuators. An armature and a damping of one act at its joint times the square of its gear.
+    """Reads the actuators; their armature and damping act at the joint times the square of the gear.
 
     Args:
-        path: of the file.
-        root: its element.
-        defaults: of the file.
+        path: path of the file.
+        root: root element of the file.
+        defaults: defaults of the file.
         joints: types of the robot's joints, by name.
         named: names of all joints of the file.
         autolimits: whether a range alone limits.
@@ -108,13 +108,13 @@ def read_drives(
 
 
 def is_limited(path: Path, element: Any, said: Mapping[str, str], name: str, autolimits: bool) -> bool:
-    """Tell whether a range limits.
+    """Tells whether a range limits.
 
     Args:
         path: of the file.
-        element: that has it.
+        element: element that has the range.
         said: attributes of the element, with those of its class.
-        name: of the range, a key of `LIMITED`.
+        name: name of the range, a key of `LIMITED`.
         autolimits: whether a range alone limits.
 
     Raises:
@@ -128,7 +128,7 @@ def is_limited(path: Path, element: Any, said: Mapping[str, str], name: str, aut
 
 
 def either_way(ends: Sequence[float]) -> tuple[float, str | None]:
-    """The force that a range allows in both directions, and in words what of the range is not taken over.
+    """Returns the force that a range allows in both directions, and in words the unused part of the range.
 
     A range that allows no force in one direction is taken as if it allowed the larger one in both.
     """
@@ -140,12 +140,12 @@ def either_way(ends: Sequence[float]) -> tuple[float, str | None]:
 
 
 def _described(element: Any, said: Mapping[str, str]) -> str:
-    """An actuator without a name, by what it acts on."""
+    """Describes an actuator without a name by the element on which it acts."""
     return f"{element.tag} of {next((said[each] for each in ACTED_ON if each in said), 'nothing')}"
 
 
 def _rubbing(path: Path, element: Any, said: Mapping[str, str]) -> Rubbing:
-    """Armature and damping of an actuator, before its gear."""
+    """Returns armature and damping of an actuator, before its gear."""
     numbers = {
         name: _values(path, element, said[name])[0] if name in said else None for name in ("armature", "damping")
     }
@@ -156,7 +156,7 @@ def _rubbing(path: Path, element: Any, said: Mapping[str, str]) -> Rubbing:
 
 
 def _largest(path: Path, element: Any, said: Mapping[str, str], autolimits: bool) -> tuple[float, list[str]]:
-    """The largest force of an actuator either way, before its gear, and what of its ranges is not taken over."""
+    """Returns an actuator's largest force in either direction, before its gear, and the unused parts of its ranges."""
     gain = _gain(path, element, said)
     limits, uneven = [inf], []
     for name, factor in (("forcerange", 1.0), ("ctrlrange", gain)):
@@ -172,7 +172,7 @@ def _largest(path: Path, element: Any, said: Mapping[str, str], autolimits: bool
 
 
 def _gain(path: Path, element: Any, said: Mapping[str, str]) -> float | None:
-    """Force for each unit of the control; None where the control is no force."""
+    """Returns the force for each unit of the control; None if the control is no force."""
     if element.tag == "motor":
         return 1.0
     plain = {said.get("gaintype", "fixed"), said.get("biastype", "none"), said.get("dyntype", "none")} == {

@@ -13,12 +13,12 @@ ENDS = ("sphere",)  # types of geoms of which the middle is where a limb may end
 
 
 def add_point(writing: Writing, element: Any, body: Any, inherited: str | None, alone: bool) -> None:
-    """Write a site, the middle of a geom, or of a geom from one point to another the end that is farther away.
+    """Writes a site, the middle of a geom, or the farther end of a geom that leads from one point to another.
 
     Args:
         writing: state; geoms that are no ends of limbs are noted in it.
         element: a site or a geom.
-        body: that is written.
+        body: body that is written.
         inherited: class of what is on the body.
         alone: whether no body hangs on this one, so that a limb ends here; a geom without a name is then called
             after the body.

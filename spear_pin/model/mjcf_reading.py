@@ -1,4 +1,4 @@
-"""Read an MJCF file, MuJoCo's own format, safely, and reduce it to what the dynamics needs.
+"""Reads an MJCF file, MuJoCo's own format, safely, and reduces it to the data for the dynamics.
 
 Pinocchio's parser reads neither includes nor scenes, takes the first body alone, and makes one joint of several on a
 body. So it is given an MJCF of our own writing: one tree of bodies, with what their classes say written out, one
@@ -53,7 +53,7 @@ REMEDY = "let MuJoCo write it anew (mujoco.mj_saveLastXML), which expands it"
 
 @dataclass(frozen=True)
 class Look:
-    """What an MJCF file says of how it looks, as attributes of elements, with what their classes say.
+    """The look of an MJCF file's bodies, as attributes of elements, with those of their classes.
 
     Attributes:
         geoms: name of a body, and a geom of it.
@@ -71,16 +71,16 @@ class Mjcf:
     """Contents of an MJCF file that the dynamics needs.
 
     Attributes:
-        path: where it was read.
+        path: path of the file.
         name: the robot's name.
         root: name of its first body.
         text: one tree of bodies.
-        gravity: in m/s², (3,).
+        gravity: gravity, in m/s², (3,).
         drives: the motors.
-        rubbing: of joints, by name; Pinocchio does not read those of all.
-        postures: of keyframes, by name: MuJoCo's coordinates by joint, in rad or m, zero where the model's are.
-        notes: what is not as in the file, a line each.
-        look: what the bodies look like.
+        rubbing: armature and damping of joints, by name; Pinocchio does not read all of them.
+        postures: postures of keyframes, by name: MuJoCo's coordinates by joint, in rad or m, with the model's zeros.
+        notes: differences from the file, a line each.
+        look: look of the bodies.
         inside: names of geoms of which the middle is no end of a limb.
     """
 
@@ -98,13 +98,13 @@ class Mjcf:
 
 
 def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = False) -> Mjcf:
-    """The dynamics of an MJCF file, from its root element.
+    """Reads the dynamics of an MJCF file from its root element.
 
     Args:
-        path: of the file.
-        root: its element; includes are put in their places.
-        base: "free" puts a free joint on the first body, unless it has one; "fixed" takes it away.
-        repair: mend inertias that no body can have.
+        path: path of the file.
+        root: root element of the file; includes are put in their places.
+        base: "free" puts a free joint on the first body, unless it has one; "fixed" removes it.
+        repair: whether to repair inertias that no body can have.
 
     Raises:
         BadFile: there is no body, an include is not to be read, or an element would change a body in a way that is
@@ -160,7 +160,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
 
 
 def _together(own: Rubbing, driven: Rubbing | None) -> Rubbing:
-    """What a joint and its actuators say together."""
+    """Adds armature and damping of a joint and of its actuators."""
     if driven is None:
         return own
     armatures = [each for each in (own.armature, driven.armature) if each is not None]
@@ -168,7 +168,7 @@ def _together(own: Rubbing, driven: Rubbing | None) -> Rubbing:
 
 
 def _assets(root: Any, defaults: Defaults) -> dict[tuple[str, str], Mapping[str, str]]:
-    """Meshes and materials by tag and name; a mesh without a name is called as its file."""
+    """Returns meshes and materials by tag and name; a mesh without a name has the name of its file."""
     assets: dict[tuple[str, str], Mapping[str, str]] = {}
     for element in section(root, "asset"):
         said = defaults.of(element)
@@ -181,7 +181,7 @@ def _names(root: Any, *tags: str) -> set[str]:
 
 
 def _check_names(path: Path, root: Any, body: Any, defaults: Defaults) -> None:
-    """Refuse names that are taken, by Pinocchio for the world or twice, and classes that are not there."""
+    """Refuses names that occur twice or that Pinocchio uses for the world, and classes that do not exist."""
     for tags in (("body",), JOINTS):
         named = [each for each in body.iter(*tags) if each.get("name")]
         for name, count in Counter(each.get("name") for each in named).items():
@@ -196,7 +196,7 @@ def _check_names(path: Path, root: Any, body: Any, defaults: Defaults) -> None:
 
 
 def _robot(path: Path, root: Any) -> tuple[Any, list[Any]]:
-    """The body of the world with the most joints on it, and the others."""
+    """Returns the body of the world with the most joints on it, and the other bodies."""
     bodies = []
     for element in section(root, "worldbody"):
         if element.tag in UNREAD:
@@ -210,7 +210,7 @@ def _robot(path: Path, root: Any) -> tuple[Any, list[Any]]:
 
 
 def _based(writing: Writing, body: Any, base: Base | None) -> Any:
-    """The first body, with or without a free joint as asked for; if it has other joints, on one that floats."""
+    """Returns the first body with or without a free joint, as `base` says; other joints go on a floating body."""
     floats = _floats(writing, body)
     if base == "fixed" and floats:
         for joint in body.xpath("joint | freejoint"):
@@ -232,7 +232,7 @@ def _floats(writing: Writing, body: Any) -> bool:
 
 
 def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -> None:
-    """Write a body, with all that is on it, into another; `inherited` is the class of the one around it."""
+    """Writes a body and its contents into another; `inherited` is the class of the surrounding body."""
     path, inherited = writing.path, body.get("childclass") or inherited
     writing.bodies += 1
     if writing.bodies > MAX_LINKS:
@@ -311,6 +311,6 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: s
 
 
 def _ends(writing: Writing, joint: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
-    """The two ends of a range, infinite where they mean that there is none."""
+    """Returns the two ends of a range, infinite where they mean that there is no limit."""
     ends = tuple(parse_limit(writing.path, joint, part) for part in said[attribute].split())
     return ends if len(ends) == 2 else counted(writing, joint, said, attribute)

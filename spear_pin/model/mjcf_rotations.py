@@ -15,12 +15,12 @@ NOTATIONS = {"quat": 4, "axisangle": 4, "euler": 3, "xyaxes": 6, "zaxis": 3}
 
 
 def angle_unit(compiler: Mapping[str, str]) -> float:
-    """A file's unit of angles, in rad."""
+    """Returns a file's unit of angles, in rad."""
     return 1.0 if compiler.get("angle") == "radian" else math.pi / 180
 
 
 def rotation(notation: str, values: Sequence[float], compiler: Mapping[str, str]) -> Array:
-    """The rotation, (3, 3), that one of `NOTATIONS` means.
+    """Returns the rotation, (3, 3), that one of `NOTATIONS` means.
 
     Args:
         notation: name of the attribute.

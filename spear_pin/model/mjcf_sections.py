@@ -1,4 +1,4 @@
-"""An MJCF file as it is meant: its includes put in place, its sections joined, its defaults resolved."""
+"""Resolves an MJCF file: puts its includes in place, joins its sections, resolves its defaults."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NOTHING: Attributes = MappingProxyType({})
 
 
 def include(path: Path, root: Any) -> None:
-    """Put what a file includes in its place.
+    """Puts the contents of included files in their places.
 
     Files are read from its folder, or one below, alone; each once.
 
@@ -72,12 +72,12 @@ def _depth(root: Any) -> int:
 
 
 def section(root: Any, tag: str) -> list[Any]:
-    """The children of all sections of that tag."""
+    """Returns the children of all sections of that tag."""
     return [child for part in root.findall(tag) for child in part.iterchildren(etree.Element)]
 
 
 def settings(root: Any, tag: str) -> dict[str, str]:
-    """The attributes of all sections of that tag; the last one counts."""
+    """Returns the attributes of all sections of that tag; the last one counts."""
     return {name: value for part in root.findall(tag) for name, value in part.attrib.items()}
 
 
@@ -92,7 +92,7 @@ class Defaults:
     classes: Mapping[str, Mapping[str, Attributes]]
 
     def of(self, element: Any, inherited: str | None = None) -> dict[str, str]:
-        """The attributes of an element, its own and those of its class.
+        """Returns the attributes of an element, its own and those of its class.
 
         Args:
             element: the element.
@@ -103,7 +103,7 @@ class Defaults:
 
 
 def read_defaults(path: Path, root: Any) -> Defaults:
-    """Read the defaults of a file. Those at the top are of everything, whatever their class is called, as in MuJoCo 3.
+    """Reads the defaults of a file; top-level ones apply to all elements, whatever their class's name, as in MuJoCo 3.
 
     Raises:
         BadFile: a class has no name.

@@ -1,4 +1,4 @@
-"""Find what an MJCF file says and this package does not take over."""
+"""Finds the data in an MJCF file that this package does not use."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LEAN = 1e-9  # half of the angle, in rad, by which level ground may lean
 
 
 def tell_unread(writing: Writing, root: Any, body: Any, others: list[Any], drives: Drives) -> None:
-    """Add what is not taken over to `writing.unread`.
+    """Adds unused data to `writing.unread`.
 
     Args:
         writing: state.
@@ -54,7 +54,7 @@ def tell_unread(writing: Writing, root: Any, body: Any, others: list[Any], drive
 
 
 def _level(writing: Writing, said: Mapping[str, str]) -> bool:
-    """Whether a geom of the world is ground at height zero, or touches nothing."""
+    """Tells whether a geom of the world is ground at height zero, or touches nothing."""
     if said.get("contype") == said.get("conaffinity") == "0":
         return True
     place = values(writing.path, None, said.get("pos", "0 0 0"))

@@ -1,4 +1,4 @@
-"""State of the writing of one tree of MJCF bodies, and what is copied into it: numbers checked, turns as one."""
+"""State of the writing of one tree of MJCF bodies; copies checked numbers, and rotations in one notation, into it."""
 
 from __future__ import annotations
 
@@ -40,21 +40,21 @@ class Writing:
     """State of the writing of a tree of bodies.
 
     Attributes:
-        path: of the file that is read.
+        path: path of the file that is read.
         root: its element.
-        defaults: of it.
+        defaults: defaults of the file.
         compiler: its settings.
         repair: whether inertias that no body can have are mended.
         taken: names of bodies and sites.
         jointed: names of joints, which may be those of bodies.
         joints: types of joints that are written, by name.
-        rubbing: of joints, by name.
-        elements: of the joints that are written, by name.
-        unread: what is not taken over.
-        faults: what is wrong with inertias, by the names of their bodies.
+        rubbing: armature and damping of joints, by name.
+        elements: elements of the joints that are written, by name.
+        unread: data that are not used.
+        faults: faults of inertias, by the names of their bodies.
         geoms: attributes of geoms, with the names of their bodies.
         inside: names of geoms of which the middle is no end of a limb.
-        bodies: how many are written.
+        bodies: number of bodies that are written.
     """
 
     path: Path
@@ -74,7 +74,7 @@ class Writing:
     bodies: int = 0
 
     def name(self, wanted: str, joint: bool = False) -> str:
-        """A name that no other body, or joint, has."""
+        """Returns a name that no other body, or joint, has."""
         taken = self.jointed if joint else self.taken
         while wanted in taken:
             wanted += str(len(taken)) if wanted.endswith("__") else "_"  # of thousands alike, none gets long
@@ -82,16 +82,16 @@ class Writing:
         return wanted
 
     def fault(self, element: Any, problem: str) -> BadFile:
-        """An error at an element."""
+        """Returns an error at an element."""
         return fault(self.path, element, problem)
 
 
 def copy(writing: Writing, element: Any, to: Any, said: Mapping[str, str], attributes: Iterable[str]) -> None:
-    """Copy attributes that are numbers, rotations as quaternions where Pinocchio reads them otherwise than MuJoCo.
+    """Copies attributes that are numbers, rotations as quaternions where Pinocchio reads them otherwise than MuJoCo.
 
     Args:
         writing: state.
-        element: that they are of, which errors name.
+        element: element that has the attributes, which errors name.
         to: the element that gets them.
         said: attributes of the element, those of its class among them.
         attributes: names of those that are wanted.
@@ -113,7 +113,7 @@ def copy(writing: Writing, element: Any, to: Any, said: Mapping[str, str], attri
 
 
 def _check_turn(writing: Writing, element: Any, notation: str, numbers: Sequence[float]) -> None:
-    """Refuse a rotation without a direction."""
+    """Refuses a rotation without a direction."""
     if notation == "euler":
         return
     directed = np.cross(numbers[:3], numbers[3:]) if notation == "xyaxes" else numbers[: 4 if notation == "quat" else 3]
@@ -123,7 +123,7 @@ def _check_turn(writing: Writing, element: Any, notation: str, numbers: Sequence
 
 
 def _quaternion(writing: Writing, notation: str, values: Sequence[float]) -> tuple[float, ...]:
-    """(w, x, y, z) of a rotation; Pinocchio takes capitals of an Euler sequence, and axes of any length, otherwise."""
+    """Returns (w, x, y, z) of a rotation; Pinocchio reads Euler sequences in capitals and long axes differently."""
     try:
         turned = rotation(notation, values, writing.compiler)
     except ValueError as error:
@@ -133,7 +133,7 @@ def _quaternion(writing: Writing, notation: str, values: Sequence[float]) -> tup
 
 
 def counted(writing: Writing, element: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
-    """The numbers of an attribute, as many as it has to have."""
+    """Returns the numbers of an attribute, as many as it has to have."""
     numbers = values(writing.path, element, said[attribute])
     if len(numbers) != COUNTS.get(attribute, len(numbers)):
         what = f"{attribute} of {called(element)} is {said[attribute]!r}"
@@ -142,17 +142,17 @@ def counted(writing: Writing, element: Any, said: Mapping[str, str], attribute: 
 
 
 def at_least_zero(writing: Writing, element: Any, said: Mapping[str, str], attribute: str, name: str) -> float:
-    """The first number of an attribute, zero where it is not said.
+    """Returns the first number of an attribute, zero if it is not given.
 
     Args:
         writing: state.
-        element: that it is of.
+        element: element that has the attribute.
         said: attributes of the element, those of its class among them.
-        attribute: which.
-        name: what errors call the element, such as "joint 'knee'".
+        attribute: name of the attribute.
+        name: name of the element in errors, such as "joint 'knee'".
 
     Raises:
-        BadFile: it is negative, or no number.
+        BadFile: the number is negative, or the text is no number.
     """
     value = values(writing.path, element, said.get(attribute, "0"))[0]
     if value < 0:
@@ -161,10 +161,10 @@ def at_least_zero(writing: Writing, element: Any, said: Mapping[str, str], attri
 
 
 def values(path: Path, element: Any, text: str) -> tuple[float, ...]:
-    """The numbers of an attribute, one at least."""
+    """Returns the numbers of an attribute, one at least."""
     return tuple(parse_number(path, element, part) for part in text.split() or [""])
 
 
 def is_true(text: str | None, otherwise: bool) -> bool:
-    """Whether a switch is on, where it may be left to what follows from the rest."""
+    """Tells whether a switch is on; a switch that is not given, or "auto", takes the value `otherwise`."""
     return otherwise if text in (None, "auto") else text == "true"

@@ -19,18 +19,18 @@ SHARE = "share"
 
 @typed
 def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Iterable[str] = ()) -> Robot:
-    """A leg of a robot on a boom that slides, as SPEAR-II is.
+    """Returns a leg of a robot on a sliding boom, as in SPEAR-II.
 
     Its coordinates are "boom_x", "boom_z", "hip" and "knee", its toe is "toe". The hip is positive with the knee
-    forward, the knee positive in flexion, zero with the leg straight: where the robot's knee points to the rear, so
-    does x. Inertias are projected onto the plane, the abduction held at zero; motors, friction and limits are the
-    leg's. What that leaves out is in `Robot.cut`, which can be printed.
+    forward, the knee positive in flexion and zero with the leg straight. If the robot's knee points to the rear, x does
+    as well. Inertias are projected onto the plane, and the abduction is held at zero; motors, friction and limits are
+    the leg's. `Robot.cut`, which can be printed, lists the amounts that this leaves out.
 
     Args:
-        robot: any with legs, its x axis forward and z up with every joint at zero.
-        leg: name of one of `robot.legs`, or a leg of `find_legs`.
-        body: mass on the slider, in kg; "share": of all that is neither thigh nor shank, what falls to a leg.
-        locked: of the monopod's joints those to hold at zero, for instance `["boom_x"]`.
+        robot: any robot with legs, with its x axis forward and z up with every joint at zero.
+        leg: name of one of `robot.legs`, or a leg from `find_legs`.
+        body: mass on the slider, in kg; "share" means a leg's share of all that is neither thigh nor shank.
+        locked: joints of the monopod to hold at zero, for instance `["boom_x"]`.
 
     Raises:
         UnknownName: there is no such leg, or no such joint to lock; the text lists the valid ones.
@@ -79,7 +79,7 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
 
 
 def _body(source: Source, robot: Robot, leg: Leg, body: str | float) -> float:
-    """Mass on the slider, in kg."""
+    """Returns the mass on the slider, in kg."""
     if body == SHARE:
         legs = [each for each in robot.legs if each.hip != leg.hip]
         return float(source.lump(source.rest([leg, *legs])).mass) / (len(legs) + 1)
@@ -98,7 +98,7 @@ def _assembled(name: str, robot: Robot, mass: float, limb: Limb) -> Assembly:
 
 
 def _neglected(leg: Leg, limb: Limb) -> tuple[Amount, ...]:
-    """Amounts out of the plane of the hip."""
+    """Returns the amounts out of the plane of the hip."""
     bodies = (limb.thigh, limb.shank)
     aside = max(abs(float(body.lever[1] - limb.hip[1])) for body in bodies)
     return (

@@ -36,23 +36,23 @@ UNITS = {
 @typed
 @dataclass(frozen=True)
 class Motor:
-    """A motor as its equivalent DC motor: torque kt i, back-EMF kt ω; a brushless one line to line.
+    """A motor as its equivalent DC motor: torque kt i, back-EMF kt ω; a brushless motor is taken line to line.
 
-    What is not known is None; what needs it then says so. `spear_pin.model.catalogue` has some motors.
+    Unknown numbers are None; functions that need them raise an error. `spear_pin.model.catalogue` has some motors.
 
     Attributes:
-        name: what it is called in messages.
+        name: name of the motor in messages.
         torque_constant: kt, in N·m/A; the same number is K_v of (4.8), in V·s/rad.
         resistance: R of the terminals, in Ω.
         inductance: L of the terminals, in H; steady states do without.
         rotor_inertia: J of the rotor itself, in kg·m²; `Drive.reflected_inertia` multiplies it by N².
-        nominal_torque: that it can give continuously, in N·m, at the shaft.
-        nominal_current: that it can take continuously, in A.
-        no_load_current: in A; its torque kt I₀ is not counted in what follows.
-        max_speed: that its bearings and rotor stand, in rad/s.
-        rated_power: that its name promises, in W.
-        mass: in kg.
-        nominal_voltage: that its numbers are given for, in V.
+        nominal_torque: largest continuous torque at the shaft, in N·m.
+        nominal_current: largest continuous current, in A.
+        no_load_current: current without load, in A; its torque kt I₀ is neglected here.
+        max_speed: largest speed of its bearings and rotor, in rad/s.
+        rated_power: rated power, in W.
+        mass: mass, in kg.
+        nominal_voltage: voltage for which its numbers are given, in V.
     """
 
     name: str
@@ -69,17 +69,17 @@ class Motor:
     nominal_voltage: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         for field in fields(self)[1:]:
             value, unit = getattr(self, field.name), UNITS[field.name]
             if value is not None:
                 require(f"Motor.{field.name}", value, lambda x: x > 0, f"a number > 0, in {unit}, or None")
 
     def known(self, quantity: str) -> float:
-        """A number of the motor, by the name of its field.
+        """Returns a number of the motor, by the name of its field.
 
         Raises:
-            BadValue: it is not known.
+            BadValue: the number is not known.
         """
         value: float | None = getattr(self, quantity)
         if value is None:
@@ -107,8 +107,8 @@ class Gearbox:
     Attributes:
         ratio: N, turns of the rotor per turn of the joint.
         efficiency: η, power out over power in.
-        inertia: of the gears, at the motor's shaft, in kg·m²; 0 neglects it.
-        max_torque: that it can pass on continuously, in N·m, at the joint; None if not known.
+        inertia: inertia of the gears at the motor's shaft, in kg·m²; 0 neglects it.
+        max_torque: largest continuous torque at the joint, in N·m; None if not known.
     """
 
     ratio: float
@@ -117,7 +117,7 @@ class Gearbox:
     max_torque: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require("Gearbox.ratio", self.ratio, lambda n: n > 0, "a number > 0")
         require("Gearbox.efficiency", self.efficiency, lambda eta: 0 < eta <= 1, "a number in (0, 1]")
         require("Gearbox.inertia", self.inertia, lambda j: j >= 0, "a number >= 0, in kg·m²")
@@ -126,33 +126,34 @@ class Gearbox:
 
 
 def geared_constant(motor: Motor, gearbox: Gearbox) -> float:
-    """N kt of a motor behind gears, in N·m/A or V·s/rad at the joint."""
+    """Returns N kt of a motor behind gears, in N·m/A or V·s/rad at the joint."""
     return gearbox.ratio * motor.known("torque_constant")
 
 
 def passed_on(efficiency: float, effort: ArrayLike, speed: ArrayLike) -> Array:
-    """Of a motor's torque, the share that reaches the joint: η where it drives, 1/η where it brakes.
+    """Returns the share of a motor's torque that reaches the joint: η when driving, 1/η when braking.
 
-    At rest gears pass on anything between: they stick. A joint at rest counts as driven, η, for that is what is left
-    to set it in motion; `passed_on_creeping` is smooth there.
+    At rest gears stick and pass on any share between these. A joint at rest counts as driven, η, as this torque remains
+    to set it in motion; `passed_on_creeping` is smooth at rest.
 
     Args:
         efficiency: η.
         effort: torque or current of the motor; its sign counts.
-        speed: of the joint, in rad/s, broadcast against the effort.
+        speed: speed of the joint, in rad/s, broadcast against the effort.
     """
     return efficiency ** np.where(np.copysign(1.0, effort) * speed < 0.0, -1.0, 1.0)
 
 
 def passed_on_creeping(efficiency: float, effort: float, speed: float, creep: float) -> float:
-    """The share at an instant, smooth at rest: η^tanh(along / creep), 1 at rest, or gears would give power on one side.
+    """Returns the share at an instant, smooth at rest: η^tanh(along / creep), which is 1 at rest.
 
-    From 20 times the creep on it is that of `passed_on`.
+    Any other value at rest would make gears give power on one side. Above 20 times the creep the share is that of
+    `passed_on`.
 
     Args:
         efficiency: η.
         effort: torque or current of the motor; its sign counts.
-        speed: of the joint, in rad/s.
+        speed: speed of the joint, in rad/s.
         creep: width of the transition, in rad/s.
     """
     share: float = efficiency ** math.tanh(math.copysign(1.0, effort) * speed / creep)
@@ -161,13 +162,13 @@ def passed_on_creeping(efficiency: float, effort: float, speed: float, creep: fl
 
 @dataclass(frozen=True)
 class Worst:
-    """The point of a motion at which a drive has least to spare.
+    """The point of a motion at which a drive has the least margin.
 
     Attributes:
-        index: of the point.
-        torque: there, in N·m.
-        speed: there, in rad/s.
-        margin: there, in N·m; negative if the drive cannot do it.
+        index: index of the point.
+        torque: torque at the point, in N·m.
+        speed: speed at the point, in rad/s.
+        margin: margin at the point, in N·m; negative if the drive cannot give the torque.
     """
 
     index: int
@@ -186,10 +187,10 @@ class Drive:
     rest), u = N η kt i; braking, the gears help and u = N kt i / η: `passed_on`. Voltages are steady, R i + kt N ω.
 
     Attributes:
-        motor: needs `torque_constant` and `resistance` for most of what follows.
-        gearbox: between it and the joint.
+        motor: the motor; most methods need its `torque_constant` and `resistance`.
+        gearbox: gearbox between motor and joint.
         bus: V of the supply, in V.
-        current_limit: of the amplifier, in A; None leaves the resistance as the only limit.
+        current_limit: limit of the amplifier, in A; None leaves the resistance as the only limit.
     """
 
     motor: Motor
@@ -198,7 +199,7 @@ class Drive:
     current_limit: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require("Drive.bus", self.bus, lambda v: v > 0, "a number > 0, in V")
         if self.current_limit is not None:
             require("Drive.current_limit", self.current_limit, lambda i: i > 0, "a number > 0, in A, or None")
@@ -225,7 +226,7 @@ class Drive:
 
     @property
     def continuous_torque(self) -> float:
-        """Of the motor behind the gears, in N·m, no more than the gearbox or the amplifier can pass on."""
+        """Continuous torque at the joint, in N·m, within the limits of gearbox and amplifier."""
         gear = self.gearbox
         torque = gear.ratio * gear.efficiency * self.motor.continuous_torque
         if self.current_limit is not None:
@@ -239,16 +240,16 @@ class Drive:
         return max(0.0, self.bus - drop) / self.constant
 
     def torque(self, current: ArrayLike, speed: ArrayLike) -> Array:
-        """Joint torque of a motor current, in N·m; the inverse of `current`."""
+        """Returns the joint torque for a motor current, in N·m; inverts `current`."""
         amperes, rate = _arrays(current=current, speed=speed)
         return np.asarray(self.constant * amperes * passed_on(self.gearbox.efficiency, amperes, rate))[()]
 
     def current(self, torque: ArrayLike, speed: ArrayLike) -> Array:
-        """Motor current, in A: u / (N η kt) where it drives, u η / (N kt) where it brakes.
+        """Returns the motor current, in A: u / (N η kt) when driving, u η / (N kt) when braking.
 
         Args:
             torque: u at the joint, in N·m.
-            speed: of the joint, in rad/s, broadcast against the torque.
+            speed: speed of the joint, in rad/s, broadcast against the torque.
 
         Raises:
             BadValue: shapes do not fit or a number is not finite (as in every method).
@@ -257,11 +258,11 @@ class Drive:
         return np.asarray(effort / (self.constant * passed_on(self.gearbox.efficiency, effort, rate)))[()]
 
     def voltage(self, torque: ArrayLike, speed: ArrayLike) -> Array:
-        """Voltage at the terminals, R i + kt N ω, in V."""
+        """Returns the voltage at the terminals, R i + kt N ω, in V."""
         return self.motor.known("resistance") * self.current(torque, speed) + self.constant * np.asarray(speed)
 
     def envelope(self, speed: ArrayLike) -> Array:
-        """Greatest torque in the positive direction at a signed joint speed, in N·m; the least is -envelope(-speed).
+        """Returns the greatest positive torque at a signed joint speed, in N·m; the least is -envelope(-speed).
 
         The current is (V - kt N ω) / R or the current limit, whichever is less. At negative speed the motor
         brakes, and the back-EMF adds to the supply. Above the no-load speed the envelope is negative: the
@@ -273,9 +274,9 @@ class Drive:
         return self.torque(np.minimum(current, limit), rate)
 
     def margin(self, torque: ArrayLike, speed: ArrayLike) -> Array:
-        """Available minus required torque, in N·m, in the direction of the torque; negative where it cannot be had.
+        """Returns available minus required torque, in N·m, in the torque's direction; negative if not available.
 
-        Above the no-load speed a torque can also brake too little; the margin is then what is missing, negative.
+        Above the no-load speed a torque can also brake too little; the margin then is minus the missing torque.
         Above the motor's `max_speed` it is -inf.
         """
         effort, rate = _arrays(torque=torque, speed=speed)
@@ -287,7 +288,7 @@ class Drive:
         return np.where(np.abs(rate) > fastest, -np.inf, margin)[()]
 
     def worst(self, torque: ArrayLike, speed: ArrayLike) -> Worst:
-        """The point with the least margin, of torques and speeds of one dimension."""
+        """Finds the point with the least margin, for torques and speeds of one dimension."""
         effort, rate = _arrays(torque=torque, speed=speed)
         if effort.ndim != 1 or not effort.size:
             raise BadValue("torque", effort, "an array of one dimension, not empty")
@@ -296,19 +297,19 @@ class Drive:
         return Worst(index, float(effort[index]), float(rate[index]), float(margins[index]))
 
     def joule_power(self, torque: ArrayLike, speed: ArrayLike) -> Array:
-        """Heat of the winding, i² R, in W."""
+        """Returns the heat of the winding, i² R, in W."""
         return self.motor.known("resistance") * np.square(self.current(torque, speed))
 
     def bus_power(self, torque: ArrayLike, speed: ArrayLike) -> Array:
-        """Electrical power at the terminals, V i, in W; an ideal amplifier takes it from the supply, or gives it."""
+        """Returns the electrical power at the terminals, V i, in W, which an ideal amplifier takes from the supply."""
         return self.voltage(torque, speed) * self.current(torque, speed)
 
 
 def drawn_power(power: ArrayLike, regeneration: float) -> Array:
-    """Power that the supply loses: max(P, 0) + η_r min(P, 0), in W; its integral is the energy drawn.
+    """Returns the power that the supply loses, max(P, 0) + η_r min(P, 0), in W; its integral is the energy drawn.
 
     Args:
-        power: P, in W, as of `Drive.bus_power`.
+        power: electrical power P at the terminals, in W, see `Drive.bus_power`.
         regeneration: η_r, the share of negative power that the supply gets back: 0 none, 1 all.
     """
     require("regeneration", regeneration, lambda eta: 0 <= eta <= 1, "a number in [0, 1]")
@@ -317,7 +318,7 @@ def drawn_power(power: ArrayLike, regeneration: float) -> Array:
 
 
 def _arrays(**values: ArrayLike) -> list[Array]:
-    """Values as arrays of floats of one shape."""
+    """Returns values as arrays of floats of one shape."""
     try:
         arrays = [np.asarray(value, dtype=float) for value in values.values()]
         shaped = np.broadcast_arrays(*arrays)

@@ -1,4 +1,4 @@
-"""The robot of a motion that was kept, loaded again."""
+"""Loads the robot of a saved motion again."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ def mover(
     elsewhere: str | None = None,
     name: str = "source",
 ) -> Robot:
-    """The robot that moved; joints that the motion does not have are locked in it.
+    """Returns the robot that moved; joints that the motion does not have are locked in it.
 
     Args:
-        said: its origin, as of `spear_pin.model.origin`; None if a file does not say.
+        said: its origin, see `spear_pin.model.origin`; None if a file has none.
         source: its name, or the path of its file.
-        coordinates: names of those that moved.
+        coordinates: names of the coordinates that moved.
         toes: frame names of its toes.
-        elsewhere: name or path, where its own is not found; of what was cut out of a robot, that robot's.
-        name: that `elsewhere` was given by.
+        elsewhere: name or path, if its own is not found; if it was cut out of a robot, that robot's.
+        name: name of the argument by which `elsewhere` was given.
 
     Raises:
-        SpearError: there is no such robot, or it has not the coordinates.
-        ValueError: what is said is no origin.
+        SpearError: there is no such robot, or it does not have the coordinates.
+        ValueError: `said` is no origin.
     """
     if said is not None and (elsewhere is None or "cut" in said):
         return robot_of(moved(said, elsewhere))

@@ -1,4 +1,4 @@
-"""Legs by the names of their joints: what a file says of a leg, and the leg of that in a model."""
+"""Legs by the names of their joints, as files give them, and the corresponding legs of a model."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ class NamedLeg(NamedTuple):
     """A leg by names; lengths, signs and zeros are the model's.
 
     Attributes:
-        name: of the leg.
+        name: name of the leg.
         hip: joint that turns the thigh in the sagittal plane.
         knee: joint that turns the shank in the sagittal plane.
         toe: frame at the leg's end.
         abduction: joint above the hip that swings the leg out of the plane; None if there is none.
-        side: as of `Leg`; 0 to find it.
+        side: +1 if the knee's own angle grows as it flexes, -1 if it falls; 0 to find it.
     """
 
     name: str
@@ -32,17 +32,17 @@ class NamedLeg(NamedTuple):
 
 
 def names_of(leg: Leg) -> NamedLeg:
-    """What `leg_of` needs to find a leg again."""
+    """Returns the names by which `leg_of` finds a leg again."""
     return NamedLeg(*(getattr(leg, field) for field in NamedLeg._fields))
 
 
 def leg_of(model: Any, names: NamedLeg) -> Leg:
-    """The leg that some joints of a `pinocchio.Model` make.
+    """Returns the leg that some joints of a `pinocchio.Model` make.
 
     Raises:
         UnknownName: there is no such joint or frame.
         BadValue: the joints do not follow each other to the toe, or hip or knee do not turn in the sagittal plane; or
-            the side is none.
+            the side is invalid.
     """
     if isinstance(names.side, bool) or names.side not in (-1, 0, 1):
         raise BadValue(f"side of {names.name}", names.side, "+1 or -1")

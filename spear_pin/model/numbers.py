@@ -1,6 +1,6 @@
 """Numbers of any robot's bodies, each by its name: masses, centres of mass, inertias, lengths, friction.
 
-Names begin with the joint that moves the body. Of a robot's gears, torso and rotors there are names in `variants`, too.
+Names begin with the joint that moves the body. `variants` has more names, for a robot's gears, torso and rotors.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Number:
     """A number of a robot.
 
     Attributes:
-        value: in its unit.
+        value: value in its unit.
         unit: the unit.
     """
 
@@ -43,9 +43,9 @@ class Number:
 
 
 def body_numbers(robot: Robot) -> dict[str, Number]:
-    """Numbers of a planar robot's bodies by name, without those that are zero.
+    """Returns the nonzero numbers of a planar robot's bodies, by name.
 
-    "knee_mass" is of the body that the knee moves, "hip_to_knee" and "knee_to_toe" are lengths.
+    "knee_mass" is the mass of the body that the knee moves, "hip_to_knee" and "knee_to_toe" are lengths.
     """
     planar, found = Planar(robot), dict[str, Number]()
     for i, (joint, body) in enumerate(zip(robot.coordinates, planar.bodies, strict=True)):
@@ -63,13 +63,13 @@ def body_numbers(robot: Robot) -> dict[str, Number]:
 
 
 def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
-    """Robot with other numbers of its bodies; the given one is left alone.
+    """Returns a robot with other numbers of its bodies; the given one is left unchanged.
 
     A body keeps the shape of its inertia, a length its direction.
 
     Raises:
         UnknownName: the robot has no number of a name.
-        BadValue: a value is not a finite number, or not > 0 where that is needed.
+        BadValue: a value is not a finite number, or not > 0 where that is required.
     """
     known = body_numbers(robot)
     model = robot.model.copy()
@@ -89,7 +89,7 @@ def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
 
 
 def _parts(robot: Robot, name: str) -> tuple[str, str, str]:
-    """Joint, what follows, and what is said of it; of a length nothing."""
+    """Splits a name into the joint, the next part, and the quantity, which is empty for a length."""
     for joint in robot.coordinates:
         what = name.removeprefix(f"{joint}_")
         if what in UNITS and what != name:
@@ -117,7 +117,7 @@ def _set(model: pin.Model, joint: int, what: str, value: float, before: float) -
 
 
 def _stretch(robot: Robot, model: pin.Model, name: str, factor: float) -> None:
-    """Put a joint or a toe farther from the joint that it hangs on."""
+    """Scales the distance of a joint or a toe from the joint on which it hangs."""
     end = next(end for end in (*robot.coordinates, *robot.toes) if name.endswith(f"_to_{end}"))
     if end in robot.coordinates:
         place = model.jointPlacements[int(model.getJointId(end))]

@@ -1,4 +1,4 @@
-"""Where a robot comes from, as files keep it: an object of JSON, and the robot of that again, bit for bit."""
+"""The origin of a robot as a JSON object in files, from which the same robot is made again, bit for bit."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PAIRS = "two pairs of legs"
 
 
 def origin(robot: Robot) -> dict[str, Any]:
-    """What `robot_of` makes the robot of again, unless `unsaid` names what is in its way."""
+    """Returns the origin from which `robot_of` makes the robot again, unless `unsaid` names an obstacle."""
     said: dict[str, Any] = {
         "source": robot.source,
         "toes": list(robot.toes),
@@ -37,7 +37,7 @@ def origin(robot: Robot) -> dict[str, Any]:
 
 
 def unsaid(robot: Robot) -> tuple[str, ...]:
-    """Properties of a robot that its origin does not say, in words."""
+    """Returns the properties of a robot that its origin cannot describe, in words."""
     first = robot
     while first.cut is not None:
         first = first.cut.robot
@@ -48,10 +48,10 @@ def unsaid(robot: Robot) -> tuple[str, ...]:
 
 
 def robot_of(said: Mapping[str, Any]) -> Robot:
-    """The robot of an origin.
+    """Makes the robot of an origin.
 
     Raises:
-        ValueError: it is no origin, see `check_origin`.
+        ValueError: `said` is no origin, see `check_origin`.
         SpearError: there is no such robot, or the origin contradicts itself.
     """
     check_origin(said)
@@ -70,11 +70,11 @@ def robot_of(said: Mapping[str, Any]) -> Robot:
 
 
 def moved(said: Mapping[str, Any], source: str | None) -> Mapping[str, Any]:
-    """An origin whose file is elsewhere: that out of which it was cut, if it was; None: as it is.
+    """Returns an origin with another source for its file, or for the robot from which it was cut.
 
     Args:
-        said: as of `origin`.
-        source: name of the robot, or path of its file.
+        said: an origin, see `origin`.
+        source: name of the robot, or path of its file; None to keep the source.
     """
     if source is None:
         return said
@@ -87,7 +87,7 @@ def moved(said: Mapping[str, Any], source: str | None) -> Mapping[str, Any]:
 
 
 def check_origin(said: Any, name: str = "robot") -> None:
-    """Raise `ValueError` or `BadValue` unless it has all that an origin has, each of its kind."""
+    """Raises `ValueError` or `BadValue` unless `said` has every part of an origin, each of its kind."""
     if not isinstance(said, dict):
         raise BadValue(name, said, "a JSON object")
     check_keys(f"field of {name}", said, ("source", *NAMED), ("varied", "options", "cut"))
@@ -137,7 +137,7 @@ def _leg(robot: Robot, said: Mapping[str, Any]) -> Leg:
 
 
 def _again(robot: Robot) -> bool:
-    """Whether the robot of its origin is just this one."""
+    """Tells whether the origin of a robot gives exactly this robot."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RobotWarning)

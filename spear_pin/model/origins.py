@@ -1,4 +1,4 @@
-"""The `<origin>` of a URDF: places, and rotations by three angles or by the quaternion of URDF 1.1."""
+"""The `<origin>` of a URDF: positions, and rotations by three angles or by the quaternion of URDF 1.1."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from spear_pin.errors import BadFile
 from spear_pin.model.elements import fault, numbers
 
 QUATERNION = "quat_xyzw"
-SINCE = (1, 1)  # version of URDF that has it
+SINCE = (1, 1)  # first version of URDF with quaternions
 SHORTEST = 1e-9  # a quaternion that is shorter has no direction
 
 
 def turn_quaternions(path: Path, root: Any) -> None:
-    """Write every quaternion of a URDF 1.1 as roll, pitch and yaw, of joints, inertias and shapes alike.
+    """Writes every quaternion of a URDF 1.1 as roll, pitch and yaw, in joints, inertias and shapes.
 
-    A file of an earlier version, or of none, has no quaternions: there they stay as they are, and are not read.
+    Quaternions in a file of an earlier version, or without a version, stay as they are, and are not read.
 
     Raises:
-        BadFile: a joint or an inertia has a quaternion that is none, or `rpy` beside it. A shape is left as it is.
+        BadFile: a joint or an inertia has an invalid quaternion, or both a quaternion and `rpy`. Such a shape is left
+            as it is.
     """
     version = tuple(map(int, re.findall(r"\d+", root.get("version", ""))[:2]))
     if version < SINCE:
@@ -53,7 +54,7 @@ def _angles(path: Path, origin: Any) -> list[float]:
 
 
 def copy_origin(path: Path, element: Any, copy: Any) -> None:
-    """Copy the `<origin>` of an element, if it has one."""
+    """Copies the `<origin>` of an element, if it has one."""
     origin = element.find("origin")
     if origin is None:
         return

@@ -1,7 +1,7 @@
 """A leg whose toe is pinned to the ground and whose hip slides: one degree of freedom, by projection.
 
-The constraint of Section 4.1.2, (4.1)-(4.4), read off the robot: whatever the knee's angle θ, the other
-coordinates follow, q = q(θ) with S = dq/dθ, and the equations of motion projected on S are
+This is the constraint of Section 4.1.2, (4.1)-(4.4), computed from the robot. The knee's angle θ determines
+the other coordinates, q = q(θ) with S = dq/dθ, and the equations of motion projected on S are
 
     (Sᵀ D S) θ̈ + (Sᵀ D S' + Sᵀ C(q, S) S) θ̇² + Sᵀ G = τ,
 
@@ -25,8 +25,8 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
 DEGREES = (16, 32, 64, 128, 256)
-TAIL = 1e-14  # of a series' largest coefficient: what its last ones have to be below
-PLACED = 1e-13  # m or rad: a Newton step that is no step
+TAIL = 1e-14  # bound on a series' last coefficients, relative to its largest
+PLACED = 1e-13  # m or rad: a Newton step below this counts as zero
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Series:
 
     Attributes:
         span: the least and the largest angle, in rad.
-        coefficients: (functions, degree + 1).
+        coefficients: coefficients of the series, (functions, degree + 1).
     """
 
     span: tuple[float, float]
@@ -43,23 +43,23 @@ class Series:
     orders: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Number the polynomials."""
+        """Numbers the polynomials."""
         object.__setattr__(self, "orders", np.arange(self.coefficients.shape[1], dtype=float))
 
     def __call__(self, angle: ArrayLike) -> Array:
-        """Values of the functions, (functions,) or (functions, n); beyond the span, those at its end."""
+        """Returns the values of the functions, (functions,) or (functions, n); beyond the span those at its end."""
         low, high = self.span
         place = np.clip((2.0 * np.asarray(angle) - low - high) / (high - low), -1.0, 1.0)
         return np.asarray(self.coefficients @ np.cos(np.multiply.outer(self.orders, np.arccos(place))))
 
     def at(self, angle: float) -> Array:
-        """Values at one angle, in a quarter of the time: integrations call it most."""
+        """Returns the values at one angle, in a quarter of the time; integrations call this most."""
         low, high = self.span
         place = min(max((2.0 * angle - low - high) / (high - low), -1.0), 1.0)
         return np.asarray(self.coefficients @ np.cos(acos(place) * self.orders))
 
     def derivative(self) -> Series:
-        """The derivatives with respect to the angle."""
+        """Returns the derivatives with respect to the angle."""
         rows = [chebyshev.Chebyshev(row, domain=self.span).deriv().coef for row in self.coefficients]
         return Series(self.span, np.array(rows))
 
@@ -69,8 +69,8 @@ class PinnedLeg:
     """The one-degree-of-freedom model of the push test.
 
     Attributes:
-        robot: the leg, its boom locked along the ground, its toe free.
-        joint: name of the coordinate that is left, the knee's.
+        robot: the leg, with its boom locked along the ground and its toe free.
+        joint: name of the remaining coordinate, the knee's.
         span: least and largest angle, in rad, the joint's limits.
         rotor: inertia of the joint's rotor, reflected to it, in kg·m²; part of the effective inertia.
         configuration: q(θ).
@@ -97,7 +97,7 @@ class PinnedLeg:
         return Series(self.span, np.vstack(padded))
 
     def with_rotor(self, inertia: float) -> PinnedLeg:
-        """Leg with another reflected rotor inertia at the joint, in kg·m²; 0 is none.
+        """Returns the leg with another reflected rotor inertia at the joint, in kg·m²; 0 is none.
 
         Raises:
             BadValue: the inertia is not a finite number >= 0.
@@ -111,25 +111,25 @@ class PinnedLeg:
         return replace(self, robot=robot, rotor=float(inertia), motion=Series(self.span, coefficients))
 
     def effective_inertia(self, angle: ArrayLike) -> Array:
-        """Sᵀ D S, in kg·m², rotors included."""
+        """Returns the effective inertia Sᵀ D S, in kg·m², rotors included."""
         return np.asarray(self.motion(angle)[0])
 
     def gravity(self, angle: ArrayLike) -> Array:
-        """Sᵀ G, in N·m: the knee's torque that holds the leg. Negative: the weight flexes the knee."""
+        """Returns Sᵀ G, in N·m, the knee's torque that holds the leg; negative if the weight flexes the knee."""
         return np.asarray(self.motion(angle)[2])
 
     def acceleration(self, angle: ArrayLike, rate: ArrayLike, torque: ArrayLike) -> Array:
-        """θ̈ under a torque on the joint, in rad/s²."""
+        """Returns θ̈ under a torque on the joint, in rad/s²."""
         inertia, centrifugal, gravity = self.motion(angle)
         acting = torque - self.drag(angle)[0] * np.asarray(rate) - gravity
         return np.asarray((acting - centrifugal * np.square(rate)) / inertia)
 
     def hip_height(self, angle: ArrayLike) -> Array:
-        """Height of the slider, the first coordinate, in m: for SPEAR-II that of the hip above the toe, y of (4.2)."""
+        """Returns the height of the slider, the first coordinate, in m; for SPEAR-II the hip's above the toe, (4.2)."""
         return np.asarray(self.configuration(angle)[0])
 
     def ground_force(self, angle: ArrayLike, rate: ArrayLike, acceleration: ArrayLike) -> Array:
-        """Force of the ground on the toe, (2,) or (2, n), x and z, in N; the pin pulls where z is negative."""
+        """Returns the ground's force on the toe, x and z, in N, (2,) or (2, n); the pin pulls where z is negative."""
         inertial, centrifugal, resting, dragging = self.reaction(angle).reshape(4, 2, *np.shape(angle))
         moving = inertial * np.asarray(acceleration) + centrifugal * np.square(rate)
         return np.asarray(moving + resting + dragging * np.asarray(rate))
@@ -137,12 +137,12 @@ class PinnedLeg:
 
 @typed
 def pin_toe(robot: Robot, joint: str = "knee", span: tuple[float, float] | None = None) -> PinnedLeg:
-    """Pin the toe of a leg at the origin, below its hip, and leave one joint free.
+    """Pins the toe of a leg at the origin, below its hip, and leaves one joint free.
 
     Args:
-        robot: planar, with one toe and three coordinates: the height first, and two joints.
-        joint: the one that stays, with finite limits in the URDF.
-        span: its least and largest angle, in rad; None: those limits.
+        robot: a planar robot with one toe and three coordinates: first the height, then two joints.
+        joint: the remaining joint, with finite limits in the URDF.
+        span: its least and largest angle, in rad; None for those limits.
 
     Raises:
         BadValue: the robot is not such a leg, or some angle within the joint's limits cannot be reached
@@ -179,7 +179,7 @@ def _with_armature(robot: Robot, row: int, inertia: float) -> Robot:
 
 
 def _rows(robot: Robot, row: int, angles: Array) -> Array:
-    """Values that `PinnedLeg` has as series, one row an angle: of configuration 3, motion 3, drag 1 and reaction 8."""
+    """Returns the values of `PinnedLeg`'s series, one row an angle: configuration 3, motion 3, drag 1, reaction 8."""
     table = np.empty((angles.size, 15))
     for side in (angles >= 0, angles < 0):  # from the straight leg outward, each from the one before
         q = np.zeros(3)
@@ -190,7 +190,7 @@ def _rows(robot: Robot, row: int, angles: Array) -> Array:
 
 
 def _placed(robot: Robot, row: int, q: Array, angle: float) -> Array:
-    """The configuration with the toe at the origin and the joint at an angle, by Newton's method from another."""
+    """Finds the configuration with the toe at the origin and the joint at an angle, by Newton's method."""
     q = q.copy()
     q[row] = angle
     for _ in range(50):
@@ -203,7 +203,7 @@ def _placed(robot: Robot, row: int, q: Array, angle: float) -> Array:
 
 
 def _projected(robot: Robot, row: int, q: Array) -> tuple[Array, Array]:
-    """The equations of motion along the joint, and on the toe, each per θ̈, per θ̇², at rest and per θ̇."""
+    """Returns the equations of motion along the joint, and on the toe, each per θ̈, per θ̇², at rest and per θ̇."""
     jacobian = robot.toe_jacobian(q, robot.toes[0])
     dependent = np.delete(jacobian, row, axis=1)
     along = np.insert(np.linalg.solve(dependent, -jacobian[:, row]), row, 1.0)  # S

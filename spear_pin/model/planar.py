@@ -1,8 +1,8 @@
 """The dynamics of a planar robot, written once for arrays and for symbols.
 
-D, C v + G, and each toe's position, Jacobian and drift, from scalars of any kind that has +, -, *
-and a sine and cosine: numbers, NumPy arrays (a whole batch of states at once), SymPy, CasADi. Every
-number is read from the robot's `pinocchio.Model`.
+It computes D, C v + G, and each toe's position, Jacobian and drift, for scalars of any kind that has
++, -, * and a sine and cosine: numbers, NumPy arrays (a whole batch of states at once), SymPy, CasADi.
+Every number is read from the robot's `pinocchio.Model`.
 
 Vectors lie in the x-z plane; angles turn x towards z, so that pitch is positive nose up.
 """
@@ -32,12 +32,12 @@ class Body:
 
     Attributes:
         parent: number of the body it hangs on, -1 for the world.
-        placement: of the joint in the parent, in m.
+        placement: position of the joint in the parent, in m.
         turns: +1 or -1 for a revolute joint, by the sense of its axis; 0 for a prismatic one.
         slides: direction of a prismatic joint in its own frame.
-        mass: in kg.
+        mass: mass, in kg.
         com: centre of mass in the joint's frame, in m.
-        inertia: about the centre of mass, in kg·m².
+        inertia: inertia about the centre of mass, in kg·m².
         armature: rotor inertia reflected to the joint, in kg·m² (or kg).
     """
 
@@ -72,7 +72,7 @@ class Terms:
     Attributes:
         mass_matrix: D, nv rows of nv.
         bias: C v + G, nv.
-        positions, jacobians, drifts: as of `Feet`.
+        positions, jacobians, drifts: x and z, J (two rows of nv) and J̇ v of each toe.
     """
 
     mass_matrix: list[list[Any]]
@@ -108,13 +108,13 @@ class Planar:
         self.toes = {toe: self.frames[toe] for toe in robot.toes}
 
     def with_bodies(self, bodies: Sequence[Body], toes: Mapping[str, tuple[int, Vector]]) -> Planar:
-        """This mechanism with other bodies, and places of toes on them, whose numbers may be symbols."""
+        """Returns this mechanism with other bodies and other positions of toes; their numbers may be symbols."""
         other = copy(self)
         other.bodies, other.toes, other.frames = tuple(bodies), dict(toes), {**self.frames, **toes}
         return other
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
-        """The equations of motion at (q, v).
+        """Returns the equations of motion at (q, v).
 
         Args:
             q: nv scalars.
@@ -126,11 +126,17 @@ class Planar:
         return Terms(*self._dynamics(joints), feet.positions, feet.jacobians, feet.drifts)
 
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
-        """Kinematics of the toes alone, arguments as of `terms`."""
+        """Returns the kinematics of the toes alone.
+
+        Args:
+            q: nv scalars.
+            v: nv scalars.
+            ops: has `sin` and `cos` for them.
+        """
         return self._feet(self._joints(q, v, ops))
 
     def position(self, frame: str, q: Sequence[Any], ops: Any) -> Vector:
-        """Position of any frame of the robot's model, x and z, in m.
+        """Returns the position of any frame of the robot's model, x and z, in m.
 
         Raises:
             UnknownName: there is no such frame.
@@ -142,7 +148,7 @@ class Planar:
         return _added(joint.origin, _turned(offset, joint.cosine, joint.sine))
 
     def _dynamics(self, joints: Sequence[_Joint]) -> tuple[list[list[Any]], list[Any]]:
-        """Mass matrix and bias, by composite bodies: from the limbs to the trunk."""
+        """Computes mass matrix and bias by composite bodies, from the limbs to the trunk."""
         mass_matrix = [[0.0] * self.nv for _ in range(self.nv)]
         bias: list[Any] = [0.0] * self.nv
         loads = [NOTHING] * self.nv
@@ -158,7 +164,7 @@ class Planar:
         return mass_matrix, bias
 
     def _couplings(self, i: int, load: _Load, joints: Sequence[_Joint]) -> Iterator[tuple[int, Any]]:
-        """Entries of the mass matrix that couple a joint, which carries a load, with itself and those it hangs on."""
+        """Yields the mass matrix's entries that couple a joint, with its load, to itself and the joints above it."""
         axis, turns, j, inertia, lever = joints[i].axis, self.bodies[i].turns, i, load.inertia, ZERO
         while j >= 0:
             other, also = joints[j], self.bodies[j].turns
@@ -188,7 +194,7 @@ class Planar:
         return Feet(positions, jacobians, drifts)
 
     def _column(self, i: int, joint: _Joint, position: Vector) -> Vector:
-        """Velocity of a point for each unit of a joint's rate."""
+        """Returns the velocity of a point for each unit of a joint's rate."""
         turns = self.bodies[i].turns
         if not turns:
             return joint.axis
@@ -218,9 +224,9 @@ class Planar:
 
 @dataclass(frozen=True)
 class _Joint:
-    """Where a joint is: absolute angle and rate, position, acceleration at v̇ = 0, direction of sliding.
+    """Motion of a joint: absolute angle and rate, position, acceleration at v̇ = 0, direction of sliding.
 
-    `arm` is from the joint it hangs on.
+    `arm` leads from the joint on which it hangs.
     """
 
     angle: Any
@@ -234,10 +240,10 @@ class _Joint:
 
 
 class _Load(NamedTuple):
-    """Bodies that a joint carries, as they are felt there.
+    """Load of the bodies that a joint carries.
 
-    `moment` is of their mass about the joint, `inertia` about it; `force` and `torque` are those that their motion
-    needs at v̇ = 0.
+    `moment` is the first moment of their mass about the joint, `inertia` their inertia about it. Their motion needs
+    `force` and `torque` at v̇ = 0.
     """
 
     mass: Any
@@ -251,7 +257,7 @@ NOTHING = _Load(0.0, ZERO, 0.0, ZERO, 0.0)
 
 
 def _with_body(load: _Load, body: Body, joint: _Joint, lift: Vector) -> _Load:
-    """A joint's load together with the body that it moves."""
+    """Adds to a joint's load the body that it moves."""
     com = _scaled(body.mass, _turned(body.com, joint.cosine, joint.sine))
     fall = _added(joint.acceleration, lift)
     pull = _added(_scaled(body.mass, fall), _scaled(-joint.spin * joint.spin, com))
@@ -265,7 +271,7 @@ def _with_body(load: _Load, body: Body, joint: _Joint, lift: Vector) -> _Load:
 
 
 def _hung(above: _Load, load: _Load, body: Body, arm: Vector) -> _Load:
-    """Load of a joint together with the load of one that hangs on it at an arm."""
+    """Adds to a joint's load the load of a joint that hangs on it at an arm."""
     length = _dot(body.placement, body.placement) if body.turns else _dot(arm, arm)
     return _Load(
         above.mass + load.mass,

@@ -14,15 +14,18 @@ NEWTON = 20  # steps, of which a few are enough
 
 
 def home(robot: Robot) -> Array:
-    """Every joint at zero, the lowest toe on the ground where a joint can lift the robot; (nq,)."""
+    """Returns the configuration, (nq,), with every joint at zero, and the lowest toe on the ground if possible.
+
+    That is possible if a joint can lift the robot.
+    """
     return grounded(robot, pin.neutral(robot.model))
 
 
 def grounded(robot: Robot, q: Array) -> Array:
-    """A configuration, (nq,), lifted or lowered until its lowest toe is at height zero.
+    """Lifts or lowers a configuration, (nq,), until its lowest toe is at height zero.
 
-    It stays as it is if the robot has no toes, or no coordinate that moves them all straight up; one that goes round a
-    post is tilted by the coordinate that lifts its first toe most.
+    It stays unchanged if the robot has no toes, or no coordinate that moves them all straight up. A robot that goes
+    round a post is tilted by the coordinate that lifts its first toe most.
     """
     if not robot.toes:
         return q
@@ -38,7 +41,7 @@ def grounded(robot: Robot, q: Array) -> Array:
 
 
 def _tilted(robot: Robot, q: Array) -> Array:
-    """A configuration, (nq,), with the first toe on the ground by Newton's method, over one coordinate."""
+    """Puts the first toe of a configuration, (nq,), on the ground by Newton's method over one coordinate."""
     row = int(np.abs(robot.toe_jacobian(q, robot.toes[0])[-1]).argmax())
     for _ in range(NEWTON):
         height, slope = robot.toe_position(q, robot.toes[0])[-1], robot.toe_jacobian(q, robot.toes[0])[-1, row]
@@ -47,10 +50,10 @@ def _tilted(robot: Robot, q: Array) -> Array:
 
 
 def checked(robot: Robot, name: str, q: ArrayLike) -> Array:
-    """A configuration, (nq,), as float64.
+    """Returns a configuration, (nq,), as float64.
 
     Raises:
-        BadValue: it has the wrong length or is not finite.
+        BadValue: the configuration has the wrong length or is not finite.
     """
     values = np.asarray(q, dtype=np.float64)
     if values.shape != (robot.nq,) or not np.isfinite(values).all():

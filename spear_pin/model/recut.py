@@ -1,4 +1,4 @@
-"""Cut a robot out of another as it was cut before: the one place that knows the kinds of cuts."""
+"""Cuts a robot out of another as it was cut before; only this module knows the kinds of cuts."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ LIKE = {"monopod": "spear_ii", "sagittal": "q_spear"}
 def recut(
     kind: str, robot: Robot, legs: Sequence[Sequence[Leg]], body: float | None = None, locked: Iterable[str] = ()
 ) -> Robot:
-    """Part of a robot.
+    """Cuts a part out of a robot.
 
     Args:
         kind: one of `LIKE`.
-        robot: out of which it is cut.
-        legs: as of `Cut`.
+        robot: the robot out of which the part is cut.
+        legs: legs of the robot that are cut out, one or a pair for each leg of the cut.
         body: mass on the slider of a monopod, in kg.
         locked: joints of the monopod that are held at zero.
     """

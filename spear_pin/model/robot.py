@@ -31,15 +31,15 @@ Added = Callable[[Array], tuple[int, float, float]]
 # what Pinocchio stores for a joint, by how many numbers it has in q and v; others are numbered
 CONFIGURATION = {2: ("cos", "sin"), 7: ("x", "y", "z", "qx", "qy", "qz", "qw")}
 VELOCITY = {6: ("vx", "vy", "vz", "wx", "wy", "wz")}
-UNIT = 1e-4  # by which the length of a quaternion in q may be off 1
+UNIT = 1e-4  # largest difference from 1 of the length of a quaternion in q
 OUT_OF_PLANE = 1e-5  # rad or m per unit of a coordinate: a URDF's "1.5708" is a right angle
 
 
 class Robot(Shown):
     """A robot read from a URDF: D(q) v̇ + C(q, v) v + G(q) = B u + Σ Jᵀ F, (3.16).
 
-    Build one with `spear_pin.load`. Queries take and return float64 arrays in SI units and radians;
-    what they return is a copy. Rotor inertias enter D through `model.armature`, as N² J.
+    Build one with `spear_pin.load`. Queries take float64 arrays in SI units and radians, and return such
+    arrays as copies. Rotor inertias enter D through `model.armature`, as N² J.
     A robot holds scratch memory of Pinocchio's, so give each thread its own.
 
     Attributes:
@@ -47,22 +47,21 @@ class Robot(Shown):
         model: the `pinocchio.Model`, its armature set.
         coordinates: nv names, in the order of v. Those of a floating joint are the velocity and the
             angular velocity of its link in the link's own frame.
-        configuration: nq names, in the order of q: of a floating joint its place and its quaternion.
+        configuration: nq names, in the order of q; a floating joint has its position and its quaternion.
         toes: frame names of the points that touch the ground.
         actuated: names of the joints that have a motor, in the order of u.
         locked: names of the joints that are held at zero.
         planar: whether everything moves in the x-z plane; positions are then two-dimensional.
-        post: place, x and y in m, of the post about which it goes, if its settings say one.
-        directions: in which the ground acts on its toes: x and z in the plane, x, y and z in space; round a post along
-            a circle about it and vertically.
+        post: position, x and y in m, of the post about which it goes, if its settings give one.
+        directions: directions in which the ground acts on its toes: x and z in the plane, x, y and z in space; round a
+            post along a circle about it and vertically.
         dimension: number of these directions, 2 or 3.
-        source: what the robot was loaded from, a registered name or a path.
-        options: how it was loaded, by the names of `load`'s arguments: base, motors, repair; what was not said is not
-            there.
-        varied: the parameters that are not as there, by name (see `spear_pin.model.variants`).
-        added: inertia beside the model's, if there is any (see `spear_pin.model.boom`).
-        cut: what it was cut out of, if it was (see `spear_pin.model.cut`).
-        settings: what the TOML file beside its own says, if there is one (see `spear_pin.model.settings`).
+        source: registered name or path from which the robot was loaded.
+        options: arguments of `load` that were given, by name: base, motors, repair.
+        varied: parameters that differ from the source, by name (see `spear_pin.model.variants`).
+        added: inertia in addition to the model's, if there is any (see `spear_pin.model.boom`).
+        cut: the robot out of which it was cut, if any (see `spear_pin.model.cut`).
+        settings: settings from the TOML file in its folder, if any (see `spear_pin.model.settings`).
 
     Example:
         >>> from spear_pin import load
@@ -116,12 +115,12 @@ class Robot(Shown):
     def with_model(
         self, model: pin.Model, *, varied: Mapping[str, float] | None = None, added: Added | None = None
     ) -> Robot:
-        """The robot with another model of the same frames.
+        """Returns the robot with another model of the same frames.
 
         Args:
-            model: with the numbers it has now.
-            varied: numbers in which it differs from its source; by default those of this one.
-            added: inertia beside the model's; by default that of this one.
+            model: the model, with its new numbers.
+            varied: numbers in which it differs from its source; by default those of this robot.
+            added: inertia in addition to the model's; by default that of this robot.
         """
         return Robot(
             model,
@@ -139,9 +138,9 @@ class Robot(Shown):
 
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
-        """The legs that end in its toes, in their order, or those that are found if it has none; see `find_legs`.
+        """The legs that end in its toes, in their order; without toes, the legs that `find_legs` finds.
 
-        Where its settings give legs joint by joint, these.
+        If its settings give legs joint by joint, it has these.
         """
         joints, given = set(self.model.names), () if self.settings is None else self.settings.legs
         if legs := [each for each in given if each.toe in self.toes and {each.hip, each.knee} <= joints]:
@@ -159,12 +158,12 @@ class Robot(Shown):
 
     @property
     def mass(self) -> float:
-        """Total mass, in kg, of what is locked to the world too."""
+        """Total mass, in kg, including the parts that are locked to the world."""
         return float(sum(inertia.mass for inertia in self.model.inertias))
 
     @property
     def weight(self) -> float:
-        """What gravity, wherever it points, pulls at all of it with, in N."""
+        """Weight of the whole robot, in N, for any direction of gravity."""
         return self.mass * float(np.linalg.norm(self.model.gravity.linear))
 
     @property
@@ -177,11 +176,11 @@ class Robot(Shown):
 
     @property
     def limits(self) -> dict[str, Limits]:
-        """Position, velocity and effort that the file allows each joint of one degree of freedom, by its name."""
+        """Limits of position, velocity and effort in the file, by the name of each joint of one degree of freedom."""
         return limits_of(self.model)
 
     def gear_ratio(self, joint: str) -> float:
-        """N, turns of a joint's rotor per turn of the joint.
+        """Returns N, the turns of a joint's rotor per turn of the joint.
 
         Raises:
             UnknownName: there is no such joint, or it has no motor.
@@ -191,7 +190,7 @@ class Robot(Shown):
         return float(self.model.rotorGearRatio[self.index(joint)])
 
     def index(self, coordinate: str) -> int:
-        """Row of a coordinate in v.
+        """Returns the row of a coordinate in v.
 
         Raises:
             UnknownName: there is no such coordinate.
@@ -201,7 +200,7 @@ class Robot(Shown):
         return self.coordinates.index(coordinate)
 
     def toe_id(self, toe: str) -> int:
-        """Index of a toe's frame in `model.frames`.
+        """Returns the index of a toe's frame in `model.frames`.
 
         Raises:
             UnknownName: there is no such toe.
@@ -211,11 +210,10 @@ class Robot(Shown):
         return self._toe_ids[toe]
 
     def mass_matrix(self, q: ArrayLike) -> Array:
-        """D(q), (nv, nv), symmetric positive definite, by CRBA; reflected rotors included.
+        """Returns D(q), (nv, nv), symmetric positive definite, by CRBA; reflected rotors are included.
 
         Raises:
-            BadValue: q has the wrong length, or numbers that are not finite or out of all proportion (as in every
-                query).
+            BadValue: q has the wrong length, or numbers that are not finite or far too large (as in every query).
         """
         configuration = self._q(q)
         matrix = np.array(pin.crba(self.model, self._data, configuration))
@@ -225,7 +223,7 @@ class Robot(Shown):
         return matrix
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """C(q, v), (nv, nv), of (3.16), with Ḋ - 2C skew-symmetric."""
+        """Returns C(q, v), (nv, nv), of (3.16), with Ḋ - 2C skew-symmetric."""
         configuration, rates = self._q(q), self._v(v)
         matrix = np.array(pin.computeCoriolisMatrix(self.model, self._data, configuration, rates))
         if self.added is not None:
@@ -234,11 +232,11 @@ class Robot(Shown):
         return matrix
 
     def gravity(self, q: ArrayLike) -> Array:
-        """G(q), (nv,), of (3.16), in N or N·m."""
+        """Returns G(q), (nv,), of (3.16), in N or N·m."""
         return np.array(pin.computeGeneralizedGravity(self.model, self._data, self._q(q)))
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """C(q, v) v + G(q), (nv,), by RNEA, in N or N·m."""
+        """Returns C(q, v) v + G(q), (nv,), by RNEA, in N or N·m."""
         configuration, rates = self._q(q), self._v(v)
         vector = np.array(pin.nonLinearEffects(self.model, self._data, configuration, rates))
         if self.added is not None:
@@ -247,18 +245,18 @@ class Robot(Shown):
         return vector
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> float:
-        """½ vᵀ D v, in J, rotors included (Pinocchio's own energy leaves them out for some joints)."""
+        """Returns ½ vᵀ D v, in J, rotors included (Pinocchio's own energy leaves them out for some joints)."""
         rates = self._v(v)
         return float(0.5 * rates @ self.mass_matrix(q) @ rates)
 
     def potential_energy(self, q: ArrayLike) -> float:
-        """Energy of gravity, in J, zero where every centre of mass is at the origin's height, or level with it."""
-        fixed = self.model.inertias[0]  # what is locked to the world, which Pinocchio leaves out
+        """Returns the energy of gravity, in J, which is zero if every centre of mass is level with the origin."""
+        fixed = self.model.inertias[0]  # the parts locked to the world, which Pinocchio leaves out
         held = float(-fixed.mass * self.model.gravity.linear @ fixed.lever)
         return float(pin.computePotentialEnergy(self.model, self._data, self._q(q)) + held)
 
     def frame_position(self, q: ArrayLike, frame: str) -> Array:
-        """Position of any frame of the URDF in the world, in m: (2,) x, z for planar robots, else (3,).
+        """Returns the position of any frame of the URDF in the world, in m: (2,) x, z for planar robots, else (3,).
 
         Raises:
             UnknownName: there is no such frame.
@@ -268,19 +266,19 @@ class Robot(Shown):
         return np.array(pin.updateFramePlacement(self.model, self._data, index).translation[self._rows])
 
     def toe_position(self, q: ArrayLike, toe: str) -> Array:
-        """Position of a toe in the world, in m: (2,) x, z for planar robots, else (3,)."""
+        """Returns the position of a toe in the world, in m: (2,) x, z for planar robots, else (3,)."""
         self.toe_id(toe)
         return self.frame_position(q, toe)
 
     def toe_jacobian(self, q: ArrayLike, toe: str) -> Array:
-        """J(q) of (3.16), (2, nv) or (3, nv): the toe's velocity along the `directions` of contact is J v."""
+        """Returns J(q) of (3.16), (2, nv) or (3, nv); the toe's velocity along the contact's `directions` is J v."""
         index = self.toe_id(toe)
         jacobian = pin.computeFrameJacobian(self.model, self._data, self._q(q), index, WORLD_ALIGNED)
         rows = jacobian.reshape(6, self.nv)[:3]  # of one joint it is a vector
         return np.array(self.directions.along(self.model, self._data, index, rows))
 
     def toe_drift(self, q: ArrayLike, v: ArrayLike, toe: str) -> Array:
-        """J̇ v of (3.17)-(3.18), in m/s²: the toe's acceleration at v̇ = 0."""
+        """Returns J̇ v of (3.17)-(3.18), in m/s², which is the toe's acceleration at v̇ = 0."""
         index = self.toe_id(toe)
         pin.forwardKinematics(self.model, self._data, self._q(q), self._v(v), np.zeros(self.nv))
         acceleration = pin.getFrameClassicalAcceleration(self.model, self._data, index, WORLD_ALIGNED)
@@ -333,13 +331,13 @@ def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]
 
 
 def _coordinates(model: pin.Model) -> tuple[str, ...]:
-    """Names of the nv numbers of a velocity."""
+    """Returns the names of the nv numbers of a velocity."""
     joints = list(zip(model.names, model.joints, strict=True))[1:]
     return tuple(each for name, joint in joints for each in _parts(name, joint.nv, VELOCITY))
 
 
 def _configuration(model: pin.Model) -> tuple[str, ...]:
-    """Names of the nq numbers of a configuration."""
+    """Returns the names of the nq numbers of a configuration."""
     joints = list(zip(model.names, model.joints, strict=True))[1:]
     return tuple(each for name, joint in joints for each in _parts(name, joint.nq, CONFIGURATION))
 
@@ -349,7 +347,7 @@ def _parts(name: str, count: int, parts: Mapping[int, Sequence[str]]) -> list[st
 
 
 def _is_planar(model: pin.Model, data: pin.Data) -> bool:
-    """Whether, wherever the robot is, no joint can move any body out of the x-z plane."""
+    """Tells whether no joint can move any body out of the x-z plane, in any configuration."""
     if model.nv == 0:
         return False
     rng = np.random.default_rng(0)

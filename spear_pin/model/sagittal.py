@@ -1,6 +1,6 @@
 """The sagittal plane of a quadruped: each pair of legs as one, with the coordinates and the signs of `load("q_spear")`.
 
-Where left and right are each other's mirror images and move alike, the trunk in the plane, this is the robot itself.
+If left and right are mirror images and move alike, with the trunk in the plane, this is exactly the robot.
 """
 
 from __future__ import annotations
@@ -19,31 +19,31 @@ from spear_pin.model.legs import Leg, lacking_toe, named_leg, simple
 from spear_pin.model.robot import Robot
 
 ENDS = ("posterior", "anterior")
-NEAR = 0.25  # of a leg's length, from a hip to the mirror image of the one it is paired with
-UNLIKE = 0.05  # of the longer of two thighs, or shanks, by which those of a pair may differ
+NEAR = 0.25  # largest distance of a hip from the mirror image of its partner, relative to a leg's length
+UNLIKE = 0.05  # largest difference between two thighs, or shanks, of a pair, relative to the longer
 PAIRS = "two pairs of different legs, in each the left and the right one"
 ACROSS = np.array([1.0, -1.0, 1.0])
 
 
 @typed
 def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -> Robot:
-    """A quadruped in the sagittal plane, left and right legs lumped into pairs, as Q-SPEAR is.
+    """Returns a quadruped in the sagittal plane, with left and right legs lumped into pairs, as in Q-SPEAR.
 
-    Its coordinates are "torso_x", "torso_z", "pitch" and hip and knee of the posterior and the anterior pair; torso_x
-    and torso_z are those of the floating base's frame, or of the root link's. Pitch is positive nose up, a hip with
-    the knee forward, a knee with the shank backward, zero with the leg straight. Masses, inertias, rotors, friction
-    and torques of a pair are the sum of both legs'. Every other joint is held at zero, and what is no leg's is the
-    trunk's. How far left and right differ, and what is left out, is in `Robot.cut`, which can be printed.
+    Its coordinates are "torso_x", "torso_z", "pitch" and hip and knee of the posterior and the anterior pair. torso_x
+    and torso_z belong to the frame of the floating base, or of the root link. Pitch is positive nose up, a hip with the
+    knee forward, a knee with the shank backward, and zero with the leg straight. Masses, inertias, rotors, friction and
+    torques of a pair are the sums over both legs. Every other joint is held at zero, and all other bodies belong to the
+    trunk. `Robot.cut`, which can be printed, tells how far left and right differ, and what is left out.
 
     Args:
-        robot: a quadruped, its x axis forward and z up with every joint at zero.
-        pairs: the left and the right leg of each pair, by their names in `robot.legs` or of `find_legs`; by default
+        robot: a quadruped, with its x axis forward and z up with every joint at zero.
+        pairs: the left and the right leg of each pair, by their names in `robot.legs` or from `find_legs`; by default
             those of `robot.settings`, else those whose hips mirror each other.
 
     Raises:
         UnknownName: there is no such leg.
-        BadValue: the robot has not two such pairs, or its legs have other joints; or those of a pair are not alike: in
-            length, by more than a twentieth, in having motors, or in limits that leave no angle to both.
+        BadValue: the robot does not have two such pairs, or its legs have other joints; or the legs of a pair differ in
+            length by more than a twentieth, or in having motors, or their limits have no angle in common.
 
     Example:
         >>> from spear_pin import load, sagittal
@@ -91,7 +91,7 @@ class Pair:
 
     Attributes:
         legs: left, then right.
-        limbs: theirs.
+        limbs: limbs of both legs.
     """
 
     legs: tuple[Leg, Leg]
@@ -99,18 +99,18 @@ class Pair:
 
     @property
     def hip(self) -> Array:
-        """Place midway between the hips, (3,), in m."""
+        """Position midway between the hips, (3,), in m."""
         return np.asarray(0.5 * (self.limbs[0].hip + self.limbs[1].hip))
 
     @property
     def bends(self) -> int:
-        """As of `Leg`, where both are alike."""
+        """+1 if the knees point forward as they flex, -1 if backward, where both legs are alike."""
         left, right = (leg.bends for leg in self.legs)
         return left if left == right else 0
 
     @property
     def limb(self) -> Limb:
-        """Both as one."""
+        """Returns both limbs as one."""
         left, right = self.limbs
         thigh, shank = np.mean([left.lengths, right.lengths], axis=0)
         lengths = float(thigh), float(shank)
@@ -118,10 +118,11 @@ class Pair:
 
 
 def leg_pairs(robot: Robot) -> tuple[tuple[Leg, Leg], tuple[Leg, Leg]]:
-    """The left and the right leg of the posterior and of the anterior pair, as `sagittal` finds them.
+    """Returns the left and the right leg of the posterior and of the anterior pair, as `sagittal` finds them.
 
     Raises:
-        UnknownName, BadValue: as of `sagittal`.
+        UnknownName: there is no such leg.
+        BadValue: the robot does not have two such pairs, see `sagittal`.
     """
     posterior, anterior = _pairs(robot, Source(robot), None)
     return posterior.legs, anterior.legs
@@ -134,10 +135,10 @@ def _pairs(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]] | 
 
 
 def _found(robot: Robot, source: Source) -> list[Pair]:
-    """Pairs of legs whose hips mirror each other, posterior first.
+    """Finds the pairs of legs whose hips mirror each other, posterior first.
 
     Raises:
-        BadValue: they are not two.
+        BadValue: the number of pairs is not two.
     """
     limbs = {leg: source.limb(leg) for leg in robot.legs}
     middle = _origin(robot, source)[1]
@@ -160,10 +161,10 @@ def _found(robot: Robot, source: Source) -> list[Pair]:
 
 
 def _given(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]]) -> list[Pair]:
-    """Pairs that are given, posterior first.
+    """Returns the given pairs, posterior first.
 
     Raises:
-        BadValue: they are not two of two.
+        BadValue: these are not two pairs of two legs.
     """
     if not all(isinstance(pair, Sequence) and not isinstance(pair, str) and len(pair) == 2 for pair in pairs):
         raise BadValue("pairs", pairs, PAIRS)
@@ -188,7 +189,7 @@ def _paired(source: Source, legs: Iterable[tuple[Leg, Leg]]) -> list[Pair]:
 
 
 def _origin(robot: Robot, source: Source) -> Array:
-    """Origin of the floating base, or of the root link, with every joint at zero, (3,), in m."""
+    """Returns the origin of the floating base, or of the root link, with every joint at zero, (3,), in m."""
     floats = robot.model.njoints > 1 and robot.model.joints[1].nv == 6
     return np.array(source.data.oMi[1].translation if floats else np.zeros(3))
 
@@ -206,10 +207,10 @@ def _assembled(name: str, robot: Robot, trunk: pin.Inertia, origin: Array, pairs
 
 
 def _driven(robot: Robot, turns: Sequence[Turn]) -> bool:
-    """Whether the joints of a pair have motors.
+    """Tells whether the joints of a pair have motors.
 
     Raises:
-        BadValue: one of both has.
+        BadValue: only one of the two has a motor.
     """
     joints = [turn.joint for turn in turns]
     without = [joint for joint in joints if joint not in robot.actuated]
@@ -220,7 +221,7 @@ def _driven(robot: Robot, turns: Sequence[Turn]) -> bool:
 
 
 def _held(robot: Robot, angles: Mapping[str, Sequence[Turn]]) -> tuple[str, ...]:
-    """Joints of the robot that are held at zero, without the floating base, and those that it had locked."""
+    """Returns the joints held at zero, without the floating base, and the joints that the robot had locked."""
     moving = {turn.joint for turns in angles.values() for turn in turns}
     joints = list(zip(robot.model.names, robot.model.joints, strict=True))[1:]
     held = (str(name) for name, joint in joints if name not in moving and joint.nv != 6)
@@ -228,7 +229,7 @@ def _held(robot: Robot, angles: Mapping[str, Sequence[Turn]]) -> tuple[str, ...]
 
 
 def _asymmetric(robot: Robot, pairs: Sequence[Pair], trunk: pin.Inertia, origin: Array) -> tuple[Amount, ...]:
-    """How far left and right are from each other's mirror images."""
+    """Measures how far left and right are from each other's mirror images."""
     hips, lengths, masses, places, inertias, rotors = [], [], [], [], [], []
     for pair in pairs:
         left, right = pair.limbs
@@ -253,7 +254,7 @@ def _asymmetric(robot: Robot, pairs: Sequence[Pair], trunk: pin.Inertia, origin:
 
 
 def _neglected(pairs: Sequence[Pair], trunk: pin.Inertia) -> tuple[Amount, ...]:
-    """Amounts out of the plane, or of that of its leg."""
+    """Returns the amounts out of the plane, or out of the plane of a leg."""
     across = max(abs(leg.across) for pair in pairs for leg in pair.legs)
     return (
         Amount("toes out of their hips' planes by", across, "m"),

@@ -7,24 +7,24 @@ from typing import Any
 
 
 def vanishes(value: Any) -> bool:
-    """Whether a scalar is the number zero."""
+    """Tells whether a scalar is the number zero."""
     return isinstance(value, float) and value == 0.0
 
 
 def plus(a: Any, b: Any) -> Any:
-    """The sum, leaving out what is zero."""
+    """Returns the sum, leaving out zeros."""
     if vanishes(b):
         return a
     return b if vanishes(a) else a + b
 
 
 def times(a: Any, b: Any) -> Any:
-    """The product, zero if a factor is."""
+    """Returns the product, which is the number zero if a factor is."""
     return 0.0 if vanishes(a) or vanishes(b) else a * b
 
 
 def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
-    """Σ a b, leaving out what is zero."""
+    """Returns Σ a b, leaving out zeros."""
     total: Any = 0.0
     for x, y in zip(a, b, strict=True):
         product = times(x, y)
@@ -34,5 +34,5 @@ def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
 
 
 def negated(value: Any) -> Any:
-    """The negative, zero of zero."""
+    """Returns the negative; the number zero stays zero."""
     return 0.0 if vanishes(value) else -value

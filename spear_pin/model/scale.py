@@ -1,4 +1,4 @@
-"""A robot's size against that of the one whose hop or bound the numbers of a law, a spring or a search are of."""
+"""A robot's size relative to SPEAR-II or Q-SPEAR, for which the numbers of laws, springs and searches hold."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from spear_pin.model.robot import Robot
 
 
 class Scale(NamedTuple):
-    """Factors that make of SPEAR-II's or Q-SPEAR's numbers what does the same for another robot, at its gravity.
+    """Factors that convert SPEAR-II's or Q-SPEAR's numbers to another robot, at its gravity.
 
     Attributes:
-        mass: of masses.
-        length: of lengths; those of the legs are compared.
-        time: of times: the ratio of √(l/g).
+        mass: factor on masses.
+        length: factor on lengths, the ratio of leg lengths.
+        time: factor on times, the ratio of √(l/g).
     """
 
     mass: float
@@ -29,46 +29,46 @@ class Scale(NamedTuple):
 
     @property
     def speed(self) -> float:
-        """Of speeds."""
+        """Factor on speeds."""
         return self.length / self.time
 
     @property
     def force(self) -> float:
-        """Of forces: the ratio of m g."""
+        """Factor on forces, the ratio of m g."""
         return self.mass * self.length / self.time**2
 
     @property
     def torque(self) -> float:
-        """Of torques, stiffnesses and energies: the ratio of m g l."""
+        """Factor on torques, stiffnesses and energies, the ratio of m g l."""
         return self.force * self.length
 
     @property
     def power(self) -> float:
-        """Of powers."""
+        """Factor on powers."""
         return self.torque / self.time
 
 
 def scale_of(robot: Robot) -> Scale:
-    """A robot's size against SPEAR-II's if it has one leg, against Q-SPEAR's if it has two or two pairs.
+    """Returns a robot's size relative to SPEAR-II's if it has one leg, to Q-SPEAR's if it has two legs or pairs.
 
     Args:
-        robot: in the plane, as `spear_pin.monopod` or `spear_pin.sagittal` cuts it.
+        robot: a robot in the plane, as `spear_pin.monopod` or `spear_pin.sagittal` cuts it.
 
     Raises:
-        BadValue: it has no legs of hip and knee in the plane.
+        BadValue: the robot has no legs of hip and knee in the plane.
     """
     reference = spear_ii() if len(robot.legs) == 1 else q_spear()
     return Scale(*(own / of for own, of in zip(_size(robot), _size(reference), strict=True)))
 
 
 def scale_in_space(robot: Robot) -> Scale:
-    """A quadruped's size in space against Q-SPEAR's.
+    """Returns a quadruped's size in space relative to Q-SPEAR's.
 
     Args:
-        robot: as `load` has it, not in the plane.
+        robot: a robot as `load` returns it, not in the plane.
 
     Raises:
-        BadValue: it has no legs of hip and knee.
+        BadValue: the robot has no legs of hip and knee.
     """
     if not robot.legs:
         raise BadValue("robot", robot, "one with legs of hip and knee")
@@ -76,11 +76,11 @@ def scale_in_space(robot: Robot) -> Scale:
 
 
 def touchdown_inertia(robot: Robot, knee: float) -> Array:
-    """Diagonal entries of D of hip and knee, (2,), in kg·m², the toe below the hip.
+    """Returns the diagonal entries of D for hip and knee, (2,), in kg·m², with the toe below the hip.
 
     Args:
-        robot: as of `scale_of`.
-        knee: its angle, in rad.
+        robot: a robot in the plane, as `spear_pin.monopod` or `spear_pin.sagittal` cuts it.
+        knee: angle of the knee, in rad.
     """
     leg = only_leg(robot)
     rows = [robot.index(leg.hip), robot.index(leg.knee)]
@@ -90,10 +90,10 @@ def touchdown_inertia(robot: Robot, knee: float) -> Array:
 
 
 def only_leg(robot: Robot) -> Leg:
-    """The leg of a robot that has one, with SPEAR-II's signs.
+    """Returns the leg of a robot that has a single leg, with SPEAR-II's signs.
 
     Raises:
-        BadValue: it has another, or more.
+        BadValue: the leg has other signs, or the robot does not have exactly one leg.
     """
     if not robot.planar or len(robot.legs) != 1:
         raise BadValue("robot", robot, "one with one leg, in the plane, as of monopod(...)")
@@ -105,7 +105,7 @@ def only_leg(robot: Robot) -> Leg:
 
 @cache
 def spear_ii() -> Robot:
-    """SPEAR-II, loaded once."""
+    """Returns SPEAR-II, which is loaded once."""
     from spear_pin.model.loading import load
 
     return load("spear_ii")
@@ -113,7 +113,7 @@ def spear_ii() -> Robot:
 
 @cache
 def q_spear() -> Robot:
-    """Q-SPEAR in the sagittal plane, loaded once."""
+    """Returns Q-SPEAR in the sagittal plane, which is loaded once."""
     from spear_pin.model.loading import load
 
     return load("q_spear")
@@ -121,14 +121,14 @@ def q_spear() -> Robot:
 
 @cache
 def q_spear_full() -> Robot:
-    """Q-SPEAR in space, loaded once."""
+    """Returns Q-SPEAR in space, which is loaded once."""
     from spear_pin.model.loading import load
 
     return load("q_spear_full", base="chain")
 
 
 def _size(robot: Robot) -> tuple[float, float, float]:
-    """Mass, in kg, the mean length of the legs, in m, and the time √(l/g), in s."""
+    """Returns the mass, in kg, the mean length of the legs, in m, and the time √(l/g), in s."""
     if not robot.planar or not robot.legs:
         raise BadValue("robot", robot, "one with legs, in the plane, as of monopod(...) or sagittal(...)")
     return _measured(robot)

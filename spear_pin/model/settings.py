@@ -1,4 +1,4 @@
-"""What is known of a robot beside its file and the arguments of `load`: legs, pairs, springs and motors."""
+"""Settings of a robot beyond its file and the arguments of `load`: legs, pairs, springs and motors."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ class Settings:
     """Settings of a robot, by its own joints.
 
     Attributes:
-        path: of the file that says them.
-        sides: +1 or -1 for each leg by its name, as of `Leg`; 0 where it is not known.
-        legs: where they are given joint by joint.
+        path: path of the file that has the settings.
+        sides: +1 or -1 for each leg by its name, by the side to which its knee flexes, see `Leg`; 0 if not known.
+        legs: the legs, if they are given joint by joint.
         pairs: names of the left and the right leg of each pair, if they are given.
         springs: a `Spring` for each knee that has one, by its joint.
-        motors: of joints by name, where they are known.
-        efficiencies: of joints' gearboxes, in (0, 1].
-        gears: ratios and rotors that the file itself says, by joint.
-        post: place, x and y in m, of the post about which it goes, if it does.
+        motors: motors of joints, by name, where they are known.
+        efficiencies: efficiencies of joints' gearboxes, in (0, 1].
+        gears: ratios and rotors that the file itself gives, by joint.
+        post: position, x and y in m, of the post about which the robot goes, if any.
     """
 
     path: str
@@ -39,12 +39,12 @@ class Settings:
     post: tuple[float, float] | None = None
 
     def of_cut(self, angles: Mapping[str, Sequence[Turn]]) -> Settings:
-        """Those of a robot that is cut out of this one, by the cut's joints.
+        """Returns the settings of a robot that is cut out of this one, by the cut's joints.
 
-        A pair has the springs of both legs and the motor of one, where both are alike, else none.
+        A pair has the springs of both legs and the motor of one if both are alike, else none.
 
         Args:
-            angles: as of `Cut`.
+            angles: for each turning joint of the cut, the joints of this robot that turn with it.
         """
         springs = {name: _together(spring, len(angles[name])) for name, spring in _alike(self.springs, angles).items()}
         motors, efficiencies, gears = (_alike(each, angles) for each in (self.motors, self.efficiencies, self.gears))
@@ -52,13 +52,13 @@ class Settings:
 
 
 def _alike(of_joints: Mapping[str, Any], angles: Mapping[str, Sequence[Turn]]) -> dict[str, Any]:
-    """For each joint of a cut what the joints that it stands for have, all of them."""
+    """Returns, for each joint of a cut, the value that all joints for which it stands have in common."""
     each = {name: [of_joints.get(turn.joint) for turn in turns] for name, turns in angles.items()}
     return {name: own[0] for name, own in each.items() if own[0] is not None and own.count(own[0]) == len(own)}
 
 
 def _together(spring: Any, count: int) -> Any:
-    """So many springs as one."""
+    """Returns one spring in place of `count` equal springs."""
     if count == 1:
         return spring
     numbers = {name: count * getattr(spring, name) for name in ("stiffness", "damping", "hardening", "preload")}

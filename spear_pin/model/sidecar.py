@@ -1,4 +1,4 @@
-"""A TOML file beside a robot's: what a URDF cannot say, read strictly; `equipping` holds it against the robot."""
+"""Reads a robot's TOML file, for data that a URDF cannot hold, strictly; `equipping` checks it against the robot."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ class Kind(NamedTuple):
 
 @dataclass(frozen=True)
 class Sidecar:
-    """What the file says, each key of its kind; None or empty where it says nothing.
+    """Contents of the file, each key of its kind; None or empty for missing keys.
 
     Attributes:
-        source: what the robot is loaded from, without this file.
-        path: of this file; None if there is none.
-        base: as of `load`.
-        toes: as of `load`.
-        locked: as of `load`.
+        source: name or path from which the robot is loaded without this file.
+        path: path of this file; None if there is none.
+        base: base of the robot, see `load`.
+        toes: frame names of the toes, see `load`.
+        locked: names of joints to hold at zero, see `load`.
         motors: "all", names of joints, or tables by role or joint.
         legs: tables by the names of legs.
         pairs: names of legs.
@@ -64,7 +64,7 @@ class Sidecar:
 
     @property
     def own_toes(self) -> Sequence[str] | None:
-        """Toes that it names, if only by the legs that it gives joint by joint."""
+        """Toes that the file names, also by legs that it gives joint by joint."""
         named = [table["toe"] for table in self.legs.values() if "toe" in table]
         return (named or None) if self.toes is None else self.toes
 
@@ -124,10 +124,10 @@ SPRING = {
 
 
 def read(path: Path) -> Sidecar:
-    """Read a file, and check all that can be without the robot; a path in it is one from its folder.
+    """Reads a file, and checks it as far as possible without the robot; paths in it are relative to its folder.
 
     Raises:
-        BadFile: it cannot be read, or a key or a value in it is not valid.
+        BadFile: the file cannot be read, or a key or a value in it is not valid.
     """
     try:
         text = read_bytes(path, MAX_BYTES).decode()
@@ -164,7 +164,7 @@ def _check(path: Path, table: Mapping[str, Any], kinds: Mapping[str, Kind], pref
 
 @contextmanager
 def blaming(path: Path | None, key: str) -> Iterator[None]:
-    """Name the file and the key of what is not valid."""
+    """Adds the file and the key to errors about invalid values."""
     try:
         yield
     except (BadValue, UnknownName) as error:

@@ -1,8 +1,8 @@
 """The dynamics of a robot in space, written once for arrays and for symbols: recursive Newton-Euler.
 
-Forces that a motion needs, and the motion of each toe, from scalars of any kind that has +, -, *
-and a sine and cosine: numbers, NumPy arrays (a whole batch of states at once), SymPy, CasADi. Every number is read from
-the robot's `pinocchio.Model`. Vectors of a body are in its own axes.
+It computes the forces that a motion needs, and the motion of each toe, for scalars of any kind that has +, -, * and a
+sine and cosine: numbers, NumPy arrays (a whole batch of states at once), SymPy, CasADi. Every number is read from the
+robot's `pinocchio.Model`. Vectors of a body are in its own axes.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ class Body:
         parent: number of the body it hangs on, -1 for the world.
         turned: axes of the parent's frame in which the joint stands, rows of the matrix that takes a vector in the
             joint's axes at zero to the parent's.
-        placement: of the joint in the parent, in m.
+        placement: position of the joint in the parent, in m.
         axis: unit vector about which it turns or along which it slides.
         turns: whether it turns.
-        mass: in kg.
+        mass: mass, in kg.
         moment: mass times the centre of mass, in kg·m.
         inertia: about the joint, rows in kg·m².
         armature: rotor inertia reflected to the joint, in kg·m² (or kg).
@@ -57,7 +57,7 @@ class Toe(NamedTuple):
     """Motion of a toe in the world, x, y and z.
 
     Attributes:
-        position: in m.
+        position: position, in m.
         velocity: J v, in m/s.
         acceleration: J v̇ + J̇ v, in m/s².
     """
@@ -71,10 +71,11 @@ class Spatial:
     """The dynamics in space of a robot, for any scalars.
 
     Args:
-        robot: with joints of one coordinate each that turn or slide, such as `load("q_spear_full", base="chain")`.
+        robot: a robot whose joints have one coordinate each and turn or slide, such as
+            `load("q_spear_full", base="chain")`.
 
     Raises:
-        BadValue: it has a joint of several coordinates, or another that neither turns nor slides.
+        BadValue: the robot has a joint of several coordinates, or one that neither turns nor slides.
 
     Example:
         >>> import math
@@ -108,10 +109,10 @@ class Spatial:
         *,
         gravity: bool = True,
     ) -> list[Any]:
-        """Forces along the coordinates that a motion needs, (nv,): D v̇ + C v + G - Σ Jᵀ F.
+        """Returns the forces along the coordinates that a motion needs, (nv,): D v̇ + C v + G - Σ Jᵀ F.
 
-        Without gravity and at v = 0 they are the impulses that a change `a` of the velocity needs, with impulses at the
-        toes for forces.
+        Without gravity and at v = 0 these are the impulses that a change `a` of the velocity needs; `pushes` then are
+        impulses at the toes.
 
         Args:
             q: nv scalars.
@@ -119,7 +120,7 @@ class Spatial:
             a: v̇, nv scalars.
             ops: has `sin` and `cos` for them.
             pushes: forces of the ground on toes by name, in the world, in N.
-            gravity: whether there is any.
+            gravity: whether gravity acts.
         """
         joints = self._joints(q, v, a, ops, self.lift if gravity else ZERO)
         loads: list[tuple[Vector, Vector]] = [_inertial(*each) for each in zip(self.bodies, joints, strict=True)]
@@ -138,7 +139,14 @@ class Spatial:
         return needed
 
     def feet(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any) -> dict[str, Toe]:
-        """Motion of the toes, arguments as of `forces`."""
+        """Returns the motion of the toes.
+
+        Args:
+            q: nv scalars.
+            v: nv scalars.
+            a: v̇, nv scalars.
+            ops: has `sin` and `cos` for them.
+        """
         joints, feet = self._joints(q, v, a, ops, ZERO), {}
         for toe, (i, offset) in self.toes.items():
             joint = joints[i]
@@ -197,7 +205,7 @@ class _Joint(NamedTuple):
 
 
 def _inertial(body: Body, joint: _Joint) -> tuple[Vector, Vector]:
-    """Force and torque about the joint that a body's motion needs."""
+    """Returns the force, and the torque about the joint, that a body's motion needs."""
     if not body.mass:
         return ZERO, ZERO
     momentum = _to_world(body.inertia, joint.spin)
@@ -207,7 +215,7 @@ def _inertial(body: Body, joint: _Joint) -> tuple[Vector, Vector]:
 
 
 def _swung(joint: _Joint, arm: Vector) -> Vector:
-    """What turning adds to the acceleration at an arm."""
+    """Returns the acceleration that rotation adds at an arm."""
     return _plus(_cross(joint.turning, arm), _cross(joint.spin, _cross(joint.spin, arm)))
 
 
@@ -233,7 +241,7 @@ def _body(robot: Robot, joint: int) -> Body:
 
 
 def _rotation(axis: Vector, cosine: Any, sine: Any) -> Rows:
-    """Matrix of a turn about a unit vector of numbers."""
+    """Returns the matrix of a rotation about a unit vector of numbers."""
     x, y, z = axis
     skew = (0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)
 

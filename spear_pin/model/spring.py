@@ -34,17 +34,17 @@ class Spring:
         stiffness: k_rot, in N·m/rad (source: Table 4.2, with motor).
         damping: b, in N·m·s/rad, acting in stance only (source: Table 4.2, with motor).
         unilateral: whether it pulls only beyond the latched angle; False is the linear idealisation.
-        rest: the angle of a spring that is never switched (a fixed parallel spring), in rad; None: switched,
-            latched at touchdown and let go at lift-off. Its damper acts in stance only, as the other's.
+        rest: the angle of a spring that is never switched (a fixed parallel spring), in rad; None for a spring that is
+            latched at touchdown and released at lift-off. The damper of both acts in stance only.
         hardening: k₃, in N·m/rad³.
-        preload: τ₀ with which it pulls as soon as it does, in N·m. A stop holds the spring as far as that stretched,
-            so that the torque jumps at the latched angle, and what it stores there is not counted. A joint that comes
-            to rest on the stop knocks at it ever faster, for the chain does not give: one that does is a table that
-            begins steeply. Only a unilateral spring has a preload: another rests where it does not pull.
-        table: points (δ, τ) with τ the torque against flexion, in rad and N·m, in the place of k δ, so that the
-            stiffness is 0: between them a smooth curve that rises and falls as they do, see `curve.through`, beyond
-            them straight on. They begin with (0, 0), or are on both sides of it if the spring is not unilateral. Where
-            the torque falls, as behind the best lever of a linkage, it may not change its sign.
+        preload: τ₀, the torque with which the spring begins to pull, in N·m. A stop holds the spring stretched that
+            far, so that the torque jumps at the latched angle; the energy stored at the stop is not counted. A joint
+            that comes to rest on the stop knocks at it ever faster, as the chain does not yield. For a chain that
+            yields use a table that begins steeply. Only a unilateral spring has a preload.
+        table: points (δ, τ) with the torque τ against flexion, in rad and N·m, in place of k δ, so that the stiffness
+            is 0. Between them is a smooth curve that rises and falls as they do, see `curve.through`; beyond them it
+            is straight. They begin with (0, 0), or are on both sides of it if the spring is not unilateral. Where the
+            torque falls, as beyond the best lever of a linkage, it may not change its sign.
 
     Example:
         >>> from spear_pin import Spring, hopping, load
@@ -62,7 +62,7 @@ class Spring:
     table: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         for name, unit in UNITS.items():
             within = f"a number from 0 to {STIFFEST:g}, in {unit}"
             require(f"Spring.{name}", getattr(self, name), lambda number: (number >= 0) & (number <= STIFFEST), within)
@@ -77,13 +77,13 @@ class Spring:
     @classmethod
     @typed
     def scaled(cls, robot: Robot) -> Spring:
-        """SPEAR-II's or Q-SPEAR's spring for a robot of another size.
+        """Scales SPEAR-II's or Q-SPEAR's spring to a robot of another size.
 
-        Its stiffness goes by m g l, its damping by that times √(l/g). Two legs are taken for pairs, whose spring is
-        2 · 56 N·m/rad of Q-SPEAR, without damping (the source gives none for the quadruped).
+        Its stiffness scales with m g l, its damping with m g l √(l/g). Two legs count as pairs, which have Q-SPEAR's
+        spring of 2 · 56 N·m/rad, without damping (the source gives none for the quadruped).
 
         Args:
-            robot: with one leg, as `spear_pin.monopod` cuts it, or two pairs, as `spear_pin.sagittal` does.
+            robot: a robot with one leg, as `spear_pin.monopod` cuts it, or two pairs, as `spear_pin.sagittal` does.
 
         Raises:
             BadValue: the robot has no legs of hip and knee in the plane.
@@ -94,31 +94,31 @@ class Spring:
 
     @property
     def pulls(self) -> bool:
-        """Whether there is a spring at all: no stiffness, and nothing in its place, is none."""
+        """Tells whether there is a spring at all: it has a stiffness, or another law in its place."""
         return bool(self.stiffness or self.hardening or self.preload or self.table)
 
-    # its law, of whatever scalars the fields and the arguments are
+    # its law, for scalars of any kind in fields and arguments
 
     def torque(self, deflection: Any, ops: Any = np) -> Any:
-        """Torque toward flexion while it pulls, without the damper's, in N·m, (3.24).
+        """Returns the torque toward flexion while the spring pulls, without the damper's, in N·m, (3.24).
 
         Args:
             deflection: how far the joint is flexed beyond the angle at which it rests, in rad.
-            ops: has `maximum` for such scalars, which a table asks for.
+            ops: has `maximum` for such scalars, which a table needs.
         """
         pull = self.preload + deflection * (self.stiffness + self.hardening * deflection * deflection)
         return -(pull + self._curve(deflection, ops)) if self.table else -pull
 
     def drag(self, rate: Any) -> Any:
-        """Torque of the damper on a joint that turns at a rate in rad/s, in N·m, (3.25)."""
+        """Returns the damper's torque on a joint that turns at a rate in rad/s, in N·m, (3.25)."""
         return -self.damping * rate
 
     def energy(self, deflection: Any, ops: Any = np) -> Any:
-        """Energy that it stores while it pulls, in J: the integral of minus its torque.
+        """Returns the energy that the spring stores while it pulls, in J: the integral of minus its torque.
 
         Args:
             deflection: how far the joint is flexed beyond the angle at which it rests, in rad.
-            ops: as of `torque`.
+            ops: has `maximum` for such scalars, which a table needs.
         """
         square = deflection * deflection
         energy = self.preload * deflection + square * (0.5 * self.stiffness + 0.25 * self.hardening * square)
@@ -126,7 +126,7 @@ class Spring:
 
     @property
     def knots(self) -> tuple[float, ...]:
-        """Deflections at which its law has no second derivative, in rad."""
+        """Returns the deflections at which the law has no second derivative, in rad."""
         return self._curve.starts[1:] if self.table else ()
 
     @cached_property
@@ -139,10 +139,10 @@ class Spring:
 
 
 def _checked(table: Any, unilateral: bool) -> tuple[tuple[float, float], ...]:
-    """The points of a table, as numbers.
+    """Returns the points of a table as numbers.
 
     Raises:
-        BadValue: they are none of a spring.
+        BadValue: the points are not those of a spring.
     """
     where = "the first of them (0, 0)" if unilateral else "(0, 0) between the first and the last"
     signs = "whose second has the sign of the first, or is 0"
@@ -166,7 +166,7 @@ def _checked(table: Any, unilateral: bool) -> tuple[tuple[float, float], ...]:
 
 @typed
 def rotational_stiffness(spring: float, spacer_radius: float, belt: float = 0.0, pulley_radius: float = 0.0) -> float:
-    """k_rot = 2 k_belt r_pulley² + k_S1 r_spacer², (3.5)-(3.6), in N·m/rad.
+    """Returns k_rot = 2 k_belt r_pulley² + k_S1 r_spacer², (3.5)-(3.6), in N·m/rad.
 
     Args:
         spring: k_S1, in N/m.
@@ -179,7 +179,7 @@ def rotational_stiffness(spring: float, spacer_radius: float, belt: float = 0.0,
 
 @typed
 def belt_stiffness(modulus: float, area: float, length: float, radius: float) -> float:
-    """k_rotBelt = 2 E A r² / L₀, (4.5)-(4.7), in N·m/rad: both strands of a timing belt about its pulley.
+    """Returns k_rotBelt = 2 E A r² / L₀, (4.5)-(4.7), in N·m/rad, for both strands of a belt about its pulley.
 
     Args:
         modulus: E, in Pa. That of the rubber alone ignores the belt's cords, which are far stiffer.

@@ -1,4 +1,4 @@
-"""A robot as an SRDF file: what a URDF leaves out for planners, and for Pinocchio its rotors."""
+"""A robot as an SRDF file: data for planners that a URDF leaves out, and rotors for Pinocchio."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ NOTE = """
 
 @typed
 def to_srdf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> str:
-    """The text of an SRDF file that goes with the robot's URDF.
+    """Writes the text of an SRDF file that goes with the robot's URDF.
 
     It has a group and an end effector for each leg, a group "all", the postures, the pairs of adjacent links, which
     may touch, and for Pinocchio the rotors' inertias and gear ratios.
 
     Args:
-        robot: as its URDF has it.
-        postures: configurations, (nq,) each, by name, beside "home" (see `postures.home`).
+        robot: the robot, unchanged from its URDF.
+        postures: configurations, (nq,) each, by name, in addition to "home" (see `postures.home`).
 
     Raises:
         BadValue: joints of the robot are locked, or numbers varied; or a posture has not nq numbers.
@@ -72,7 +72,7 @@ def to_srdf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
 
 
 def _hip_link(robot: Robot, parents: Mapping[str, Any], toe: str) -> str | None:
-    """The link that carries the first motor on the way to a toe; None if there is none."""
+    """Returns the link that carries the first motor on the way to a toe; None if there is none."""
     found, link = None, toe
     while link in parents:
         joint = parents[link]

@@ -1,4 +1,4 @@
-"""Read the SRDF file that goes with a URDF: postures, which tell where knees bend to, and rotors."""
+"""Reads the SRDF file that goes with a URDF: postures, which reveal where knees bend to, and rotors."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ FLOATING = "root_joint"  # what Pinocchio calls the joint of a floating base
 
 @dataclass(frozen=True)
 class Srdf:
-    """What an SRDF says of a robot.
+    """Contents of an SRDF about a robot.
 
     Attributes:
         postures: configurations, (nq,), by name.
         gears: rotors of joints, by joint.
-        notes: what is wrong or not taken over, a line each.
+        notes: errors and omissions, a line each.
     """
 
     postures: dict[str, Array]
@@ -35,7 +35,7 @@ class Srdf:
 
 
 def srdf_of(urdf: Path) -> Path | None:
-    """Find the SRDF beside a URDF, or in the folder "srdf" beside its folder: of its name, or the only one there."""
+    """Finds the SRDF in a URDF's folder or in a sibling folder "srdf": the one of its name, or the only one."""
     folder = urdf.resolve().parent.parent / "srdf"
     named = [urdf.with_suffix(".srdf"), folder / f"{urdf.stem}.srdf"]
     others = sorted(folder.glob("*.srdf")) if folder.is_dir() else []
@@ -43,11 +43,11 @@ def srdf_of(urdf: Path) -> Path | None:
 
 
 def read_srdf(model: pin.Model, urdf: Path) -> Srdf:
-    """Read what the SRDF says of joints that the model has, of one coordinate each; nothing if it is wrong.
+    """Reads the SRDF's data on joints of the model with one coordinate; returns no data if the file is wrong.
 
     Args:
-        model: of the URDF.
-        urdf: its path.
+        model: model of the URDF.
+        urdf: path of the URDF.
     """
     path = srdf_of(urdf)
     if path is None:
@@ -93,7 +93,7 @@ def _posture(path: Path, model: pin.Model, state: Any, unread: Unread) -> Array:
 
 
 def _gear(path: Path, joint: Any) -> Gear:
-    """Ratio and rotor of a joint, whose inertia the format calls its mass."""
+    """Returns ratio and rotor of a joint; the format calls the rotor's inertia its mass."""
     ratio, rotor = (
         number(path, joint, name) if joint.get(name) is not None else None for name in ("gear_ratio", "mass")
     )
@@ -101,6 +101,6 @@ def _gear(path: Path, joint: Any) -> Gear:
 
 
 def _joint(model: pin.Model, name: str) -> Any | None:
-    """A joint of one degree of freedom, None if there is no such one."""
+    """Returns a joint of one degree of freedom, None if there is no such joint."""
     joint = model.joints[model.getJointId(name)] if model.existJointName(name) else None
     return joint if joint is not None and joint.nv == 1 else None

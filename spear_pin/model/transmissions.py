@@ -23,9 +23,9 @@ class Motors:
     """The motors of a URDF.
 
     Attributes:
-        gears: by joint.
-        notes: what is left out, a line each.
-        elements: those of the file that are read here or told of here.
+        gears: the gears, by joint.
+        notes: omissions, a line each.
+        elements: elements of the file that are read or reported here.
     """
 
     gears: Mapping[str, Gear]
@@ -34,11 +34,11 @@ class Motors:
 
 
 def read_transmissions(path: Path, root: Any) -> Motors:
-    """Read the motors of a URDF.
+    """Reads the motors of a URDF.
 
-    A transmission is left out if it is none from one motor to one joint that moves, or its reduction is no number. A
-    joint that `<ros2_control>` commands has a motor; its gear is that of the transmission there. Ratio and rotor stand
-    in the transmission, in its joint, in its actuator, or in the joint that it drives.
+    A transmission is left out unless it leads from one motor to one moving joint and its reduction is a number. A joint
+    that `<ros2_control>` commands has a motor, with the gear of its transmission there. Ratio and rotor may be given in
+    the transmission, in its joint, in its actuator, or in the joint that it drives.
 
     Raises:
         BadFile: a gear ratio is zero, or one number contradicts another, or a rotor's inertia is negative.
@@ -73,7 +73,7 @@ def read_transmissions(path: Path, root: Any) -> Motors:
 
 
 def _misfit(element: Any, kinds: Mapping[str, str]) -> str | None:
-    """Why a transmission is none from one motor to one joint."""
+    """Returns why a transmission does not lead from one motor to one joint, None if it does."""
     for tag in ("joint", "actuator"):
         if len(element.findall(tag)) != 1:
             return f"it has {len(element.findall(tag)) or 'no'} <{tag}>, and one is supported"
@@ -86,7 +86,7 @@ def _misfit(element: Any, kinds: Mapping[str, str]) -> str | None:
 
 
 def _numbers(element: Any, joint: Any) -> list[Any]:
-    """Elements that say ratio or rotor, whatever the namespace of their tags."""
+    """Returns the elements that give ratio or rotor, for any namespace of their tags."""
     places = (element.find("joint"), element.find("actuator"), element, joint)
     return [
         each
@@ -97,7 +97,7 @@ def _numbers(element: Any, joint: Any) -> list[Any]:
 
 
 def _text(element: Any) -> str | None:
-    """A number as an attribute or as a text, as they are both in use."""
+    """Returns a number that is an attribute or a text, as both are in use."""
     return element.get("value") or (element.text or "").strip() or None
 
 
@@ -124,7 +124,7 @@ def _gear(path: Path, element: Any, numbers: list[Any], joint: str) -> Gear:
 
 
 def _agreed(path: Path, elements: list[Any], joint: str) -> float | None:
-    """The number that elements say, None if there are none."""
+    """Returns the number that the elements agree on, None if there are no elements."""
     said = [(etree.QName(each).localname, parse_number(path, each, _text(each))) for each in elements]
     for name, value in said[1:]:
         if value != said[0][1]:
@@ -134,7 +134,7 @@ def _agreed(path: Path, elements: list[Any], joint: str) -> float | None:
 
 
 def _commanded(control: Any) -> list[str]:
-    """Names of the joints that a `<ros2_control>` moves."""
+    """Returns the names of the joints that a `<ros2_control>` moves."""
     return [
         joint.get("name", "")
         for joint in control.findall("joint")

@@ -29,31 +29,31 @@ class Tree:
         pin.computeJointJacobians(model, self.data, pin.neutral(model))
 
     def chain(self, tip: int) -> list[int]:
-        """Joints from the world to one."""
+        """Returns the joints from the world to a joint."""
         return [int(joint) for joint in self.model.supports[tip] if joint]
 
     def axis(self, joint: int) -> Array:
-        """Direction about which a joint of one degree of freedom turns, (3,), zero if it slides."""
+        """Returns the direction about which a joint of one degree of freedom turns, (3,), zero if it slides."""
         return self._motion(joint)[3:]
 
     def _motion(self, joint: int) -> Array:
-        """What a joint of one degree of freedom does to what it carries, linear and angular, (6,); else zero."""
+        """Returns the unit motion of a joint of one degree of freedom, linear and angular, (6,); else zero."""
         if self.model.joints[joint].nv != 1:
             return np.zeros(6)
         jacobian = pin.getJointJacobian(self.model, self.data, joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
         return np.asarray(np.reshape(jacobian, (6, -1))[:, self.model.joints[joint].idx_v])
 
     def slides(self, joint: int) -> bool:
-        """Whether a joint slides in the sagittal plane."""
+        """Tells whether a joint slides in the sagittal plane."""
         motion = self._motion(joint)
         return bool(motion[:3].any()) and not motion[3:].any() and abs(float(motion[1])) <= math.sin(SPLAY)
 
     def floats(self, joint: int) -> bool:
-        """Whether a joint is a floating base."""
+        """Tells whether a joint is a floating base."""
         return int(self.model.joints[joint].nv) == FLOATING and not self.model.parents[joint]
 
     def rails(self, joints: Sequence[int]) -> set[int]:
-        """Of a chain from the world on, the joints at its beginning that slide in the plane, each another way."""
+        """Returns the first joints of a chain from the world that slide in the plane, each in another direction."""
         found: list[int] = []
         for joint in joints:
             ways = np.array([self._motion(each)[[0, 2]] for each in [*found, joint]])
@@ -63,15 +63,15 @@ class Tree:
         return set(found)
 
     def pitches(self, joint: int) -> bool:
-        """Whether a joint turns in the sagittal plane."""
+        """Tells whether a joint turns in the sagittal plane."""
         return abs(float(self.axis(joint)[1])) >= math.cos(SPLAY)
 
     def yaws(self, joint: int) -> bool:
-        """Whether a joint turns about the vertical."""
+        """Tells whether a joint turns about the vertical."""
         return abs(float(self.axis(joint)[2])) >= UPRIGHT
 
     def ends(self) -> tuple[str, ...]:
-        """Frames at the ends of the limbs that may be legs, one each."""
+        """Returns the frames at the ends of the limbs that may be legs, one each."""
         found = []
         for tip, pitching in self._limbs():
             frame = self._end(tip, pitching[1])
@@ -84,18 +84,18 @@ class Tree:
         return tuple(name for name, height, _ in found if height <= lowest + ARMS * (highest - lowest))
 
     def endless(self) -> list[str]:
-        """Last joints of the limbs that would be legs, but have no frame away from their knee."""
+        """Returns the last joints of the limbs that would be legs, but have no frame away from their knee."""
         return [str(self.model.names[tip]) for tip, joints in self._limbs() if self._end(tip, joints[1]) is None]
 
     def _limbs(self) -> list[tuple[int, list[int]]]:
-        """The last joint of each limb, and the joints that turn in the sagittal plane on the way, two or more."""
+        """Returns each limb's last joint, and the joints above it that turn in the sagittal plane, two or more."""
         parents = set(map(int, self.model.parents))
         chains = {tip: self.chain(tip) for tip in range(1, self.model.njoints) if tip not in parents}
         limbs = ((tip, [joint for joint in chain if self.pitches(joint)]) for tip, chain in chains.items())
         return [(tip, pitching) for tip, pitching in limbs if len(pitching) >= 2]
 
     def _end(self, tip: int, knee: int) -> Any:
-        """Frame at the end of a limb that is farthest from a joint; of several as far the one named as a toe.
+        """Returns the frame at a limb's end that is farthest from a joint; of equal ones that named as a toe.
 
         Links go before the sites and the geoms of an MJCF file, which are asked where no link is away from the joint.
         """

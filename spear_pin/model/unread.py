@@ -1,6 +1,6 @@
-"""Find what a robot's file says and this package does not take over, so that one line can name it.
+"""Finds the data in a robot's file that this package does not use, so that one line can name it.
 
-A `Grammar` lists what is read of a format. Everything else in the document counts as not taken over, unless it cannot
+A `Grammar` lists the data that are read in a format. Everything else in the document counts as unused, unless it cannot
 change a motion: shapes, colours, sensors, names.
 """
 
@@ -26,7 +26,7 @@ NOTHING: frozenset[str] = frozenset()
 
 @dataclass(frozen=True)
 class Grammar:
-    """What is read of a format, and what of it never changes a motion.
+    """The data that are read in a format, and those that never change a motion.
 
     Attributes:
         read: attributes that are read of an element, by its path from the root, such as "robot/joint/limit".
@@ -47,25 +47,25 @@ class Grammar:
     usual: Mapping[str, Collection[str]] = field(default_factory=dict)
 
     def idles(self, title: str) -> bool:
-        """Tell whether an element of that tag changes no motion; `sensor:ray` counts as `sensor`."""
+        """Tells whether an element of that tag changes no motion; `sensor:ray` counts as `sensor`."""
         return title in self.idle or title.partition(":")[0] in self.idle
 
     def unusual(self, name: str, text: str | None) -> bool:
-        """Tell whether a text differs from those that change nothing."""
+        """Tells whether a text differs from those that change nothing."""
         return name not in self.usual or _plain(text or "") not in self.usual[name]
 
 
 class Unread:
-    """What is not taken over: names of joints, links or bodies by what they lose, in the order of the file."""
+    """Unused data: names of joints, links or bodies by the data that they lose, in the order of the file."""
 
     def __init__(self) -> None:
         self._owners: dict[tuple[str, str, str], list[str]] = {}
 
     def lose(self, what: str, owner: str = "", where: str = "", called: str = "") -> None:
-        """Add something.
+        """Adds lost data.
 
         Args:
-            what: that is lost, in words.
+            what: the lost data, in words.
             owner: name of the element that loses it; empty if it has none.
             where: element that it stands in, such as "<dynamics>".
             called: its own name, if it has one, which then goes before the owner's.
@@ -74,7 +74,7 @@ class Unread:
 
     @property
     def line(self) -> str | None:
-        """One line that names all, None if there is nothing; what several owners lose alike is said once."""
+        """Returns one line that names all lost data, grouped by the owners; None if there are none."""
         alike: dict[tuple[str, str, str], list[str]] = {}
         for (where, owner, of), lost in self._owners.items():
             alike.setdefault((where, ", ".join(dict.fromkeys(lost)), of), []).append(owner)
@@ -88,7 +88,7 @@ class Unread:
 
 
 def _plain(text: str) -> str:
-    """A text in small letters; numbers in one notation, those that are all alike as one."""
+    """Returns a text in lower case, with numbers in one notation, and equal numbers as one."""
     try:
         numbers = {float(part) for part in text.split()}
     except ValueError:
@@ -109,14 +109,14 @@ def find_unread(
     said: Callable[[Any], Mapping[str, str]] = lambda element: element.attrib,
     known: Collection[Any] = (),
 ) -> None:
-    """Add what a document says and a grammar does not read.
+    """Adds the data of a document that a grammar does not read.
 
     Args:
-        root: element of the document.
-        grammar: of its format.
-        into: where it is added.
-        said: attributes of an element, with those of its class.
-        known: elements that are read, or told of, otherwise: they are passed over with all that is in them.
+        root: root element of the document.
+        grammar: grammar of its format.
+        into: collection to which the data are added.
+        said: returns the attributes of an element, with those of its class.
+        known: elements that are read or reported elsewhere, and skipped with all that is in them.
     """
     _visit(root, _title(root), "", grammar, into, said, set(known))
 
@@ -155,7 +155,7 @@ def _visit(
 
 
 def _matters(element: Any, grammar: Grammar) -> bool:
-    """Whether an element that is not read may change a motion: itself, or something in it."""
+    """Tells whether an element that is not read, or an element in it, may change a motion."""
     title = _title(element)
     if grammar.idles(title) or _annotates(element.tag) or not grammar.unusual(title, element.text):
         return False
@@ -165,7 +165,7 @@ def _matters(element: Any, grammar: Grammar) -> bool:
 
 
 def _title(element: Any) -> str:
-    """Tag of an element as a file writes it, with its prefix."""
+    """Returns the tag of an element as a file writes it, with its prefix."""
     return _shown(element.tag, element)
 
 
@@ -182,5 +182,5 @@ def _name(element: Any, names: Collection[str] = NAMES) -> str:
 
 
 def _annotates(tag: str) -> bool:
-    """Whether a name is of a space that only describes: XML's own, or what xacro leaves behind."""
+    """Tells whether a name is of a namespace that only annotates: XML's own, or that of xacro."""
     return tag.startswith("{") and tag[1:].startswith(ANNOTATIONS)

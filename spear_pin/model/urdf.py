@@ -1,8 +1,8 @@
-"""Read a URDF safely: checked, reduced to what the dynamics needs, nothing fetched or expanded.
+"""Reads a URDF safely: checks it, reduces it to the data for the dynamics, fetches and expands nothing.
 
 Pinocchio's parser drops an inertia it cannot read, complains on stderr about shapes it does not
-need, and orders the joints of a fork by name. So it is given a URDF of our own writing, with the
-links' inertias and the joints only, its numbers in one notation, its joints numbered.
+need, and orders the joints of a fork by name. So this module writes a URDF for it, with only the
+links' inertias and the joints, numbers in one notation, and numbered joints.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ class Urdf:
     """Contents of a URDF that the dynamics needs.
 
     Attributes:
-        path: where it was read.
+        path: path of the file.
         name: the robot's name.
         root: name of its root link.
         document: the whole of it, without comments.
         text: links and joints only; joint i of the document is called "i:" and its name.
         transmissions: the motors, by joint.
-        normals: of planar joints, by joint, (3,).
-        notes: what is not as in the file, a line each.
+        normals: normals of planar joints, by joint, (3,).
+        notes: differences from the file, a line each.
     """
 
     path: Path
@@ -66,13 +66,12 @@ class Urdf:
 
 
 def read_urdf(path: str | Path, base: Base | None = None, repair: bool = False) -> Urdf:
-    """Read and check a URDF.
+    """Reads and checks a URDF.
 
     Args:
-        path: of the file.
-        base: "free" puts a floating joint under the root link, unless there is one; "fixed" fixes the one that is
-            there.
-        repair: mend inertias that no body can have.
+        path: path of the file.
+        base: "free" puts a floating joint under the root link, unless there is one; "fixed" fixes an existing one.
+        repair: whether to repair inertias that no body can have.
 
     Raises:
         BadFile: the file is missing, not XML, declares a document type or entities, is no tree of
@@ -83,7 +82,7 @@ def read_urdf(path: str | Path, base: Base | None = None, repair: bool = False) 
 
 
 def urdf_of(path: Path, root: Any, base: Base | None = None, repair: bool = False) -> Urdf:
-    """A description from the root element of the file, for `read_urdf`."""
+    """Makes a description from the root element of the file, for `read_urdf`."""
     if root.tag == "mujoco":
         raise BadFile(path, "is an MJCF file; expected a URDF")
     if root.tag != "robot":
@@ -102,7 +101,7 @@ def urdf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
 
 
 def _unread(root: Any, known: tuple[Any, ...] = ()) -> str | None:
-    """One line about what is not taken over."""
+    """Returns one line about unused data."""
     unread = Unread()
     find_unread(root, URDF, unread, known=known)
     for joint in root.xpath("joint[@type='floating' or @type='planar']"):
@@ -120,7 +119,7 @@ def _unread(root: Any, known: tuple[Any, ...] = ()) -> str | None:
 
 
 def _limits(text: str | None) -> bool:
-    """Whether a text may be a limit: neither 0 nor infinite, which files write where there is none."""
+    """Tells whether a text may be a limit: neither 0 nor infinite, which files write if there is none."""
     try:
         value = float(text or "0")
     except ValueError:
@@ -129,7 +128,7 @@ def _limits(text: str | None) -> bool:
 
 
 def _half_limited(root: Any) -> list[str]:
-    """A line for each joint of which the file says one limit alone."""
+    """Returns a line for each joint for which the file gives only one limit."""
     return [
         f"joint {element.getparent().get('name')!r} says no {side} limit: it has none on that side"
         for element in root.xpath("joint[@type='revolute' or @type='prismatic']/limit")
@@ -139,13 +138,13 @@ def _half_limited(root: Any) -> list[str]:
 
 
 def _normal(path: Path, joint: Any) -> tuple[float, ...]:
-    """Normal of the plane in which a planar joint moves."""
+    """Returns the normal of the plane in which a planar joint moves."""
     axis = joint.find("axis")
     return NORMAL if axis is None else tuple(numbers(path, axis, "xyz", 3))
 
 
 def _check_expanded(path: Path, root: Any) -> None:
-    """Refuse a xacro, which is a program that writes a URDF."""
+    """Refuses a xacro, which is a program that writes a URDF."""
     for element in root.iter(etree.Element):
         name = etree.QName(element)
         macro = (name.namespace or "").rstrip("/").endswith("xacro") and name.localname not in ("property", "arg")
@@ -154,7 +153,7 @@ def _check_expanded(path: Path, root: Any) -> None:
 
 
 def _dynamics(path: Path, root: Any, trunk: str, base: Base | None, repair: bool) -> tuple[str, list[str]]:
-    """The URDF with nothing but inertias and joints, and what was changed."""
+    """Returns the URDF with only inertias and joints, and notes on the changes."""
     robot = etree.Element("robot", name="robot")
     faults: dict[str, Fault] = {}
     for link in root.findall("link"):
@@ -201,7 +200,7 @@ def _copy_joint(path: Path, joint: Any, kind: str, copy: Any, place: int) -> Non
 
 
 def _copy(path: Path, element: Any, copy: Any, **attributes: str | None) -> None:
-    """Copy attributes that are numbers, each with its default; without one they have to be there."""
+    """Copies attributes that are numbers, each with its default; attributes without one must exist."""
     part = etree.SubElement(copy, element.tag)
     for name, default in attributes.items():
         if default is None and len((element.get(name) or "").split()) != 1:
@@ -216,7 +215,7 @@ def _copy(path: Path, element: Any, copy: Any, **attributes: str | None) -> None
 
 
 def _floating(root: Any, trunk: str) -> str | None:
-    """Name of the floating joint at the root, on nothing but fixed joints."""
+    """Returns the name of the floating joint at the root, above which there are only fixed joints."""
     links = {trunk}
     for joint in _outward(root, trunk):
         if joint.find("parent").get("link") in links:
@@ -234,7 +233,7 @@ def _untaken(name: str, taken: list[str]) -> str:
 
 
 def _outward(root: Any, trunk: str) -> Iterator[Any]:
-    """The joints, each after that of its parent."""
+    """Yields the joints, each after that of its parent."""
     children: dict[str, list[Any]] = {}
     for joint in root.findall("joint"):
         children.setdefault(joint.find("parent").get("link"), []).append(joint)
@@ -246,7 +245,7 @@ def _outward(root: Any, trunk: str) -> Iterator[Any]:
 
 
 def _check_tree(path: Path, root: Any) -> str:
-    """Name of the root link."""
+    """Checks that links and joints form a tree; returns the name of the root link."""
     links = [link.get("name") for link in root.findall("link")]
     joints = root.findall("joint")
     for kind, names in (("link", links), ("joint", [joint.get("name") for joint in joints])):

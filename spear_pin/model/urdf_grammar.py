@@ -1,4 +1,4 @@
-"""List what is read of a URDF, and of the SRDF beside it."""
+"""Lists the data that are read in a URDF, and in its SRDF."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ ORIGIN, PLAIN = "xyz rpy", ""
 
 
 def _table(**attributes: str) -> dict[str, frozenset[str]]:
-    """Attributes by the paths of elements, which keywords write with two underscores for a stroke."""
+    """Returns attributes by the paths of elements, which keywords write with two underscores for a slash."""
     return {path.replace("__", "/"): frozenset(names.split()) for path, names in attributes.items()}
 
 

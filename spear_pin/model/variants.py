@@ -35,9 +35,9 @@ class Parameter:
 
     Attributes:
         default: its value in the URDF of a shipped robot.
-        unit: of the value; a ratio has the unit 1.
+        unit: unit of the value; a ratio has the unit 1.
         provenance: the place in the source, or that it is an assumption.
-        summary: what it is.
+        summary: description of the number.
         robots: names of the shipped robots that have it.
     """
 
@@ -65,9 +65,9 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 
 
 def parameters_of(robot: Robot) -> tuple[str, ...]:
-    """Names of the parameters that a robot has; of a cut those of the shipped robot that it is like.
+    """Returns the names of the parameters that a robot has; a cut has those of the shipped robot that it is like.
 
-    A cut has gears where it has motors.
+    A cut has parameters of gears for its joints with motors.
     """
     source = robot.source if robot.cut is None else LIKE[robot.cut.kind]
     names = [name for name, parameter in PARAMETERS.items() if source in parameter.robots]
@@ -77,10 +77,10 @@ def parameters_of(robot: Robot) -> tuple[str, ...]:
 
 
 def value_of(robot: Robot, name: str) -> float:
-    """Value of a parameter that a robot has, in its unit: of a cut what its own model says, if it is not varied.
+    """Returns the value of a robot's parameter, in its unit; an unvaried parameter of a cut comes from its model.
 
     Raises:
-        BadValue: joints of which it is the parameter differ in it.
+        BadValue: the joints that share the parameter have different values.
     """
     kind = _kind(name)
     if name in robot.varied or robot.cut is None:
@@ -102,7 +102,7 @@ def value_of(robot: Robot, name: str) -> float:
 
 @typed
 def vary(robot: Robot, **values: float) -> Robot:
-    """Robot with other numbers; the given one is left alone.
+    """Returns a robot with other numbers; the given one is left unchanged.
 
     A rotor keeps its own inertia J unless that is changed, so with another ratio N the joint's reflected
     inertia is N² J.
@@ -111,7 +111,7 @@ def vary(robot: Robot, **values: float) -> Robot:
     Args:
         robot: a shipped robot, or one that `monopod` or `sagittal` cut out of another; as it is or varied already. Of
             a cut a rotor's inertia is that of one motor, of which a pair of legs has two.
-        **values: by names of `PARAMETERS`, in the units there. What was varied before stays so.
+        **values: new values by names of `PARAMETERS`, in their units. Earlier variations are kept.
 
     Raises:
         UnknownName: the robot has no parameter of that name; the text lists those that it has.
@@ -143,7 +143,7 @@ def vary(robot: Robot, **values: float) -> Robot:
 
 
 def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
-    """Model that the robot was loaded or cut with, changed before its joints are locked, which merges links."""
+    """Returns the robot's original model with changes made before its joints are locked, which merges links."""
     cut = robot.cut
     model = (load(robot.source) if cut is None else recut(cut.kind, cut.robot, cut.legs, cut.body)).model
     motors = None if cut is None else {joint: len(turns) for joint, turns in cut.angles.items()}
@@ -172,24 +172,24 @@ def _change(model: pin.Model, name: str, value: float) -> None:
 
 
 def _kind(parameter: str) -> str | None:
-    """Of a parameter of gears the kind of joints, such as "knee"; None of others."""
+    """Returns the kind of joints of a parameter of gears, such as "knee"; None for other parameters."""
     kind, _, of = parameter.rpartition("_")
     return kind if of in ("ratio", "rotor") else None
 
 
 def _is(joint: str, parameter: str) -> bool:
-    """Whether a parameter of gears is one of a joint."""
+    """Tells whether a parameter of gears applies to a joint."""
     return joint == _kind(parameter) or joint.endswith(f"_{_kind(parameter)}")
 
 
 def _set_gears(model: pin.Model, name: str, value: float, motors: Mapping[str, int] | None) -> None:
-    """Set a parameter of gears on every joint that it is one of.
+    """Sets a parameter of gears on every joint to which it applies.
 
     Args:
-        model: it is changed.
-        name: of the parameter.
+        model: the model, which is changed.
+        name: name of the parameter.
         value: a ratio, or a rotor's inertia in kg·m².
-        motors: of each joint of a cut their number; None: the rotors of a shipped robot grow in proportion.
+        motors: number of motors at each joint of a cut; None if the rotors of a shipped robot grow in proportion.
     """
     armature, ratios, rotors = model.armature.copy(), model.rotorGearRatio.copy(), model.rotorInertia.copy()
     for index, joint in enumerate(model.names):
@@ -208,7 +208,7 @@ def _set_gears(model: pin.Model, name: str, value: float, motors: Mapping[str, i
 
 
 def _move_hips(model: pin.Model, torso: int, axis: int, distance: float) -> None:
-    """Set the distance, in m, between the joints on the two ends of the torso along an axis, midway between as now."""
+    """Sets the distance, in m, between the joints on the torso's two ends along an axis, keeping their midpoint."""
     hips = [joint for joint in range(1, model.njoints) if model.parents[joint] == torso]
     places = [model.jointPlacements[joint].translation.copy() for joint in hips]
     middle = 0.5 * (min(place[axis] for place in places) + max(place[axis] for place in places))

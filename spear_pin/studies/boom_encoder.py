@@ -1,4 +1,4 @@
-"""Height of the hip as an encoder at the pivot of a rotary boom reports it.
+"""Height of the hip from an encoder at the pivot of a rotary boom.
 
 The source gives a radius of about 2 m. The encoder's resolution, offset and noise are assumptions.
 """
@@ -20,10 +20,10 @@ class Encoder:
     """The encoder at the pivot.
 
     Attributes:
-        resolution: of its angle, in rad; 0: none.
-        offset: of its zero, in rad.
-        noise: root mean square, in rad, from one reading to the next.
-        seed: of the noise.
+        resolution: resolution of the angle, in rad; 0: exact.
+        offset: offset of its zero, in rad.
+        noise: noise from one reading to the next, root mean square, in rad.
+        seed: seed of the noise.
     """
 
     resolution: float = 0.0
@@ -32,14 +32,14 @@ class Encoder:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require("Encoder.resolution", self.resolution, lambda step: step >= 0, "a number >= 0, in rad")
         require("Encoder.offset", self.offset, lambda angle: abs(angle) < np.pi, "within ±π rad")
         require("Encoder.noise", self.noise, lambda angle: angle >= 0, "a number >= 0, in rad")
 
 
 def read_angle(boom: RotaryBoom, encoder: Encoder, heights: ArrayLike) -> Array:
-    """Elevations of the arm as they are read at these heights of the hip, in rad, to the nearest step."""
+    """Returns the encoder's readings of the arm's elevation at heights of the hip, in rad, to the nearest step."""
     angles = boom.elevation(heights) + encoder.offset
     if encoder.noise:
         angles = angles + encoder.noise * np.random.default_rng(encoder.seed).normal(size=angles.shape)
@@ -49,22 +49,22 @@ def read_angle(boom: RotaryBoom, encoder: Encoder, heights: ArrayLike) -> Array:
 
 
 def height_by_sine(boom: RotaryBoom, angles: ArrayLike) -> Array:
-    """Height of the hip for elevations of the arm, z_pivot + R sin φ, in m."""
+    """Returns the height of the hip for elevations of the arm, z_pivot + R sin φ, in m."""
     return np.asarray(boom.pivot + boom.radius * np.sin(angles))
 
 
 def height_by_arc(boom: RotaryBoom, angles: ArrayLike) -> Array:
-    """Height of the hip by the small angle, z_pivot + R φ, in m: too far from the pivot's height by R (φ - sin φ)."""
+    """Returns the height of the hip by the small angle, z_pivot + R φ, in m, with an error of R (φ - sin φ)."""
     return np.asarray(boom.pivot + boom.radius * np.asarray(angles, dtype=float))
 
 
 def tilt(boom: RotaryBoom, heights: ArrayLike, leg: float) -> tuple[Array, Array]:
-    """Loss of reach and outward swing of a leg of this length that tilts with the arm, having no linkage.
+    """Returns loss of reach and outward swing of a leg of this length that tilts with the arm, without a linkage.
 
     Args:
         boom: the arm.
-        heights: of the hip, in m.
-        leg: from hip to toe, in m.
+        heights: heights of the hip, in m.
+        leg: length from hip to toe, in m.
 
     Returns:
         how much less it reaches down, l (1 - cos φ), and how far its toe swings outward, l sin φ, in m.

@@ -1,7 +1,7 @@
-"""Gear ratio and motor of SPEAR-II's knee against the hop's dynamics: what each choice takes and what it can do.
+"""Gear ratio and motor of SPEAR-II's knee with the hop's dynamics: cost and ability of each choice.
 
-A heavier or higher geared rotor gives the same torque at less current, and is more for the leg to swing and to
-stop at touchdown. So the hop is solved anew for every motor and ratio; nothing is scaled from one to another.
+A heavier rotor, or one with a higher gear ratio, gives the same torque with less current. But the leg must swing it,
+and stop it at touchdown. So the hop is solved again for every motor and ratio; nothing is scaled from one to another.
 """
 
 from __future__ import annotations
@@ -38,28 +38,28 @@ NEEDED = ("torque_constant", "resistance", "rotor_inertia")  # of a motor
 
 @dataclass(frozen=True)
 class KneeDrive:
-    """A motor and a gear ratio at the knee, and a hop with them; figures of the knee alone, a hop, NaN without a gait.
+    """A motor and a gear ratio at the knee with a hop; figures are those of the knee in one hop, NaN without a gait.
 
     Attributes:
-        motor: its name.
+        motor: name of the motor.
         drive: motor, gears, supply and limit.
         reflected_inertia: N² J, in kg·m².
-        stance_torque: τ̄ that the law asks for, in N·m.
-        multiplier: magnitude of the largest, 1.
+        stance_torque: τ̄ of the law, in N·m.
+        multiplier: modulus of the largest multiplier, 1.
         apex: height of the hip, in m.
-        impact: lost at touchdown, in J.
-        energy: that the battery gives, less what it gets back, in J.
-        drawn: the same if it gets nothing back, in J.
-        heat: of the winding, in J.
-        rms_torque: root mean square at the joint, in N·m.
-        rms_current: root mean square, in A.
-        thermal_load: rms torque of the motor over its continuous torque, 1; the square is that of the heats.
-        peak_torque: at the joint, in N·m.
-        peak_current: in A.
-        peak_speed: of the joint, in rad/s.
+        impact: energy lost at touchdown, in J.
+        energy: net energy from the battery, in J.
+        drawn: energy from the battery if it gets nothing back, in J.
+        heat: heat of the winding, in J.
+        rms_torque: root mean square torque at the joint, in N·m.
+        rms_current: root mean square current, in A.
+        thermal_load: rms torque of the motor over its continuous torque, 1; its square is the ratio of the heats.
+        peak_torque: peak torque at the joint, in N·m.
+        peak_current: peak current, in A.
+        peak_speed: peak speed of the joint, in rad/s.
         margin: least distance from the drive's torque-speed envelope, in N·m; negative outside.
         gait: the gait, found with the gears' losses but without limits; None where none was found.
-        reason: why the drive cannot do it; empty if it can, heat apart.
+        reason: why the drive is not able to do the hop; empty if it is, apart from heat.
     """
 
     motor: str
@@ -89,12 +89,12 @@ class KneeDrive:
 
     @property
     def can(self) -> bool:
-        """Whether it can do the hop for as long as the winding stands the heat."""
+        """Whether the drive can do the hop for as long as the winding stands the heat."""
         return not self.reason
 
     @property
     def endures(self) -> bool:
-        """Whether it can do the hop for ever, within the motor's continuous torque."""
+        """Whether the drive can do the hop for ever, within the motor's continuous torque."""
         return self.can and self.thermal_load <= 1.0
 
 
@@ -111,30 +111,29 @@ def knee_drives(
     spring: Spring | None = None,
     retune: bool = True,
 ) -> Iterator[KneeDrive]:
-    """One and the same hop with every motor and gear ratio at the knee.
+    """Finds the same hop with every motor and gear ratio at the knee.
 
-    The ratio and the rotor are changed in the robot, from where mass matrix, actuator and envelope have them. The
-    stance torque is solved for with the gears' losses and without limits: what the hop needs. That is then held
-    against envelope and continuous torque. Inside the envelope the limits would have changed nothing.
+    Ratio and rotor are changed in the robot, from which mass matrix, actuator and envelope take them. The stance torque
+    is solved for with the gears' losses and without limits: it is what the hop needs. The result is then compared with
+    envelope and continuous torque. Inside the envelope the limits would have changed nothing.
 
-    The masses of another motor and gearbox are not accounted for, nor the inertia of the gears.
+    The masses of another motor and gearbox, and the inertia of the gears, are not accounted for.
 
     Args:
         robot: SPEAR-II, with the knee that the law's gains are meant for.
-        motors: by name, each with torque constant, resistance, rotor inertia and continuous torque.
-        ratios: of the knee's gears. Each gait is started from that of the nearest reflected inertia so far.
-        efficiency: of the gears, whatever the ratio (default: of two stages, a recollection).
-        bus: of the supply, in V.
-        current_limit: of the amplifier, in A; None: none.
+        motors: motors by name, each with torque constant, resistance, rotor inertia and continuous torque.
+        ratios: ratios of the knee's gears. Each gait is started from that of the nearest reflected inertia so far.
+        efficiency: efficiency of the gears, whatever the ratio (default: of two stages, a recollection).
+        bus: voltage of the supply, in V.
+        current_limit: current limit of the amplifier, in A; None: there is none.
         target: one measure of the cycle that is the same for all.
         law: parameters of the controller.
         spring: the knee spring.
-        retune: let the knee's gains in flight grow with its inertia in the air, so that the leg swings and comes
-            down as it does with the robot's own knee. Else they stay, and a heavy rotor is still swinging at
-            touchdown.
+        retune: whether the knee's gains in flight grow with its inertia in the air, so that the leg swings and comes
+            down like the robot's own. Else they stay, and a heavy rotor is still swinging at touchdown.
 
     Raises:
-        BadValue: there are no motors or ratios, a number is out of range, or one of a motor is not known.
+        BadValue: there are no motors or ratios, a number is out of range, or a number of a motor is not known.
     """
     if not motors:
         raise BadValue("motors", dict(motors), "at least one")
@@ -170,7 +169,7 @@ def knee_drives(
 
 @typed
 def knee_inertia(robot: Robot, law: HoppingLaw) -> float:
-    """Inertia that a torque on the knee alone has to accelerate in the air, at the touchdown angles, in kg·m²."""
+    """Returns the inertia that a torque on the knee alone accelerates in the air, at the touchdown angles, in kg·m²."""
     q = np.zeros(robot.nq)
     q[robot.index("knee")] = law.knee_touchdown
     q[robot.index("hip")] = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
@@ -180,12 +179,12 @@ def knee_inertia(robot: Robot, law: HoppingLaw) -> float:
 
 @typed
 def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
-    """The figures of a hop with a drive, and what speaks against it.
+    """Returns the figures of a hop with a drive, and the reasons against it.
 
     Args:
-        motor: its name.
-        drive: at the knee; supply and limit need not be those that the gait was found with.
-        gait: on hardware, with the drive's motor and gearbox at the knee.
+        motor: name of the motor.
+        drive: drive at the knee; its supply and limit may differ from those with which the gait was found.
+        gait: a gait on hardware, with the drive's motor and gearbox at the knee.
 
     Raises:
         BadValue: the gait has another motor or gearbox at the knee, or none.
@@ -247,7 +246,7 @@ def _solved(
     retune: bool,
     near: Gait | None,
 ) -> KneeDrive:
-    """One row; started from a gait near by, and where that leads nowhere, afresh."""
+    """Returns one row; starts from a nearby gait, and if that leads nowhere, from the beginning."""
     motor, gears = drive.motor, drive.gearbox
     fitted = vary(robot, knee_ratio=gears.ratio, knee_rotor=motor.known("rotor_inertia"))
     if retune:

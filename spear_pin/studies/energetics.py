@@ -1,7 +1,7 @@
 """Energy flow of a hop or a stride, from the battery to the ground, and costs of transport (Figs. 2.4, 4.1).
 
-Q-SPEAR's joints in the sagittal plane are pairs: trajectories, and hardware in them, are of both legs of each, so
-all energies here are of the whole robot. A `Drive` is of one motor: of a pair there are two.
+Q-SPEAR's joints in the sagittal plane are pairs: trajectories, and hardware in them, are those of both legs of each
+pair, so all energies here are those of the whole robot. A `Drive` belongs to one motor: a pair has two.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ class JointFlow:
     """Energy that goes through the actuator of a joint, in J a cycle.
 
     Attributes:
-        joint: its name.
-        given: by the battery.
-        regained: by the battery; each actuator has its own, so what one gives back the others do not use.
+        joint: name of the joint.
+        given: energy from the battery.
+        regained: energy back to the battery; each actuator has its own battery, so the others do not use it.
         joule: heat of winding and battery.
-        gearbox: lost in the gears.
+        gearbox: energy lost in the gears.
         motor: net mechanical work on the joint.
     """
 
@@ -53,21 +53,21 @@ class JointFlow:
 
 @dataclass(frozen=True)
 class EnergyFlow:
-    """Energy flow of Fig. 4.1 by numbers, the mean of whole cycles, in J a cycle; what is lost is positive.
+    """Energy flow of Fig. 4.1 in numbers, the mean of whole cycles, in J a cycle; losses are positive.
 
     Attributes:
-        joints: what goes through each actuator.
-        damping: of the joints that carry springs.
-        friction: of the joints, by the URDF.
-        impact: lost at touchdowns.
-        released: lost with springs that let go.
-        slip: of toes on the ground.
+        joints: flow through each actuator.
+        damping: energy lost in the damping of the joints that carry springs.
+        friction: energy lost in friction of the joints, by the URDF.
+        impact: energy lost at touchdowns.
+        released: energy lost with springs that release.
+        slip: energy lost as toes slip on the ground.
         spring_stored: work done on springs by compression.
         spring_returned: work done by springs in extension.
-        change: of what the mechanism stores: kinetic, gravity, springs; zero for a periodic gait.
-        magnetic: change of what inductances store.
-        gap: by which quadrature of the battery's power over the samples misses the ledger; `regained` is about
-            as accurate, `given` is what the ledger then leaves, so that the balance is exact.
+        change: change of the energy that the mechanism stores: kinetic, gravity, springs; zero for a periodic gait.
+        magnetic: change of the energy that inductances store.
+        gap: difference between quadrature of the battery's power over the samples and the ledger; `regained` is about
+            as accurate, and `given` follows from the ledger, so that the balance is exact.
     """
 
     joints: tuple[JointFlow, ...]
@@ -83,23 +83,23 @@ class EnergyFlow:
     gap: float
 
     def total(self, flow: str) -> float:
-        """Of all actuators, by the name of a field of `JointFlow`."""
+        """Returns the sum over all actuators of a field of `JointFlow`."""
         return float(sum(getattr(joint, flow) for joint in self.joints))
 
     @property
     def battery(self) -> float:
-        """Energy that the battery gives on balance."""
+        """Net energy from the batteries."""
         return self.total("given") - self.total("regained")
 
     @property
     def losses(self) -> dict[str, float]:
-        """Energy lost, in the order of the way from the battery to the ground."""
+        """Energy lost, in order from the battery to the ground."""
         electrical = {name: self.total(name) for name in ("joule", "gearbox")}
         return electrical | {name: getattr(self, name) for name in MECHANICAL}
 
     @property
     def residual(self) -> float:
-        """Imbalance of energy: battery less losses less what is stored."""
+        """Imbalance of energy: battery less losses less the change of stored energy."""
         return self.battery - sum(self.losses.values()) - self.change - self.magnetic
 
 
@@ -108,12 +108,12 @@ MECHANICAL = ("damping", "friction", "impact", "released", "slip")  # losses beh
 
 @typed
 def energy_flow(system: HybridSystem, trajectory: Trajectory, skip: int = 0) -> EnergyFlow:
-    """Energy flow of a trajectory with hardware.
+    """Returns the energy flow of a trajectory with hardware.
 
     Args:
-        system: the system that was simulated, for its actuators.
-        trajectory: of whole cycles.
-        skip: cycles at the beginning to leave out.
+        system: the simulated system, for its actuators.
+        trajectory: trajectory of whole cycles.
+        skip: number of cycles at the beginning to leave out.
 
     Raises:
         BadValue: there is no hardware, or no cycle is left.
@@ -152,7 +152,7 @@ class Costs:
             positive part less so many percent of the negative one, motor by motor.
         mass: in kg.
         weight: in N.
-        distance: covered in a cycle, in m.
+        distance: distance covered in a cycle, in m.
         rise: h, height of the hip at the apex above that at lift-off, in m; NaN without apexes.
     """
 
@@ -186,16 +186,16 @@ class Costs:
 
 @typed
 def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] | None = None, skip: int = 0) -> Costs:
-    """Cost of a gait, the mean of whole cycles.
+    """Returns the cost of a gait, the mean of whole cycles.
 
     Args:
-        system: the system that was simulated; its hardware is what electrical energy is reckoned from.
-        trajectory: of whole cycles.
-        drives: of one motor of each actuated joint, where there is no hardware.
-        skip: cycles at the beginning to leave out.
+        system: the simulated system; electrical energy is computed from its hardware.
+        trajectory: trajectory of whole cycles.
+        drives: drive of one motor of each actuated joint, where there is no hardware.
+        skip: number of cycles at the beginning to leave out.
 
     Raises:
-        BadValue: hardware and drives are given, or not as many drives as joints, or no cycle is left.
+        BadValue: hardware and drives are given, the numbers of drives and joints differ, or no cycle is left.
     """
     chosen, n = _chosen(trajectory, skip), trajectory.cycles - skip
     rates = _rates(trajectory)
@@ -225,7 +225,7 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
 
 
 def computed_points(name: str, of: Costs) -> tuple[CostPoint, ...]:
-    """Points of a gait for `PUBLISHED` to be compared with: positive mechanical work, and electrical without return."""
+    """Returns points of a gait to compare with `PUBLISHED`: positive mechanical work, electricity without return."""
     kinds: dict[str, Kind] = {"mechanical_positive": "mechanical", "electrical_0": "electrical"}
     found = of.of_transport
     return tuple(
@@ -236,7 +236,7 @@ def computed_points(name: str, of: Costs) -> tuple[CostPoint, ...]:
 
 
 def _chosen(trajectory: Trajectory, skip: int) -> NDArray[np.bool_]:
-    """Samples of whole cycles."""
+    """Returns the samples of whole cycles."""
     if not 0 <= skip < trajectory.cycles:
         raise BadValue("skip", skip, f"a number from 0 to below the {trajectory.cycles} whole cycles there are")
     return np.asarray((trajectory.cycle > skip) & (trajectory.cycle <= trajectory.cycles))
@@ -247,12 +247,12 @@ def _rates(trajectory: Trajectory) -> Array:
 
 
 def _runs(trajectory: Trajectory) -> list[NDArray[np.int64]]:
-    """Samples between events."""
+    """Returns the samples between events."""
     return np.split(np.arange(len(trajectory.t)), np.flatnonzero(np.diff(trajectory.t) <= INSTANT) + 1)
 
 
 def _battery_power(system: HybridSystem, trajectory: Trajectory) -> Array:
-    """Power of each actuator's battery at the samples, in W."""
+    """Returns the power of each actuator's battery at the samples, in W."""
     assert system.hardware is not None
     slope = np.zeros_like(trajectory.current)
     for run in _runs(trajectory):
@@ -273,14 +273,14 @@ def _battery_power(system: HybridSystem, trajectory: Trajectory) -> Array:
 
 
 def _halves(trajectory: Trajectory, chosen: NDArray[np.bool_], power: Array) -> tuple[Array, Array]:
-    """Integrals of the positive and the negative part of powers, (n, k), both positive, in J a cycle, (k,)."""
+    """Returns integrals of the positive and the negative part of powers, (n, k), both positive, in J a cycle, (k,)."""
     curves, n = Curves(trajectory.t, chosen), len(np.unique(trajectory.cycle[chosen]))
     positive, negative = (np.array([curves.positive(side * each) for each in power.T]) / n for side in (1.0, -1.0))
     return positive, negative
 
 
 def _rise(trajectory: Trajectory, skip: int) -> float:
-    """Mean height of the flights' apexes above the lift-offs before them, in m; NaN if there are none."""
+    """Returns the mean height of the flights' apexes above the lift-offs before them, in m; NaN if there are none."""
     begin, end = trajectory.t[_chosen(trajectory, skip)][[0, -1]]
     rises, left, highest = [], None, math.nan
     for event in trajectory.events:

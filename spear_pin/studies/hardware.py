@@ -1,7 +1,7 @@
-"""The hopping experiment of Section 4.3 on hardware: how the hop fares with real motors, wires and sensors.
+"""The hopping experiment of Section 4.3 on hardware: the hop with real motors, wires and sensors.
 
-Which amplifiers the robot has, the source does not say, nor how noisy its sensors are: what is not in the
-catalogue is an assumption, each a field of `Rig`.
+The source does not name the robot's amplifiers, nor the noise of its sensors. What is not in the catalogue is an
+assumption, each a field of `Rig`.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ class Rig:
     """Hardware that drives SPEAR-II's joints and reads them.
 
     Attributes:
-        hip: its motor (source: Faulhaber).
-        knee: its motor (source: Maxon EC 60 flat 100 W; its resistance and inductance are assumptions).
-        hip_efficiency: of its gears, three stages (assumption).
-        knee_efficiency: of its gears (a recollection).
+        hip: motor of the hip (source: Faulhaber).
+        knee: motor of the knee (source: Maxon EC 60 flat 100 W; its resistance and inductance are assumptions).
+        hip_efficiency: efficiency of the hip's gears, three stages (assumption).
+        knee_efficiency: efficiency of the knee's gears (a recollection).
         battery: 24 V (source), no resistance (assumption); each motor has its own.
-        current_limit: of the amplifiers, in A (assumption).
-        bandwidth: of the current loops, in Hz; None: at once (assumption).
+        current_limit: current limit of the amplifiers, in A (assumption).
+        bandwidth: bandwidth of the current loops, in Hz; None: at once (assumption).
         thermal: i²t protection; None: none (assumption).
         sensing: noise and lost commands; None: none (assumption).
     """
@@ -54,7 +54,7 @@ class Rig:
     sensing: Sensing | None = None
 
     def on(self, robot: Robot) -> Hardware:
-        """For a robot with motors on its joints "hip" and "knee"; the gear ratios are the robot's."""
+        """Returns the hardware for a robot with motors on its joints "hip" and "knee"; gear ratios are the robot's."""
         shared = (self.battery, self.current_limit, self.bandwidth, self.thermal)
         parts = {"hip": (self.hip, self.hip_efficiency), "knee": (self.knee, self.knee_efficiency)}
         actuators = []
@@ -69,10 +69,10 @@ class Outcome:
     """One run of many.
 
     Attributes:
-        seed: of its noise and lost commands.
-        hops: whole ones.
-        reason: why it ended; "complete" if it hopped to the end.
-        message: the same in a sentence.
+        seed: seed of its noise and lost commands.
+        hops: number of whole hops.
+        reason: why the run ended; "complete" if it hopped to the end.
+        message: the reason in a sentence.
         apexes: heights of the hip, in m.
     """
 
@@ -85,13 +85,13 @@ class Outcome:
 
 @typed
 def on_rig(gait: Gait, rig: Rig, hops: int = HOPS, rtol: float = 1e-9, progress: bool = True) -> Trajectory:
-    """The hop on hardware, from the gait's state."""
+    """Simulates the hop on hardware, from the gait's state."""
     return simulate(with_hardware(gait.system, rig.on(gait.system.robot)), gait.state, hops, rtol, progress=progress)
 
 
 @typed
 def outcome(gait: Gait, rig: Rig, seed: int, hops: int = HOPS) -> Outcome:
-    """One seeded run."""
+    """Simulates one run with a seed."""
     sensing = replace(rig.sensing or Sensing(), seed=seed)
     run = on_rig(gait, replace(rig, sensing=sensing), hops, RTOL, progress=False)
     apexes = tuple(float(event.q[0]) for event in run.named("apex"))
@@ -99,5 +99,5 @@ def outcome(gait: Gait, rig: Rig, seed: int, hops: int = HOPS) -> Outcome:
 
 
 def reasons(outcomes: Iterable[Outcome]) -> dict[str, int]:
-    """Number of runs that ended for each reason, most frequent first."""
+    """Counts the runs that ended for each reason, most frequent first."""
     return dict(Counter(each.reason for each in outcomes).most_common())

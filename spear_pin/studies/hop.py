@@ -1,4 +1,4 @@
-"""Figures of a hop: height, force, energy per cycle, and how much of the push the spring does."""
+"""Figures of a hop: height, force, energy per cycle, and the spring's share of the push."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from spear_pin.kinds import typed
 
 @typed
 def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
-    """Figures of a hopping gait, from the gait and a trajectory of it, SI units and radians.
+    """Returns figures of a hopping gait, from the gait and a trajectory of it, in SI units and radians.
 
     Returns:
         stance_torque, flight_time, stance_time, period, residual, multipliers, stable, as of the gait; from the
@@ -72,9 +72,9 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
 
 @typed
 def spring_share(trajectory: Trajectory) -> float:
-    """Spring work over spring plus motor work at the knee, while the knee extends in the first stance.
+    """Returns spring work over spring plus motor work at the knee, while the knee extends in the first stance.
 
-    It is 0 where neither does any: the knee never extends, or it extends without torque.
+    It is 0 where neither does work: the knee never extends, or it extends without torque.
     """
     rate = trajectory.v[:, trajectory.coordinates.index("knee")]
     motor = trajectory.u[:, trajectory.actuated.index("knee")]
@@ -89,7 +89,7 @@ def spring_share(trajectory: Trajectory) -> float:
 
 
 def durations(trajectory: Trajectory) -> NDArray[np.float64]:
-    """Stance and flight of each whole hop, in s, (hops, 2): the flight is what follows its last lift-off."""
+    """Returns stance and flight of each whole hop, in s, (hops, 2); the flight follows the hop's last lift-off."""
     left = np.array([event.time for event in trajectory.named("lift_off")])
     bounds = [trajectory.t[trajectory.cycle == n][[0, -1]] for n in range(1, trajectory.cycles + 1)]
     parts = [(left[left < end].max() - begin, end - left[left < end].max()) for begin, end in bounds]

@@ -1,4 +1,4 @@
-"""Lead a hop from one that there is to numbers with which a search finds none, and tell where and why that ends."""
+"""Continuation of a hop from one that exists to numbers with which a search finds none; tells where and why it ends."""
 
 from __future__ import annotations
 
@@ -39,15 +39,15 @@ TURNS, LATE = "there the branch of hops turns back", "there the time for it was 
 
 @dataclass(frozen=True)
 class Way:
-    """How far hops go.
+    """How far hops exist on the way to given numbers.
 
     Attributes:
         gait: the hop with all numbers; None where the way ends before.
-        number: at which it ends, by name; empty where it does not.
-        begun: value of the number with which the way begins.
-        reached: value that it reaches.
-        flight_time: meanwhile, in s.
-        why: what ends it, in words.
+        number: name of the number at which the way ends; empty where it does not end.
+        begun: value of the number at which the way begins.
+        reached: value of the number that the way reaches.
+        flight_time: flight time on the way, in s.
+        why: why the way ends, in words.
     """
 
     gait: Gait | None
@@ -59,26 +59,26 @@ class Way:
 
     @property
     def inside(self) -> float:
-        """A value of the number that is sure to have a hop: a little before the end."""
+        """A value of the number that surely has a hop: a little before the end."""
         return self.reached + INSIDE * (self.begun - self.reached)
 
 
 class _Ended(Exception):
-    """The way is not followed farther, for what it says."""
+    """Raised when the way is not followed farther; the text says why."""
 
 
 @typed
 def lead_hop(system: HybridSystem, target: Mapping[str, float], seconds: float = SECONDS) -> Way:
-    """Lead a hop from one with SPEAR-II's numbers, scaled, to the numbers of a system, one after the other.
+    """Continues a hop from one with SPEAR-II's numbers, scaled, to the numbers of a system, one number after another.
 
     Args:
-        system: the hop of a leg with boom_x locked, as of `hopping`.
-        target: its flight time, in s, by the name "flight_time"; without it that of the hop with which the way begins,
-            or with "stance_torque" that torque.
-        seconds: of a processor, after which the way ends.
+        system: the hop of a leg with boom_x locked, made by `hopping`.
+        target: flight time, in s, by the name "flight_time", or a torque by "stance_torque"; by default the flight time
+            of the hop at which the way begins.
+        seconds: CPU time in s, after which the way ends.
 
     Raises:
-        NoGait: with SPEAR-II's numbers there is no hop either.
+        NoGait: there is no hop with SPEAR-II's numbers either.
     """
     deadline = time.process_time() + seconds
     usual = usual_hop(system)
@@ -101,7 +101,7 @@ def lead_hop(system: HybridSystem, target: Mapping[str, float], seconds: float =
 
 
 def usual_hop(system: HybridSystem) -> HybridSystem:
-    """The system with SPEAR-II's numbers, scaled: of the law, of a spring that pulls, and of friction."""
+    """Returns the system with SPEAR-II's numbers, scaled, for the law, a spring that pulls, and friction."""
     robot, law, spring = system.robot, HoppingLaw.scaled(system.robot), Spring.scaled(system.robot)
     numbers = {name: getattr(law, name) for name in (TORQUE, "frequency", *ANGLES)}
     stiffness = 0.0 if system.spring.table else spring.stiffness
@@ -113,7 +113,7 @@ def usual_hop(system: HybridSystem) -> HybridSystem:
 
 
 def _stops(usual: HybridSystem, system: HybridSystem) -> list[tuple[str, float]]:
-    """Numbers with the values that they take on the way, in turn."""
+    """Lists numbers with the values that they take on the way, in turn."""
     names = ("stiffness", "damping", "hardening", "preload", "frequency", "friction")
     stops = [(name, parameter(system, name)) for name in names]
     ends = [(parameter(usual, name), getattr(system.law, name)) for name in ANGLES]
@@ -124,7 +124,7 @@ def _stops(usual: HybridSystem, system: HybridSystem) -> list[tuple[str, float]]
 
 
 def _follow(gait: Gait, number: str, own: float, value: float, deadline: float) -> Way:
-    """Follow hops over one number; the flight is kept, unless it or the torque is that number."""
+    """Follows hops over one number; the flight is kept, unless the flight or the torque is that number."""
     flight = gait.durations["flight"]
     solved = [] if number == TORQUE else [TORQUE]
     kept = {} if number in (TORQUE, FLIGHT) else {FLIGHT: flight}

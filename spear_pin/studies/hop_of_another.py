@@ -1,4 +1,4 @@
-"""A first hop of somebody else's leg: its flight as long as SPEAR-II's for its size, or longer where there is none."""
+"""A first hop of a user's leg: its flight is as long as SPEAR-II's for its size, or longer where there is none."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ ALIKE = 0.02  # of a torque: one so near to another that was tried tells nothing
 
 @typed
 def scaled_hopping(robot: Robot, contact: Contact | None = None) -> HybridSystem:
-    """The hop of a leg by SPEAR-II's law, scaled to it, with its own spring if a TOML file says one, or SPEAR-II's.
+    """Returns the hop of a leg by SPEAR-II's scaled law, with the leg's own spring from a TOML file, or SPEAR-II's.
 
     Args:
         robot: a leg, as `spear_pin.monopod` cuts it.
@@ -53,19 +53,19 @@ def hop_of(
     within_limits: bool = False,
     on_attempt: Callable[[float, str], object] = lambda flight_time, why: None,
 ) -> Gait:
-    """A hop with a flight time, or with one that is up to 30 % longer, the stance torque solved for.
+    """Finds a hop with a flight time, or one up to 30 % longer; the stance torque is solved for.
 
-    It begins at the hops that some torques have, and so ends soon where there is none. Where boom_x is free the hip's
+    The search begins at hops with given torques, and so ends soon where there is none. Where boom_x is free, the hip's
     angle is solved for as well, so that the leg stays where it is.
 
     Args:
-        system: the hop of a leg, as of `hopping`.
-        flight_time: in s.
-        within_limits: whether a shorter flight is taken where only that keeps to the limits of the joints.
-        on_attempt: called with a flight time, in s, that gives way to a shorter one, and why.
+        system: the hop of a leg, made by `hopping`.
+        flight_time: flight time in s.
+        within_limits: whether to accept a shorter flight where only that keeps to the limits of the joints.
+        on_attempt: called with a flight time, in s, that gives way to a shorter one, and the reason.
 
     Raises:
-        NoGait: there is none; with what is likely to be the cause, and what to try.
+        NoGait: there is no such hop; the text says the likely cause, and what to try.
         BadValue: no cycle has a flight so short or so long.
     """
     check_wanted(system, {"flight_time": flight_time})
@@ -82,7 +82,7 @@ def hop_of(
 
 
 def _beside(gait: Gait, flight_time: float) -> Gait:
-    """The hop with another flight time beside one, or beyond a gap."""
+    """Finds the hop with another flight time near a hop, or beyond a gap."""
     wanted = {"stance_torque": ("flight_time", flight_time), "hip_touchdown": ("mean_speed", 0.0)}
     target = dict(wanted[name] for name in gait.parameters)
     try:
@@ -92,12 +92,12 @@ def _beside(gait: Gait, flight_time: float) -> Gait:
 
 
 def _over(gait: Gait) -> str:
-    """Limits of the joints that a hop exceeds, in words."""
+    """Lists limits of the joints that a hop exceeds, in words."""
     return "; ".join(map(str, excesses(gait.system.robot, simulate(gait.system, gait.state, 1, progress=False))))
 
 
 def _anywhere(system: HybridSystem, flight_time: float) -> Gait:
-    """The hop of a leg, which stays where it is even if it need not."""
+    """Finds the hop of a leg, which stays where it is even if it need not."""
     if "boom_x" not in system.robot.coordinates:
         return _in_place(system, flight_time)
     gait = _in_place(_held(system), flight_time)
@@ -108,7 +108,7 @@ def _anywhere(system: HybridSystem, flight_time: float) -> Gait:
 
 
 def _held(system: HybridSystem) -> HybridSystem:
-    """The same hop with boom_x locked."""
+    """Returns the same hop with boom_x locked."""
     cut, robot = system.robot.cut, system.robot
     if cut is None:
         raise BadValue("robot", robot.name, "one that monopod cut out, or boom_x locked")
@@ -117,7 +117,7 @@ def _held(system: HybridSystem) -> HybridSystem:
 
 
 def _in_place(system: HybridSystem, flight_time: float) -> Gait:
-    """The hop of a leg that cannot move forward."""
+    """Finds the hop of a leg that cannot move forward."""
     tried: list[float] = []
     known: list[Gait] = []
 

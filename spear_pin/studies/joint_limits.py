@@ -1,4 +1,4 @@
-"""What makes a gait implausible: limits of the robot's joints that it exceeds, multipliers that are all zero."""
+"""Why a gait is implausible: it exceeds limits of the robot's joints, or its multipliers are all zero."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ FORGOTTEN = 1e-3  # of every multiplier: less is left of a disturbance after a c
 
 @dataclass(frozen=True)
 class Excess:
-    """A limit that is not kept.
+    """A limit that a motion exceeds.
 
     Attributes:
         joint: the joint.
         what: "torque", "rate" or "angle".
-        value: what is reached, the farthest beyond the limit; of torques that of one motor.
-        limit: what is allowed.
-        unit: of both.
+        value: value that is reached, the farthest beyond the limit; a torque is that of one motor.
+        limit: largest allowed value.
+        unit: unit of both.
     """
 
     joint: str
@@ -44,11 +44,11 @@ class Excess:
 
 @typed
 def excesses(robot: Robot, trajectory: Trajectory) -> tuple[Excess, ...]:
-    """Limits of the actuated joints that a trajectory does not keep.
+    """Lists limits of the actuated joints that a trajectory exceeds.
 
     Args:
-        robot: whose trajectory it is.
-        trajectory: its samples count, and so do those just before and after events.
+        robot: the robot of the trajectory.
+        trajectory: a trajectory; its samples count, and so do those just before and after events.
     """
     found, curves = [], Curves.of(trajectory.t)
     for i, joint in enumerate(robot.actuated):
@@ -70,11 +70,11 @@ def excesses(robot: Robot, trajectory: Trajectory) -> tuple[Excess, ...]:
 
 @typed
 def doubts(gait: Gait, found: Sequence[Excess] = ()) -> tuple[str, ...]:
-    """Why a gait is not to be believed though it is computed right; nothing of one that is plausible.
+    """Lists reasons why a correctly computed gait is implausible; empty if it is plausible.
 
     Args:
         gait: the gait.
-        found: limits that its motion does not keep, as of `excesses`.
+        found: limits that its motion exceeds, from `excesses`.
     """
     said = [str(excess) for excess in found]
     if np.abs(gait.multipliers).max() < FORGOTTEN:
@@ -86,11 +86,11 @@ def doubts(gait: Gait, found: Sequence[Excess] = ()) -> tuple[str, ...]:
 
 @typed
 def plausibility(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
-    """Say what a motion that is played exceeds, and why its gait is not to be believed.
+    """Returns the limits that a played motion exceeds, and why its gait is implausible.
 
     Args:
         gait: the gait.
-        trajectory: its motion, or one that was pushed away from it.
+        trajectory: motion of the gait, or one that was pushed away from it.
 
     Returns:
         beyond_limits: `excesses`, each as a dictionary; implausible: `doubts`, in words.

@@ -1,7 +1,7 @@
 """A synthetic laboratory: records of push tests as an instrument would write them. Nothing here is measured.
 
-The source's records are not public. These have its protocol (push slowly, hold for 3 s, let go, wait, again)
-and a known truth, to try an identification on; every file says that it is synthetic, and from what.
+The source's records are not public. These follow its protocol (push slowly, hold for 3 s, let go, wait, again) with a
+known truth, so that an identification can be tested. Every file says that it is synthetic, and how it was made.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ class Instrument:
     """A knee potentiometer and its converter: every number is an assumption.
 
     Attributes:
-        calibration: of the potentiometer (default: 5 V over 270°, 0.4 V at the straight leg).
+        calibration: calibration of the potentiometer (default: 5 V over 270°, 0.4 V at the straight leg).
         noise: standard deviation of the voltage, white, in V.
         quantum: step of the converter, in V; 0 is none (default: 12 bits of 5 V).
-        drift: of the voltage, in V/s.
+        drift: drift of the voltage, in V/s.
     """
 
     calibration: Calibration = Calibration(volts_per_rad=1.06, offset=0.4)
@@ -43,13 +43,13 @@ class Instrument:
     drift: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require("Instrument.noise", self.noise, lambda v: v >= 0, "a number >= 0, in V")
         require("Instrument.quantum", self.quantum, lambda v: v >= 0, "a number >= 0, in V")
         require("Instrument.drift", self.drift, lambda v: abs(v) < np.inf, "a finite number, in V/s")
 
     def voltage(self, t: Array, angle: Array, rng: np.random.Generator) -> Array:
-        """Voltage that is written down for an angle, in V."""
+        """Returns the recorded voltage for an angle, in V."""
         exact = self.calibration.volts_per_rad * angle + self.calibration.offset
         read = exact + self.drift * t + self.noise * rng.normal(size=t.size)
         return np.asarray(self.quantum * np.round(read / self.quantum) if self.quantum else read)
@@ -57,12 +57,12 @@ class Instrument:
 
 @dataclass(frozen=True)
 class SyntheticRecord:
-    """A record with what it was made from.
+    """A record with the truth that it was made from.
 
     Attributes:
-        t: (n,), in s.
-        voltage: (n,), in V.
-        angle: the true one, (n,), in rad.
+        t: times, (n,), in s.
+        voltage: voltages, (n,), in V.
+        angle: true angles, (n,), in rad.
         let_go: true times of the releases, in s.
         made_from: the truth in words, for the head of the file.
     """
@@ -85,19 +85,19 @@ def synthesize(
     rate: float = RATE,
     seed: int = 0,
 ) -> SyntheticRecord:
-    """Push, hold, let go and wait, several times over, as in Section 4.1.3.
+    """Simulates push, hold, release and wait, several times over, as in Section 4.1.3.
 
     Args:
         leg: the pinned leg, with its rotor or without.
-        knee: the truth.
-        depth: of the pushes, in m.
-        repeats: releases.
-        instrument: that reads the knee (default: an assumed one).
+        knee: true knee.
+        depth: depth of the pushes, in m.
+        repeats: number of releases.
+        instrument: instrument that reads the knee (default: an assumed one).
         rate: samples a second.
-        seed: of the noise, and of the moments of release.
+        seed: seed of the noise, and of the moments of release.
 
     Raises:
-        BadValue: a number out of range, or a leg that does not rest or cannot be pushed so far.
+        BadValue: a number is out of range, or the leg does not rest or cannot be pushed so far.
     """
     instrument = instrument or Instrument()
     cycle = PUSH + HOLD + SWING
@@ -139,7 +139,7 @@ def synthetic_trial(
     duration: float = 1.5,
     rate: float = RATE,
 ) -> Trial:
-    """One release with white noise on the angle, in rad, let go at time zero."""
+    """Simulates one release with white noise on the angle, in rad, let go at time zero."""
     t = np.arange(-round(hold * rate), round(duration * rate) + 1) / rate
     initial = pushed_angle(leg, knee, depth)
     angle = np.full(t.size, initial)
@@ -149,7 +149,7 @@ def synthetic_trial(
 
 @typed
 def write_csv(record: SyntheticRecord, path: str | Path) -> Path:
-    """Write a record as a CSV file with the columns time_s and knee_V, whole or not at all.
+    """Writes a record as a CSV file with the columns time_s and knee_V, whole or not at all.
 
     Raises:
         BadFile: the file cannot be written.

@@ -1,4 +1,4 @@
-"""Costs of transport of robots and animals that others published, as in Fig. 2.4, and how far each is verified."""
+"""Published costs of transport of robots and animals, as in Fig. 2.4, and how far each is verified."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class CostPoint:
     """A cost of transport and the mass that it goes with.
 
     Attributes:
-        name: of the robot or animal.
+        name: name of the robot or animal.
         mass: in kg.
         cost: E / (m g d).
-        kind: of the energy.
-        source: where the numbers come from.
+        kind: kind of the energy.
+        source: origin of the numbers.
         verification: how far to trust them, the less certain of mass and cost.
     """
 
@@ -40,15 +40,16 @@ class CostPoint:
     verification: Verification
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
+        """Checks the numbers."""
         require("CostPoint.mass", self.mass, lambda m: m > 0, "a number > 0, in kg")
         require("CostPoint.cost", self.cost, lambda c: c > 0, "a number > 0")
 
 
 def running_animals(mass: float) -> float:
-    """Metabolic cost of transport of running animals of a mass in kg: 10.7 M^-0.316 J/(kg m) over g (recollection).
+    """Returns the metabolic cost of transport of running animals by mass in kg: 10.7 M^-0.316 J/(kg m) over g.
 
-    It is the slope of power over speed (Taylor, Heglund and Maloiy 1982), without what they need standing still.
+    It is the slope of power over speed (Taylor, Heglund and Maloiy 1982; recollection), without the power for standing
+    still.
     """
     require("mass", mass, lambda m: m > 0, "a number > 0, in kg")
     return float(10.7 * mass**-0.316 / 9.81)

@@ -1,4 +1,4 @@
-"""Figures of a hop round a post: how far and how high, forces, torques, and the friction it takes for granted."""
+"""Figures of a hop round a post: distance and height, forces, torques, and the friction that it needs."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from spear_pin.kinds import typed
 
 @typed
 def summarize_round(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
-    """Figures of a gait round a post, from the gait and a trajectory that begins with it, SI units and radians.
+    """Returns figures of a gait round a post, from the gait and a trajectory that begins with it, in SI units.
 
     Returns:
-        - flight_time, stance_time, period, residual, multipliers, stable: as of `Gait`.
+        - flight_time, stance_time, period, residual, multipliers, stable: see `Gait`.
         - turn, speed: a hop about the post, to the left, and of the leg's plane along its circle.
         - apex_height: of the hip; None where it has no apex.
         - sway: by which the toe moves towards the post and from it in the first stance.
         - peak_force: normal.
         - peak_torque: of hip and knee, by joint.
-        - friction_used: largest ratio of tangential to normal force, where the toe bears 2 % of the weight.
+        - friction_used: largest ratio of tangential to normal force, where the toe carries 2 % of the weight.
         - friction_at_impact: the largest such ratio of a touchdown's impulses.
         - slips: how often the toe begins to slide along its circle.
         - energy, energy_residual: of the first hop by flow, in J, and the largest imbalance of a hop.

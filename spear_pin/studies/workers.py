@@ -13,10 +13,10 @@ Answer = TypeVar("Answer")
 
 
 def require(purpose: str) -> Any:
-    """The package joblib.
+    """Returns the package joblib.
 
     Raises:
-        MissingExtra: it is not installed.
+        MissingExtra: joblib is not installed.
     """
     try:
         import joblib
@@ -28,13 +28,13 @@ def require(purpose: str) -> Any:
 def each(
     function: Callable[..., Answer], arguments: Iterable[tuple[Any, ...]], n_jobs: int | None, purpose: str
 ) -> Iterator[Answer]:
-    """What a function returns for each of some arguments, as soon as it is there, in any order.
+    """Yields what a function returns for each argument, as soon as it is there, in any order.
 
     Args:
-        function: of a module, for it goes to other processes.
-        arguments: of each call.
-        n_jobs: processes, 1 for this one; None: that of `joblib.parallel_config`, in which a Dask cluster can be named,
-            else one.
+        function: a function of a module, because it goes to other processes.
+        arguments: arguments of each call.
+        n_jobs: number of processes, 1 for this one; None: that of `joblib.parallel_config`, in which a Dask cluster can
+            be named, else one.
         purpose: what needs joblib, in words.
 
     Raises:
@@ -53,7 +53,7 @@ def each(
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Workers that are started meanwhile leave Ctrl-C to this process, which ends them."""
+    """Makes workers that start meanwhile leave Ctrl-C to this process, which ends them."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -1,4 +1,4 @@
-"""A column of numbers over time, as a page holds it."""
+"""A column of numbers over time in a page."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ class Column:
     """A number over time.
 
     Attributes:
-        name: as `Trajectory.columns` has it, for instance `q_knee`.
-        label: what has it, of those of its kind: `knee`.
-        kind: what it is, in words; columns of a kind and a unit share a plot.
-        unit: of its values.
-        values: (n,).
-        color: of its line; "" for that of its place among those of its plot.
-        derived: whether it was made from others for plots, and is in no table.
+        name: name in `Trajectory.columns`, for instance `q_knee`.
+        label: label among those of its kind: `knee`.
+        kind: kind in words; columns with the same kind and unit share a plot.
+        unit: unit of the values.
+        values: values, (n,).
+        color: color of its line; "" takes the color of its place in its plot.
+        derived: whether it was computed from other columns for plots, and is not in a table.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A trajectory's samples as a page holds them: columns with their units, thinned to what there is room for."""
+"""Samples of a trajectory for a page: columns with their units, thinned to the available room."""
 
 from __future__ import annotations
 
@@ -36,10 +36,11 @@ class Samples:
 
     Attributes:
         t: (n,) times, in s from the first; an event has two samples.
-        columns: everything else.
-        every: of so many samples of the trajectory one is here.
-        words: (n,) each, by the name of the column: domain, phase if there is such, and whether springs are engaged.
-        first: names of the columns that a page plots first, where it is not left to `plotted`.
+        columns: all other columns.
+        every: one of so many samples of the trajectory is kept.
+        words: words by the name of the column, (n,) each: domain, phase if there is one, and whether springs are
+            engaged.
+        first: names of the columns that a page plots first, if not by `plotted`.
     """
 
     t: Array
@@ -50,7 +51,7 @@ class Samples:
 
 
 def samples_of(robot: Robot, trajectory: TrajectoryLike) -> Samples:
-    """The samples of a trajectory: all its columns where it has such, else configuration and ground forces."""
+    """Returns the samples of a trajectory: all its columns, or else configuration and ground forces."""
     t = read_times(trajectory)
     found = table_of(trajectory)
     # a floating base has more numbers than names there
@@ -68,7 +69,7 @@ def samples_of(robot: Robot, trajectory: TrajectoryLike) -> Samples:
 
 
 def thinned(samples: Samples, most: int = MOST_VALUES) -> Samples:
-    """As many samples as a page holds, both sides of every event among them where they are not too many."""
+    """Returns as many samples as a page holds, with both sides of every event if they are not too many."""
     n = len(samples.t)
     room = max(2, most // max(1, sum(column.moves for column in samples.columns)))
     if n <= room:
@@ -82,7 +83,7 @@ def thinned(samples: Samples, most: int = MOST_VALUES) -> Samples:
 
 
 def packed(samples: Samples) -> dict[str, Any]:
-    """Samples as the page's script reads them; of a column that stays the same only its value."""
+    """Returns samples in the form for the page's script; a constant column has a single value."""
     moving = [column.values for column in samples.columns if column.moves]
     tabled = [column for column in samples.columns if not column.derived]
     return {
@@ -104,7 +105,7 @@ def packed(samples: Samples) -> dict[str, Any]:
 
 
 def plotted(samples: Samples) -> list[str]:
-    """Names of the columns that a page shows first: where the joints are, what motors, springs and ground do."""
+    """Returns names of the columns that a page shows first: joints, motors, springs and ground forces."""
     there = [(*parted(column.name), column.name) for column in samples.columns if column.moves]
     driven = {label for symbol, label, _ in there if symbol == "u"}
     angles = [name for symbol, label, name in there if symbol == "q" and (not driven or label in driven)]
@@ -134,7 +135,7 @@ def _words(trajectory: TrajectoryLike) -> dict[str, NDArray[np.str_]]:
 
 
 def _runs(values: NDArray[np.str_]) -> list[tuple[int, str]]:
-    """Where each value begins that is another than the one before."""
+    """Returns where each value begins that differs from the one before."""
     rows = np.r_[0, np.flatnonzero(values[1:] != values[:-1]) + 1]
     return [(int(row), str(values[row])) for row in rows]
 

@@ -1,4 +1,4 @@
-"""Columns of a robot in space as its page shows them: by joint over its legs, with its speed ahead and across."""
+"""Columns of a robot in space for its page: by joint over its legs, with its speed ahead and across."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ FIRST = (f"q_{YAW}", f"q_{ROLL}", ACROSS)
 
 
 def in_space(robot: Robot) -> bool:
-    """Whether the base of a robot is a chain in space."""
+    """Tells whether the base of a robot is a chain in space."""
     return robot.coordinates[: len(CHAIN)] == CHAIN
 
 
 def by_leg(robot: Robot, columns: Sequence[Column]) -> tuple[Column, ...]:
-    """The columns, those of a joint of all legs of one kind and of a colour for each leg; angles of the base apart."""
+    """Returns columns grouped by joint over the legs, with a colour for each leg; angles of the base are apart."""
     parts: dict[str, tuple[str, str, str]] = {}
     for number, leg in enumerate(robot.legs):
         named = {"adduction": leg.abduction, "hip": leg.hip, "knee": leg.knee}
@@ -45,7 +45,7 @@ def by_leg(robot: Robot, columns: Sequence[Column]) -> tuple[Column, ...]:
 
 
 def _speeds(columns: dict[str, Column]) -> list[Column]:
-    """Horizontal speed along the heading and across it, to the left."""
+    """Returns horizontal speeds along the heading and across it, to the left."""
     names = f"v_{X}", f"v_{Y}", f"q_{YAW}"
     if not set(names) <= columns.keys():
         return []
@@ -56,7 +56,7 @@ def _speeds(columns: dict[str, Column]) -> list[Column]:
 
 
 def plotted_in_space(columns: Sequence[Column]) -> list[str]:
-    """Names of the columns that a page shows first in space."""
+    """Returns names of the columns that a page shows first in space."""
     there = [column for column in columns if column.moves]
     adductions = [
         column.name

@@ -1,4 +1,4 @@
-"""Gaits, motions, springs and robots beside one another, on a page of their own."""
+"""Comparison page for gaits, motions, springs and robots."""
 
 from spear_pin.viz.compare.comparison import Comparison, compare
 

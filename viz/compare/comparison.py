@@ -1,4 +1,4 @@
-"""A comparison: the API, its table, and the page it saves."""
+"""A comparison: the API, its table, and the page that it saves."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ HEIGHT = 720  # px of the frame of a notebook
 
 @dataclass(frozen=True, repr=False)
 class Comparison:
-    """Gaits, motions, springs or robots beside one another; a notebook shows the page.
+    """A comparison of gaits, motions, springs or robots; a notebook shows the page.
 
     Attributes:
-        sides: what is compared, the first what others are held against.
-        measures: of all of them, with differences.
-        differences: parameters that are not the same.
+        sides: the compared sides; the first is the reference.
+        measures: measures of all sides, with differences.
+        differences: parameters that differ.
         said: the main differences in sentences.
     """
 
@@ -45,25 +45,25 @@ class Comparison:
 
     @cached_property
     def page(self) -> str:
-        """The text of the page, of less than 5 MB, which asks for nothing."""
+        """Text of the page, of less than 5 MB, which loads nothing else."""
         from spear_pin.viz.compare.page import render
 
         return render(self.sides, self.measures, self.differences, self.said)
 
     @typed
     def save(self, path: str | Path) -> Path:
-        """Write the page, which any browser shows.
+        """Writes the page, which any browser shows.
 
         Raises:
             BadFile: the file cannot be written.
-            BadValue: the motions do not fit into it.
+            BadValue: the motions do not fit into the page.
         """
         return Player(self.page, HEIGHT).save(path)
 
     def to_pandas(self) -> Any:
-        """The measures as a `pandas.DataFrame`: group, unit and values, differences and % of each side.
+        """Returns the measures as a `pandas.DataFrame`: group, unit and values, differences and % of each side.
 
-        A side whose label another column has is numbered there, as "unit (2)".
+        A side whose label is already a column's gets a number there, as "unit (2)".
         """
         import pandas
 
@@ -83,20 +83,22 @@ def compare(
     cycles: int = CYCLES,
     of: Gait | None = None,
 ) -> Comparison:
-    """Two or more gaits, motions, springs or robots beside one another; the others are held against the first.
+    """Compares two or more gaits, motions, springs or robots; the first is the reference for the others.
 
-    Of springs, hops are compared: SPEAR-II's hop in place with each, its stance torque solved for 0.2 s in the air.
+    Springs are compared by hops: SPEAR-II's hop in place with each spring, its stance torque solved for 0.2 s of
+    flight.
 
     Args:
         items: gaits, trajectories, robots, springs; or words: the name of a gait that ships or of a robot, the path of
             a saved gait (.json), a trajectory (.npz) or a robot, or numbers of a spring, "stiffness=40,damping=1".
-        names: labels, one for each; by default what they are called.
-        cycles: of each gait that are simulated.
-        of: another gait that springs are put into. Of a hop whose stance torque was solved for that is solved again,
-            for the same time in the air; of others the fixed point alone, with the law as it is.
+        names: labels, one for each; by default the names of the items.
+        cycles: number of cycles of each gait to simulate.
+        of: another gait into which springs are put. If it is a hop whose stance torque was solved for, the torque is
+            solved for again, for the same flight time. For other gaits only the fixed point is found again, with the
+            law unchanged.
 
     Raises:
-        SpearError: there are fewer than two or more than six, one cannot be read, or no gait has a spring.
+        SpearError: there are fewer than two items or more than six, one cannot be read, or no gait has a spring.
 
     Example:
         >>> from spear_pin import Spring, compare

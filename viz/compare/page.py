@@ -1,4 +1,4 @@
-"""What the template of a comparison's page is given: motions as their viewers read them, tables, the unit circle."""
+"""Data for the template of a comparison's page: motions for their viewers, tables, the unit circle."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MOST_PLOTTED = 2  # columns of a kind that are plotted at first
 
 @dataclass(frozen=True)
 class Mark:
-    """A multiplier in the plane: its path in units of the plane, whose it is, and its value in words."""
+    """A multiplier in the plane: its path in units of the plane, its side, and its value in words."""
 
     path: str
     side: int
@@ -40,16 +40,16 @@ class Mark:
 def render(
     sides: tuple[Side, ...], measures: tuple[Measure, ...], differences: tuple[Difference, ...], said: tuple[str, ...]
 ) -> str:
-    """The text of the page, with as many frames a second as it may hold.
+    """Returns the text of the page, with as many frames a second as it may hold.
 
     Args:
-        sides: what is compared.
-        measures: of all of them.
-        differences: parameters that are not the same.
-        said: sentences that stand on top.
+        sides: the compared sides.
+        measures: measures of all sides.
+        differences: parameters that differ.
+        said: sentences at the top.
 
     Raises:
-        BadValue: the motions do not fit into it.
+        BadValue: the motions do not fit into the page.
     """
     view = environment(number=number, percent=percent, change=change, parameter=parameter)
     reach = max([1.0, *(float(np.abs(side.gait.multipliers).max()) for side in sides if side.gait is not None)])
@@ -77,13 +77,13 @@ def render(
 
 
 def _data(sides: tuple[Side, ...], rate: float, arrows: list[float | None]) -> dict[str, Any]:
-    """What the page's scripts read, with so many frames a second, and arrows of each side as of `_arrows`."""
+    """Returns the data for the page's scripts, with a frame rate, and arrow scales from `_arrows` for each side."""
     shown = [_side(side, sides[0] if i else None, rate, arrows[i], len(sides)) for i, side in enumerate(sides)]
     return {"sides": shown, "speeds": SPEEDS, "rate": rate, "plotted": _plotted(shown)}
 
 
 def _side(side: Side, first: Side | None, rate: float, newtons: float | None, count: int) -> dict[str, Any]:
-    """A side, one of so many, as its viewer reads it; the first is the ghost of those that are the same robot."""
+    """Returns a side in the form for its viewer; the first is the ghost of sides with the same robot."""
     motion = standing(side.robot) if side.run is None else side.run
     frames = resample(side.robot, motion, rate)
     haunting = first.run if first is not None and side.run is not None and _alike(first.robot, side.robot) else None
@@ -100,7 +100,7 @@ def _side(side: Side, first: Side | None, rate: float, newtons: float | None, co
 
 
 def _arrows(sides: tuple[Side, ...]) -> list[float | None]:
-    """The newtons of a metre of an arrow, for each side the same as of all of its robot; None of those without any."""
+    """Returns newtons per metre of an arrow for each side, equal for sides with the same robot; None without arrows."""
     own = [
         0.0 if side.run is None else moving(side.robot, resample(side.robot, side.run, RATES[-1])).newtons
         for side in sides
@@ -112,13 +112,13 @@ def _arrows(sides: tuple[Side, ...]) -> list[float | None]:
 
 
 def _alike(one: Robot, other: Robot) -> bool:
-    """Whether a robot's ghost is drawn by the links of the other."""
+    """Tells whether a robot's ghost can be drawn with the links of the other."""
     same = one.source == other.source and str(one.cut) == str(other.cut)
     return same and one.model.nq == other.model.nq and list(one.model.names) == list(other.model.names)
 
 
 def _bounds(side: Side) -> list[float]:
-    """When whole cycles begin, and the last ends, in s from the first sample."""
+    """Returns when whole cycles begin, and when the last ends, in s from the first sample."""
     run = side.run
     if run is None or not run.cycles:
         return []
@@ -128,7 +128,7 @@ def _bounds(side: Side) -> list[float]:
 
 
 def _plotted(sides: list[dict[str, Any]]) -> list[str]:
-    """Columns that are plotted at first: of each kind the first few that some side would plot."""
+    """Returns columns that are plotted at first: of each kind the first few that some side would plot."""
     wanted = list(dict.fromkeys(name for side in sides for name in side["samples"]["plotted"]))
     kinds = {column["name"]: column["kind"] for side in sides for column in side["samples"]["columns"]}
     seen: Counter[str] = Counter()
@@ -157,7 +157,7 @@ def _complex(z: complex) -> str:
 
 
 def _shape(number: int, x: float, y: float, r: float) -> str:
-    """Outline of a side's mark: circle, square, diamond, triangles, cross."""
+    """Returns the outline of a side's mark: circle, square, diamond, triangles, cross."""
     corners = {
         1: [(-0.85, -0.85), (0.85, -0.85), (0.85, 0.85), (-0.85, 0.85)],
         2: [(0, -1.2), (1.2, 0), (0, 1.2), (-1.2, 0)],

@@ -1,4 +1,4 @@
-"""Numbers, differences and parameters of a comparison as a reader sees them, on its page and in its text."""
+"""Numbers, differences and parameters of a comparison in words, for its page and its text."""
 
 from __future__ import annotations
 
@@ -13,29 +13,29 @@ SHOWN = 3  # numbers of a list
 
 
 def value(number: float) -> str:
-    """Four digits."""
+    """Formats a number with four digits."""
     return f"{number:.4g}".replace("-", "−")
 
 
 def number(number: float | None) -> str:
-    """Four digits, or a dash."""
+    """Formats a number with four digits, or a dash."""
     return NONE if number is None else value(number)
 
 
 def change(number: float | None) -> str:
-    """A difference, with its sign, or a dash."""
+    """Formats a difference with its sign, or a dash."""
     return NONE if number is None else "0" if number == 0 else f"{number:+.3g}".replace("-", "−")
 
 
 def percent(share: float | None) -> str:
-    """A share in %, with its sign, or a dash."""
+    """Formats a share in % with its sign, or a dash."""
     if share is None:
         return NONE
     return "0" if share == 0 else f"{share:+.1f}".replace("-", "−") if abs(share) >= 0.05 else "±0.0"
 
 
 def parameter(given: Any, name: str = "") -> str:
-    """A value of a parameter, with the unit where that is known; of lists the first few numbers."""
+    """Formats a parameter with its unit where that is known; of a list the first few numbers."""
     if given is None:
         return NONE
     if isinstance(given, bool):

@@ -1,1 +1,1 @@
-"""The page on which one turns the hop's numbers, and the server that answers it on this machine."""
+"""The page on which a user changes the numbers of a motion, and its local server."""

@@ -1,4 +1,4 @@
-"""Connections to a server: how many there are at once, how long a client may keep one, and how it ends."""
+"""Connections to a server: their largest number, how long a client may keep one, and how they end."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ class Connections:
     """Bounds the number of connections, and the time for which each waits for its client.
 
     Args:
-        most: how many there are at once.
-        patience: how long one waits for what its client says, and then for its end, in s.
+        most: largest number at once.
+        patience: time for which a connection waits for the client's request, and then for its end, in s.
     """
 
     def __init__(self, most: int, patience: float) -> None:
@@ -25,7 +25,7 @@ class Connections:
         self._until: dict[socket, float] = {}  # when its client has to be done; the oldest first
 
     def admit(self, connection: socket) -> None:
-        """Take a connection in; where there is no room, the oldest that waits for its client gives its place."""
+        """Admits a connection; where there is no room, the oldest that waits for its client is ended."""
         with self._changed:
             while len(self._until) >= self._most:
                 self._stop([each for each, until in self._until.items() if 0.0 < until < math.inf][:1])
@@ -33,19 +33,19 @@ class Connections:
             self._until[connection] = monotonic() + self._patience
 
     def stop_clock(self, connection: socket) -> bool:
-        """Wait no longer for what the client says; whether it was in time."""
+        """Stops the wait for the client's request; returns whether it came in time."""
         with self._changed:
             in_time = monotonic() < self._until[connection]
             self._until[connection] = math.inf
         return in_time
 
     def end_late(self) -> None:
-        """Wait no longer for clients that take too long."""
+        """Stops waiting for clients that take too long."""
         with self._changed:
             self._stop([each for each, until in self._until.items() if until <= monotonic()])
 
     def end(self, connection: socket) -> None:
-        """End a connection without a reset: what the client still sends is dropped until it ends it as well."""
+        """Ends a connection without a reset: further data of the client is dropped until it ends as well."""
         with self._changed:
             self._until[connection] = monotonic() + self._patience
         dropped = bytearray(PIECE)
@@ -58,7 +58,7 @@ class Connections:
             self._changed.notify_all()
 
     def _stop(self, connections: Sequence[socket]) -> None:
-        """What waits for these clients reads the end."""
+        """Lets the threads that wait for these clients read the end."""
         for connection in connections:
             self._until[connection] = 0.0
             with suppress(OSError):

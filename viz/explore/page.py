@@ -1,7 +1,7 @@
-"""The page on which one turns a motion's numbers: its text, and the answers it asks for.
+"""The page on which a user changes a motion's numbers: its text, and the answers that it asks for.
 
-A page of our own, on the scene of the recorded one: viser or meshcat's server would add sockets and processes, and
-sliders, plots and an address that holds the state would still have to be written.
+The page is our own, based on the scene of the recorded page. The servers of viser or meshcat would add sockets and
+processes, and sliders, plots and an address that holds the state would still be missing.
 """
 
 from __future__ import annotations
@@ -100,12 +100,12 @@ PLOTS: Mapping[str, tuple[tuple[str, str, dict[str, str]], ...]] = {  # title, u
 
 
 def page(subject: Subject, engine: Engine) -> str:
-    """The text of the page."""
+    """Returns the text of the page."""
     return environment().get_template("explore/page.html").render(title=subject.title, data=_opening(subject, engine))
 
 
 def answer(view: str, hops: Motion) -> dict[str, Any]:
-    """A motion as the page shows it: playback, series to plot, samples, figures."""
+    """Returns a motion for the page: playback, series to plot, samples, figures."""
     frames, scene = _scene(hops)
     return {
         "view": view,
@@ -127,12 +127,12 @@ def answer(view: str, hops: Motion) -> dict[str, Any]:
 
 
 def _multipliers(motion: Motion) -> list[list[float]]:
-    """Real and imaginary parts, none of what is no gait."""
+    """Returns real and imaginary parts; none for a motion that is not a gait."""
     return [] if motion.gait is None else [[each.real, each.imag] for each in motion.gait.multipliers.tolist()]
 
 
 def slopes(found: Tangents) -> dict[str, Any]:
-    """Derivatives as the page shows them: null where there is none."""
+    """Returns derivatives for the page: null where there is none."""
     known = {
         knob: {name: value if math.isfinite(value) else None for name, value in row.items()}
         for knob, row in found.slopes.items()
@@ -141,7 +141,7 @@ def slopes(found: Tangents) -> dict[str, Any]:
 
 
 def series(motion: Motion) -> dict[str, list[float]]:
-    """Series plotted over t, in s; torques in N·m, forces in N, heights in m, angles in rad."""
+    """Returns series to plot over t, in s; torques in N·m, forces in N, heights in m, angles in rad."""
     trajectory = motion.trajectory
     own = _bound_columns(trajectory) if motion.knobs.subject.kind == "bound" else _hop_columns(trajectory)
     columns: Columns = {"t": (trajectory.t - trajectory.t[0], 5), **own}
@@ -149,7 +149,7 @@ def series(motion: Motion) -> dict[str, list[float]]:
 
 
 def _hop_columns(trajectory: Trajectory) -> Columns:
-    """Height, forces and the torques on the knee."""
+    """Returns height, forces and the torques on the knee."""
     knee = trajectory.actuated.index("knee")
     motor, spring = trajectory.u[:, knee], trajectory.spring[:, trajectory.spring_joints.index("knee")]
     return {
@@ -163,7 +163,7 @@ def _hop_columns(trajectory: Trajectory) -> Columns:
 
 
 def _bound_columns(trajectory: Trajectory) -> Columns:
-    """Pitch, nose up, forces and motors of the pairs."""
+    """Returns pitch, nose up, forces and motors of the pairs."""
     columns: Columns = {"pitch": (-trajectory.q[:, trajectory.coordinates.index("pitch")], 5)}
     for i, leg in enumerate(LEGS):
         columns[f"normal_{leg}"] = trajectory.force[:, i, 1], 1
@@ -173,7 +173,7 @@ def _bound_columns(trajectory: Trajectory) -> Columns:
 
 
 def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
-    """Data that the page begins with: its knobs, the stage, the default motion to compare with."""
+    """Returns data for the page's start: its knobs, the stage, the default motion for comparison."""
     views = views_of(subject)
     hops = next(iter(views.values()))(subject.at(), engine)
     _, scene = _scene(hops)
@@ -218,13 +218,13 @@ def _scene(hops: Motion) -> tuple[Frames, Scene]:
 
 
 def _changes(scene: Scene) -> list[c.Command]:
-    """Commands that differ between hops; what is looked at from where, and what would need a shader again, stays."""
+    """Returns commands that differ between hops, without camera, and without changes that need a new shader."""
     world = [command for command in scene.commands if command["path"].startswith(WORLD)]
     return [command for command in world if command["type"] != "set_object" or _is_overlay(command)]
 
 
 def _is_overlay(command: c.Command) -> bool:
-    """Whether a command draws a spring, a force or a path, neither the robot nor the ground."""
+    """Tells whether a command draws a spring, a force or a path, neither the robot nor the ground."""
     path = command["path"]
     drawn = command["type"] == "set_object" and path.startswith(WORLD)
     return drawn and "/shape " not in path and not path.startswith(f"{WORLD}/ground")

@@ -1,4 +1,4 @@
-"""Serve the page to this machine alone: loopback, GET, no file of the disk."""
+"""Local server of the page: loopback only, GET only, no file of the disk."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ POLICY = f"{template.POLICY}; connect-src 'self'; frame-ancestors 'none'"
 
 @dataclass(frozen=True)
 class Answer:
-    """Response that is sent back."""
+    """Response to a request."""
 
     status: HTTPStatus
     kind: str
@@ -58,7 +58,7 @@ def _error(status: HTTPStatus, text: str, **headers: str) -> Answer:
 
 
 def _none(view: str, knobs: Knobs, error: NoGait) -> Answer:
-    """There is no such motion, and why: the page keeps the last one, and asks again where that leads onward."""
+    """Answers that there is no such motion, and why: the page keeps the last one, and asks again if that helps."""
     said = {
         "view": view,
         "knobs": knobs.values,
@@ -71,11 +71,11 @@ def _none(view: str, knobs: Knobs, error: NoGait) -> Answer:
 
 
 class Explorer:
-    """Answers to the page's questions, computed one at a time; of those that a client has waiting, the newest.
+    """Answers to the page's questions, computed one at a time; of a client's waiting questions only the newest.
 
     Args:
-        subject: what is turned.
-        engine: that motions are followed with.
+        subject: motion whose numbers change.
+        engine: engine that follows motions.
     """
 
     def __init__(self, subject: Subject, engine: Engine) -> None:
@@ -95,9 +95,9 @@ class Explorer:
         }
 
     def answer(self, target: str, client: str = "") -> Answer:
-        """The answer to a client's request for a path with a query.
+        """Answers a client's request for a path with a query.
 
-        Its status is 409 if the client asks anew while it waits, and 503 if too many ask.
+        The status is 409 if the client asks again while it waits, and 503 if too many ask.
         """
         path, _, query = target.partition("#")[0].partition("?")
         if path not in self._routes:
@@ -125,15 +125,15 @@ class Explorer:
             )
 
     def close(self) -> None:
-        """Wait for what is being computed, and compute no more."""
+        """Waits for the present computation, and computes no more."""
         self._turns.end()
 
     def read(self, query: str) -> tuple[str, Knobs]:
-        """View and knobs from the query of an address; what is not named is at its default.
+        """Reads view and knobs from the query of an address, with defaults for the others.
 
         Raises:
-            UnknownName: there is no such knob or view.
-            BadValue: a name stands there twice, or a value is out of its range; the text names the range.
+            UnknownName: no knob or view has such a name.
+            BadValue: a name occurs twice, or a value is out of its range; the text names the range.
         """
         words: dict[str, str] = {}
         for name, word in parse_qsl(query, keep_blank_values=True):
@@ -174,19 +174,18 @@ class Explorer:
 
 
 class Server(ThreadingTCPServer):
-    """Serves an explorer on a port of the loopback interface.
+    """Server of an explorer on a port of the loopback interface.
 
-    Each connection that is made gets an answer: beyond what can be served it is 503, to a client that does not say what
-    it wants 408.
+    Each connection gets an answer: 503 if the server cannot serve more, 408 if the client sends no request in time.
 
     Args:
-        explorer: answers.
-        port: to listen on; 0 for any that is free.
-        most: connections at once; more wait to be accepted.
-        patience: how long a client may take to say what it wants, in s.
+        explorer: explorer that answers.
+        port: port to listen on; 0 for any free one.
+        most: largest number of connections at once; more wait to be accepted.
+        patience: time in which a client must send its request, in s.
 
     Raises:
-        BadValue: the port cannot be listened on.
+        BadValue: the server cannot listen on the port.
     """
 
     allow_reuse_address = True
@@ -202,46 +201,46 @@ class Server(ThreadingTCPServer):
 
     @property
     def port(self) -> int:
-        """The port it listens on."""
+        """Port on which the server listens."""
         return int(self.server_address[1])
 
     @property
     def url(self) -> str:
-        """The address of the page."""
+        """Address of the page."""
         return f"http://{HOST}:{self.port}/"
 
     def server_close(self) -> None:
-        """Stop listening, after what is being computed."""
+        """Stops listening, after the present computation."""
         super().server_close()
         self.explorer.close()
 
     def service_actions(self) -> None:
-        """Do what is due now and then."""
+        """Does what is due now and then."""
         self.connections.end_late()
 
     def process_request(self, request: Any, client_address: Any) -> None:
-        """Answer in a thread, once there is room."""
+        """Answers in a thread, once there is room."""
         self.connections.admit(request)
         super().process_request(request, client_address)
 
     def shutdown_request(self, request: Any) -> None:
-        """End a connection."""
+        """Ends a connection."""
         self.connections.end(request)
         self.close_request(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A client that goes away is no error; all else takes a line."""
+        """Ignores clients that go away, and writes a line for every other error."""
         if not isinstance(error := sys.exception(), OSError):
             print(f"spear: a request was not answered: {type(error).__name__}: {brief(str(error))}", file=sys.stderr)
 
 
 class _Head(io.BufferedReader):
-    """Lines of a request's head, which ends with a blank one."""
+    """Lines of a request's head, which ends with a blank line."""
 
     ended, _left = False, HEAD
 
     def readline(self, size: int | None = -1, /) -> bytes:
-        """Read a line; none is left once there are too many bytes."""
+        """Reads a line; returns nothing once there are too many bytes."""
         line = super().readline(self._left if size is None or size < 0 else min(size, self._left))
         self._left -= len(line)
         self.ended = line in (b"\r\n", b"\n")
@@ -281,7 +280,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(self.server.explorer.answer(self.path, self.headers.get(CLIENT, "")) if meant else self._foreign())
 
     def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
-        """Say what is wrong with a request; of its own words only the method."""
+        """Says what is wrong with a request; repeats only the method of its words."""
         if code == HTTPStatus.NOT_IMPLEMENTED:
             self._refuse()
             return
@@ -293,10 +292,10 @@ class _Handler(BaseHTTPRequestHandler):
         self._send(refusal if self._is_meant() else self._foreign())
 
     def _is_meant(self) -> bool:
-        """Whether the request names this machine and comes from its page: all else is another site's.
+        """Tells whether the request names this machine and comes from its page, not from another site.
 
-        A foreign name may lead here, and a foreign page may ask; a browser says so by the Origin or, if it has none
-        to send, by where it fetches from.
+        A foreign name may lead here, and a foreign page may ask. A browser says so by the Origin or, if it has none to
+        send, by the site that fetches.
         """
         port = self.server.port
         suffix = "" if port == 80 else f":{port}"
@@ -335,4 +334,4 @@ class _Handler(BaseHTTPRequestHandler):
             self.close_connection = True
 
     def log_message(self, format: str, *arguments: object) -> None:
-        """Stay silent."""
+        """Stays silent."""

@@ -1,4 +1,4 @@
-"""Whose question is computed next."""
+"""Order in which questions are computed."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ PATIENCE = 10.0  # s that a question may wait
 
 
 class Superseded(Exception):
-    """Its client has asked something newer."""
+    """Raised when the client has asked something newer."""
 
 
 class Overloaded(Exception):
-    """Too many wait, and newer questions come first; or it has waited too long."""
+    """Raised when too many questions wait, and newer ones come first, or when one has waited too long."""
 
 
 class Turns:
-    """Gives one question at a time its turn, for compiled integrators have one state; the newest comes first.
+    """Turns for one question at a time, because compiled integrators have one state; the newest comes first.
 
-    Of each client only the newest question waits, and of all clients only the newest few.
+    Only the newest question of each client waits, and only the newest few of all clients.
 
     Args:
-        waiting: how many questions may wait.
-        patience: how long one may wait, in s.
+        waiting: largest number of waiting questions.
+        patience: longest wait of a question, in s.
     """
 
     def __init__(self, waiting: int = WAITING, patience: float = PATIENCE) -> None:
@@ -36,11 +36,11 @@ class Turns:
 
     @contextmanager
     def turn(self, client: str) -> Iterator[None]:
-        """Wait for a turn, and have it.
+        """Waits for a turn, and has it.
 
         Raises:
-            Superseded: the client asks for another one meanwhile.
-            Overloaded: others asked later and leave no room, or the turn does not come in time.
+            Superseded: the client asks something newer meanwhile.
+            Overloaded: later questions leave no room, or the turn does not come in time.
         """
         with self._changed:
             self._wait(client, object())
@@ -75,7 +75,7 @@ class Turns:
             raise Superseded
 
     def end(self) -> None:
-        """Wait for the present turn, and give none any more."""
+        """Waits for the present turn, and gives no more."""
         with self._changed:
             self._ended = True
             self._changed.notify_all()

@@ -1,4 +1,4 @@
-"""Cards of what a notebook shows: a table with units and a small drawing, in the colours of the notebook's own text."""
+"""Cards for notebooks: a table with units and a small drawing, in the colours of the notebook's own text."""
 
 from spear_pin.viz.notebook.cards import card
 

@@ -1,4 +1,4 @@
-"""Cards: what is in a result, row by row, and a drawing."""
+"""Cards: rows with the contents of a result, and a drawing."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Card:
-    """What is shown: a title, a remark on it, rows, and a drawing beside them."""
+    """Contents of a card: a title, a remark on it, rows, and a drawing beside them."""
 
     title: str
     remark: str
@@ -52,13 +52,13 @@ class Card:
 
 
 def card(shown: object) -> str:
-    """The card of a robot, a gait, a trajectory or a table of many, as HTML."""
+    """Returns the card of a robot, a gait, a trajectory or a table of many, as HTML."""
     return environment().get_template("notebook/card.html").render(card=described(shown))
 
 
 @singledispatch
 def described(shown: object) -> Card:
-    """What the card of something says; of what is not known here, its text."""
+    """Returns the contents of a card; for an unknown object, its text."""
     return Card(type(shown).__name__, repr(shown), ())
 
 
@@ -244,7 +244,7 @@ def _(batch: Batch) -> Card:
 
 
 def _reasons(reasons: NDArray[np.str_]) -> Iterator[Row]:
-    """How many lanes ended how."""
+    """Says how many lanes ended for each reason."""
     for reason, count in Counter(reasons.tolist()).most_common():
         yield Row(_words(reason), f"{count:,}", sketch=sketches.bar(count / len(reasons), "share of the lanes"))
 

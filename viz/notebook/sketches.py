@@ -1,4 +1,4 @@
-"""Small drawings of cards: outlines in the units of SVG, which the template puts in."""
+"""Small drawings of cards: outlines in SVG units, which the template inserts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ BENT = 1.0  # rad of the knees of a robot that stands
 
 @dataclass(frozen=True)
 class Stroke:
-    """An outline: the path of it, as SVG has it, its colour, its width in px, and whether it is filled."""
+    """An outline: its path, in SVG's notation, its colour, its width in px, and whether it is filled."""
 
     path: str
     color: str = INK
@@ -36,9 +36,9 @@ class Sketch:
     """A drawing.
 
     Attributes:
-        says: what it shows, in words.
+        says: description, in words.
         size: width and height, in px.
-        strokes: what is drawn, from back to front.
+        strokes: strokes, from back to front.
     """
 
     says: str
@@ -47,7 +47,7 @@ class Sketch:
 
 
 def over_time(t: Array, values: Array, says: str) -> Sketch:
-    """A line over time, (n,) and (n,), as high as its range."""
+    """Draws a line over time, (n,) and (n,), as high as its range."""
     rows = np.unique(np.linspace(0, len(t) - 1, MOST_POINTS).astype(int))
     width, height = LINE
     x = 1 + (width - 2) * (t[rows] - t[0]) / (np.ptp(t) or 1.0)
@@ -56,7 +56,7 @@ def over_time(t: Array, values: Array, says: str) -> Sketch:
 
 
 def circle(multipliers: NDArray[np.complex128]) -> Sketch:
-    """Floquet multipliers and the unit circle; those outside are crossed out."""
+    """Draws Floquet multipliers and the unit circle; those outside are crossed out."""
     reach = 1.12 * max(1.0, float(np.abs(multipliers).max(initial=0.0)))
     middle = SIDE / 2
     scale = middle / reach
@@ -69,7 +69,7 @@ def circle(multipliers: NDArray[np.complex128]) -> Sketch:
 
 
 def scatter(x: Array, y: Array, level: float, says: str) -> Sketch:
-    """Points, (n,) and (n,), above a level crossed out, and the level."""
+    """Draws points, (n,) and (n,), and a level; points above it are crossed out."""
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
     low, high = min(float(y.min(initial=level)), 0.0), max(float(y.max(initial=level)), level) * 1.08
@@ -86,13 +86,13 @@ def scatter(x: Array, y: Array, level: float, says: str) -> Sketch:
 
 
 def bar(share: float, says: str) -> Sketch:
-    """A bar as long as a share, up to 1."""
+    """Draws a bar as long as a share, up to 1."""
     width, height = LINE
     return Sketch(says, LINE, (Stroke(f"M0 4h{width * share:.1f}v{height - 8}H0z", BLUE, 0.0, True),))
 
 
 def standing(robot: Robot) -> Sketch:
-    """The robot from its side, as lines from joint to joint, its knees bent, on the ground."""
+    """Draws the robot from its side, as lines from joint to joint, its knees bent, on the ground."""
     model, data = robot.model, robot.model.createData()
     pin.framesForwardKinematics(model, data, _bent(robot))
     # as bodies are, so that a slide is no bone
@@ -114,7 +114,7 @@ def standing(robot: Robot) -> Sketch:
 
 
 def _bent(robot: Robot) -> Array:
-    """A configuration with bent knees, each toe below its hip, as far as legs are known; (nq,)."""
+    """Returns a configuration with bent knees, each toe below its hip, as far as legs are known; (nq,)."""
     q = np.array(pin.neutral(robot.model))
     for leg in robot.legs:
         knee = BENT * (leg.bends or 1)

@@ -1,4 +1,4 @@
-"""The page of a payoff study: the answer, the maps, two motions beside each other, every point, and the doubts."""
+"""The page of a payoff study: the answer, the maps, two motions for comparison, every point, and the doubts."""
 
 from spear_pin.viz.payoff.page import as_json, most, render
 

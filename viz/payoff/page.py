@@ -1,4 +1,4 @@
-"""What the template of a payoff study's page is given."""
+"""Data for the template of a payoff study's page."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ CAPTIONS = {
 
 
 class Row(NamedTuple):
-    """A point of the table of all points."""
+    """A row of the table of all points."""
 
     point: str
     finding: SearchEnd | None
@@ -60,14 +60,14 @@ NAMES: Mapping[str, str] = {  # in JSON, of fields of points and figures that ar
 def render(
     study: Study, answer: Answer, name: str, assumptions: list[tuple[str, str]], figures: Mapping[str, Figure]
 ) -> str:
-    """The text of the page.
+    """Returns the text of the page.
 
     Args:
-        study: what was found.
-        answer: what follows.
-        name: of the robot.
-        assumptions: what the study rests on, a name and what it says.
-        figures: those of `spear_pin.viz.plots.payoff`.
+        study: the study.
+        answer: conclusions of the study.
+        name: name of the robot.
+        assumptions: assumptions of the study, as names and texts.
+        figures: figures of `spear_pin.viz.plots.payoff`.
     """
     best = {kind: finding for kind, finding in study.best.items() if finding.figures is not None}
     cheaper = min(
@@ -103,7 +103,7 @@ def render(
 
 
 def rows(study: Study) -> list[Row]:
-    """Every point with what was found, the freely chosen stiffnesses last."""
+    """Returns every point with its finding; freely chosen stiffnesses come last."""
     points = [*study.grid, *(point for point in study.tries if point.stiffness is None)]
     found = []
     for point in points:
@@ -116,7 +116,7 @@ def rows(study: Study) -> list[Row]:
 
 
 def most(values: Mapping[str, float], part: str) -> float:
-    """The largest of the values of knees or hips."""
+    """Returns the largest of the values of knees or hips."""
     return max(value for joint, value in values.items() if joint.endswith(part))
 
 
@@ -128,7 +128,7 @@ def _playback(study: Study, finding: SearchEnd, title: str) -> str:
 
 
 def _element(figure: Figure, key: str, study: Study) -> tuple[Markup, str]:
-    """A figure and its caption."""
+    """Returns a figure and its caption."""
     file, caption = io.BytesIO(), CAPTIONS[key].format(cost=study.gaits.words.cost)
     with style():
         figure.savefig(file, format="svg", metadata={"Date": None})
@@ -136,7 +136,7 @@ def _element(figure: Figure, key: str, study: Study) -> tuple[Markup, str]:
 
 
 def summary(study: Study, finding: SearchEnd) -> dict[str, Any]:
-    """A finding as JSON tells it, without the optimiser's unknowns; its electricity is that of a cycle, in J."""
+    """Returns a finding as JSON without the optimiser's unknowns; its electricity is that of a cycle, in J."""
     figures = finding.figures
     drawn = None if figures is None else study.gaits.energy(study.robot, figures)
     return {
@@ -148,13 +148,13 @@ def summary(study: Study, finding: SearchEnd) -> dict[str, Any]:
 
 
 def _named(study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values by the names that other commands have for them."""
+    """Returns values by the names that other commands use."""
     names = {**NAMES, "speed": study.gaits.words.measure}
     return {names.get(name, name): value for name, value in values.items()}
 
 
 def as_json(study: Study, answer: Answer) -> dict[str, Any]:
-    """The study and its answer in JSON's terms; None for what is not known."""
+    """Returns the study and its answer as JSON; None for unknown values."""
     said = {part: {**asdict(getattr(study.motors, part)), "from": study.motors.said[part]} for part in PARTS}
     pace = study.gaits.words.measure
     result: dict[str, Any] = _known(
@@ -179,7 +179,7 @@ def as_json(study: Study, answer: Answer) -> dict[str, Any]:
 
 
 def _known(value: Any) -> Any:
-    """A value with None for what is no finite number."""
+    """Returns a value with None for what is not a finite number."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):

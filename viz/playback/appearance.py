@@ -1,4 +1,4 @@
-"""Something that a robot's file shows, as it says it: form, size, place and colour."""
+"""Visible parts in a robot's file: form, size, place and colour."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ Color = tuple[float, float, float, float]
 
 
 class Undrawn(Exception):
-    """Something of a robot's look that is not drawn.
+    """Raised for a visible part of a robot that is not drawn.
 
     Args:
-        what: names it.
-        why: goes on with a reason; may be empty.
+        what: name of the part.
+        why: continues the sentence with a reason; may be empty.
     """
 
     def __init__(self, what: str, why: str = "") -> None:
@@ -27,14 +27,14 @@ class Undrawn(Exception):
 
 @dataclass(frozen=True)
 class Shown:
-    """Something that a body shows.
+    """A visible part of a body.
 
     Attributes:
-        form: what it is; cylinders and capsules are along their z.
+        form: form of the part; cylinders and capsules are along their z.
         size: lengths x, y, z of a box; radius and length of a cylinder, and of a capsule without its ends; radius of a
             sphere; radii of an ellipsoid; in m; scale of a mesh.
-        place: in the body's frame.
-        color: None if the file has none.
+        place: pose in the body's frame.
+        color: colour; None if the file has none.
         mesh: name of a mesh's file.
     """
 

@@ -1,4 +1,4 @@
-"""Place of a joint's spring in the picture: between a point before the joint and one behind it, beside the links."""
+"""Place of a joint's spring in the picture: between a point before the joint and one behind it, next to the links."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ class Coil:
     """A spring across a joint, drawn from a point of the link before it to a point of the link behind.
 
     Attributes:
-        joint: index of the joint it spans.
+        joint: index of the joint that it spans.
         start: its end on the link before the joint, (3,), in m in that link's joint frame.
         end: its end on the link behind, (3,), in m in the joint's frame.
-        start_root: the point of the link that `start` is bracketed to, as `start`.
-        end_root: the point of the link that `end` is bracketed to, as `end`.
-        side: direction across it, (3,), in the frame of `start`.
-        shifts: where it is along `side`, in m; a pair of legs has it twice.
-        radius: of the coil, in m.
+        start_root: point of the link to which a bracket holds `start`, (3,), in m in the same frame.
+        end_root: point of the link to which a bracket holds `end`, (3,), in m in the same frame.
+        side: direction across the coil, (3,), in the frame of `start`.
+        shifts: places along `side`, in m; a pair of legs has two.
+        radius: radius of the coil, in m.
         wire: radius of the wire, in m.
     """
 
@@ -45,23 +45,23 @@ class Coil:
     wire: float
 
     def vectors(self, local: Array) -> Array:
-        """From start to end over the frames, (frames, 3), in m in the frame of `start`."""
+        """Returns vectors from start to end over the frames, (frames, 3), in m in the frame of `start`."""
         poses = local[:, self.joint]
         return np.asarray(poses[:, :3, :3] @ self.end + poses[:, :3, 3] - self.start)
 
     def rotations(self, local: Array) -> Array:
-        """Rotations that bring z along the coil, (frames, 3, 3), in the frame of `start`."""
+        """Returns rotations that bring z along the coil, (frames, 3, 3), in the frame of `start`."""
         return np.array([frame_along(vector, self.side) for vector in self.vectors(local)])
 
 
 def fit_coil(robot: Robot, joint: str, q: Array, shapes: tuple[Shape, ...]) -> Coil:
-    """The coil that shows the spring of a joint.
+    """Returns the coil that shows the spring of a joint.
 
     Args:
         robot: the robot.
-        joint: name of the joint the spring spans.
+        joint: name of the joint that the spring spans.
         q: a configuration, (nq,), in which the spring is engaged: the coil lies inside its angle.
-        shapes: what the links look like.
+        shapes: shapes of the links.
     """
     model = robot.model
     index = int(model.getJointId(joint))
@@ -88,7 +88,7 @@ def fit_coil(robot: Robot, joint: str, q: Array, shapes: tuple[Shape, ...]) -> C
 
 
 def helix(coil: Coil, length: float) -> tuple[Array, NDArray[np.intp]]:
-    """Vertices and faces of the coil along z from 0 to 1; its wire is round when stretched to a length, in m."""
+    """Returns vertices and faces of the coil along z from 0 to 1; its wire is round if stretched to a length, in m."""
     angle = np.linspace(0.0, 2 * np.pi * TURNS, 14 * TURNS + 1)
     # the ends run to the axis, where the brackets hold them
     taper = np.clip(np.minimum(angle, angle[::-1]) / (0.6 * np.pi), 0.0, 1.0)
@@ -102,7 +102,7 @@ def helix(coil: Coil, length: float) -> tuple[Array, NDArray[np.intp]]:
 
 
 def tube(line: Array, radius: float, sides: int) -> tuple[Array, NDArray[np.intp]]:
-    """A tube around a line of (k, 3) points: vertices and faces, the faces in the line's order."""
+    """Returns vertices and faces of a tube around a line of (k, 3) points; the faces are in the line's order."""
     tangent = np.gradient(line, axis=0)
     frames = []
     side = np.array([0.0, 1.0, 0.0])
@@ -122,7 +122,7 @@ def tube(line: Array, radius: float, sides: int) -> tuple[Array, NDArray[np.intp
 
 
 def _axis(model: pin.Model, index: int, pose: Array) -> Array | None:
-    """Axis of a revolute joint in its parent's frame; none for any other joint."""
+    """Returns the axis of a revolute joint in its parent's frame; none for any other joint."""
     joint = model.joints[index]
     if joint.nv != 1:
         return None
@@ -133,7 +133,7 @@ def _axis(model: pin.Model, index: int, pose: Array) -> Array | None:
 
 
 def _behind(robot: Robot, index: int) -> Array:
-    """End of the link behind a joint: its toe, else its next joint, else past its centre of mass."""
+    """Returns the end of the link behind a joint: its toe, else its next joint, else past its centre of mass."""
     model = robot.model
     toes = [model.frames[robot.toe_id(toe)] for toe in robot.toes]
     ends = [frame.placement.translation for frame in toes if frame.parentJoint == index]
@@ -143,11 +143,11 @@ def _behind(robot: Robot, index: int) -> Array:
 
 
 def places_across(shapes: tuple[Shape, ...], index: int, axis: Array) -> tuple[float, ...]:
-    """Places of a joint's link along its axis, in m: one, or two for a pair of legs, the right one first.
+    """Returns places of a joint's link along its axis, in m: one, or two for a pair of legs, the right one first.
 
     Args:
-        shapes: what the links look like.
-        index: of the joint that carries the link.
+        shapes: shapes of the links.
+        index: index of the joint that carries the link.
         axis: direction in the joint's frame, (3,).
     """
     places = np.array([shape.center @ axis for shape in shapes if shape.joint == index])

@@ -1,4 +1,4 @@
-"""What stays in the middle of the picture: a place on the ground and, where the robot turns, which way it heads."""
+"""Place on the ground in the middle of the picture and, where the robot turns, its heading."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ WINDOW = 0.5  # s, over which is smoothed
 
 @dataclass(frozen=True)
 class Following:
-    """What the picture follows over the frames.
+    """Place and heading that the picture follows over the frames.
 
     Attributes:
-        place: (m, 2), x and y, in m.
-        heading: (m,), in rad.
+        place: places, (m, 2), x and y, in m.
+        heading: headings, (m,), in rad.
     """
 
     place: Array
@@ -39,7 +39,7 @@ class Following:
 
     @property
     def poses(self) -> Array:
-        """Of the world as it is seen, (m, 4, 4): the place at its origin, the heading along x."""
+        """Poses of the world as it is seen, (m, 4, 4): the place at its origin, the heading along x."""
         poses = np.tile(np.eye(4), (len(self.heading), 1, 1))
         c, s = np.cos(self.heading), np.sin(self.heading)
         poses[:, 0, 0], poses[:, 0, 1], poses[:, 1, 0], poses[:, 1, 1] = c, s, -s, c
@@ -48,20 +48,20 @@ class Following:
 
 
 def base_joint(model: pin.Model) -> int | None:
-    """The joint that moves the base in space, below which is the torso; None of a robot that has none."""
+    """Returns the joint that moves the base in space, below which is the torso; None if a robot has none."""
     if model.njoints > 1 and model.joints[1].shortname() == FREE:
         return 1
     return model.getJointId(CHAIN[-1]) if all(model.existJointName(name) for name in CHAIN) else None
 
 
 def follow(model: pin.Model, t: Array, world: Array, center: Array) -> Following:
-    """The place of a robot's centre of mass, and the heading of its torso, smooth, so that strides show.
+    """Returns the place of a robot's centre of mass and the heading of its torso, smoothed so that strides show.
 
     Args:
-        model: of the robot.
-        t: (m,) frames, in s.
-        world: (m, joints, 4, 4) poses of the joints.
-        center: (m, 3) centre of mass, in m.
+        model: model of the robot.
+        t: times of the frames, (m,), in s.
+        world: poses of the joints, (m, joints, 4, 4).
+        center: centres of mass, (m, 3), in m.
     """
     place, base = center[:, :2], base_joint(model)
     stays = np.ptp(place, axis=0).max() < IN_PLACE

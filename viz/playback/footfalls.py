@@ -1,4 +1,4 @@
-"""When each foot is on the ground, and the colour in which pages and plots draw what is its own."""
+"""Times of each foot on the ground, and the colour of each foot in pages and plots."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class Footfall:
     """A foot's times on the ground.
 
     Attributes:
-        toe: its name.
-        color: its own.
-        spans: when it comes down and lifts off, in s.
+        toe: name of the toe.
+        color: colour of the foot.
+        spans: times at which it comes down and lifts off, in s.
     """
 
     toe: str
@@ -29,27 +29,27 @@ class Footfall:
 
     @property
     def label(self) -> str:
-        """Which foot it is: "posterior left"."""
+        """Foot in words: "posterior left"."""
         return label_of(self.toe)
 
 
 def label_of(toe: str) -> str:
-    """Which foot a toe is, in words: "posterior left"."""
+    """Returns the foot of a toe in words: "posterior left"."""
     return re.sub("_(toe|foot)$", "", toe, flags=re.IGNORECASE).replace("_", " ")
 
 
 def color_of(number: int, feet: int) -> str:
-    """Colour of a foot by its number among so many of the robot's: two of a pair are of a kind."""
+    """Returns the colour of a foot by its number among the robot's feet; feet of a pair have similar colours."""
     return COLORS[(number if feet > len(COLORS) // 2 else 2 * number) % len(COLORS)]
 
 
 def footfalls(toes: Sequence[str], t: Array, force: Array) -> tuple[Footfall, ...]:
-    """When the ground pushes on each toe.
+    """Returns when the ground pushes on each toe.
 
     Args:
-        toes: their names.
-        t: (n,) times, in s; an event has two samples.
-        force: (n, toes, 2) or (n, toes, 3), normal to the ground last, in N.
+        toes: names of the toes.
+        t: times, (n,), in s; an event has two samples.
+        force: forces, (n, toes, 2) or (n, toes, 3), in N; the last component is normal to the ground.
     """
     found = []
     for number, toe in enumerate(toes):
@@ -60,7 +60,7 @@ def footfalls(toes: Sequence[str], t: Array, force: Array) -> tuple[Footfall, ..
 
 
 def contacts(force: Array) -> list[tuple[int, int]]:
-    """First and last of the samples of each run in which the ground pushes on a toe, (n, 2) or (n, 3), in N."""
+    """Returns first and last sample of each run in which the ground pushes on a toe; force (n, 2) or (n, 3), in N."""
     bears = np.concatenate(([False], force[:, -1] > 0.0, [False]))
     edges = np.flatnonzero(np.diff(bears.astype(int))).reshape(-1, 2)
     return [(int(first), int(end) - 1) for first, end in edges]

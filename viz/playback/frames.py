@@ -20,7 +20,7 @@ LARGEST = 1e15  # rad, m or N, that can be drawn
 
 @dataclass(frozen=True)
 class Span:
-    """A domain and the times, in s from the start of the motion, it lasts from and to."""
+    """A domain with its begin and end, in s from the start of the motion."""
 
     name: str
     begin: float
@@ -29,7 +29,7 @@ class Span:
 
 @dataclass(frozen=True)
 class Switch:
-    """A yes or no over time: the value from each time, in s from the start, until the next."""
+    """A yes or no over time: the value holds from each time, in s from the start, until the next."""
 
     times: Array
     values: tuple[bool, ...]
@@ -41,13 +41,13 @@ class Frames:
 
     Attributes:
         start: time of the trajectory's first sample, in s.
-        t: (m,) times of the frames from there, in s; an event keeps its two frames.
-        q: (m, nq) configurations.
-        force: (m, toes, 3) ground forces, in N.
+        t: times of the frames from there, (m,), in s; an event keeps its two frames.
+        q: configurations, (m, nq).
+        force: ground forces, (m, toes, 3), in N.
         spans: the domains, one after the other.
         events: name and time from the start, in s.
-        springs: joint each spring spans, and when it is engaged.
-        ground: on which it is.
+        springs: joint that each spring spans, and when it is engaged.
+        ground: ground of the motion.
     """
 
     start: float
@@ -66,13 +66,13 @@ class Frames:
 
 
 def resample(robot: Robot, trajectory: TrajectoryLike, rate: float, name: str = "trajectory") -> Frames:
-    """Frames at a rate, in 1/s, between the events; never across one.
+    """Returns frames at a rate, in 1/s, between the events; never across one.
 
     Args:
         robot: the robot that moves.
-        trajectory: what it does.
-        rate: in 1/s.
-        name: of the trajectory in errors.
+        trajectory: motion of the robot.
+        rate: frame rate in 1/s.
+        name: name of the trajectory in errors.
 
     Raises:
         BadValue: the trajectory has the wrong shape, is not finite, runs backward or lasts no time.
@@ -124,7 +124,7 @@ def _table(name: str, value: ArrayLike, shapes: list[tuple[int, ...]]) -> Array:
 
 
 def _steady(t: Array, rate: float) -> tuple[NDArray[np.intp], Array, Array]:
-    """For each frame: the sample before it, how far it is to the next one (0..1), and its time."""
+    """Returns for each frame the sample before it, the fraction of the way to the next sample (0..1), and its time."""
     ends = np.flatnonzero(np.diff(t) == 0)
     rows, weights, times = [], [], []
     for first, last in zip(np.r_[0, ends + 1], np.r_[ends, len(t) - 1], strict=True):

@@ -1,4 +1,4 @@
-"""The look of a robot on what was cut out of it: each visual on the cut's joint that moves its link."""
+"""The appearance of a robot on a cut of it: each visual on the cut's joint that moves its link."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ TRUNK = {"monopod": "boom", "sagittal": "torso"}  # link of a cut that bears wha
 
 
 def grafted(robot: Robot, cut: Cut, visuals: Sequence[Visual]) -> list[Visual]:
-    """Visuals of a robot on the joints of a cut of it.
+    """Returns visuals of a robot on the joints of a cut of it.
 
-    Of a monopod they are those of its leg and, faintly, those of the trunk; of a sagittal robot all. With every angle
-    of the cut at zero, the robot's joints are at their `Turn.zero`: there the two lie upon each other, hip on hip. A
-    cut that points to the robot's rear shows it turned by half a turn.
+    For a monopod they are the visuals of its leg and, faintly, those of the trunk; for a sagittal robot they are all.
+    With every angle of the cut at zero, the robot's joints are at their `Turn.zero`; then the two coincide, hip on hip.
+    If a cut points to the robot's rear, the robot is shown turned by half a turn.
 
     Args:
         robot: the cut robot.
-        cut: where it comes from.
-        visuals: of the robot that it was cut out of.
+        cut: the cut.
+        visuals: visuals of the robot from which it was cut.
     """
     model, carriers = cut.robot.model, _carriers(cut)
     there, here = pin.Data(model), pin.Data(robot.model)
@@ -49,7 +49,7 @@ def grafted(robot: Robot, cut: Cut, visuals: Sequence[Visual]) -> list[Visual]:
 
 
 def _carriers(cut: Cut) -> dict[int, str]:
-    """For each joint of the robot that is shown the cut's joint, or its trunk, that it moves with."""
+    """Returns, for each visible joint of the robot, the cut's joint, or its trunk, with which it moves."""
     model = cut.robot.model
     carriers = dict.fromkeys(range(model.njoints) if cut.kind == "sagittal" else _above(cut), TRUNK[cut.kind])
     if model.inertias[0].mass == 0.0:  # rails, on which the trunk slides
@@ -60,7 +60,7 @@ def _carriers(cut: Cut) -> dict[int, str]:
 
 
 def _at_zero(cut: Cut) -> Array:
-    """Configuration of the robot with every angle of the cut at zero, (nq,)."""
+    """Returns the configuration of the robot with every angle of the cut at zero, (nq,)."""
     model = cut.robot.model
     q = np.array(pin.neutral(model))
     for turn in (turn for turns in cut.angles.values() for turn in turns):
@@ -71,7 +71,7 @@ def _at_zero(cut: Cut) -> Array:
 
 
 def _hips(robot: Robot, cut: Cut, carrier: str, here: pin.Data, there: pin.Data) -> tuple[Array, Array]:
-    """Middle of the hips of a leg or a pair, of all of them for the trunk: in the robot, and in the cut, (3,), in m."""
+    """Returns the middle of the hips of a leg or pair, of all for the trunk, in robot and cut, (3,), in m."""
     hips = [name for name in cut.angles if name.endswith("hip") and name == carrier.replace("knee", "hip")]
     hips = hips or [name for name in cut.angles if name.endswith("hip")]
     joints = [cut.robot.model.getJointId(turn.joint) for name in hips for turn in cut.angles[name]]
@@ -80,9 +80,9 @@ def _hips(robot: Robot, cut: Cut, carrier: str, here: pin.Data, there: pin.Data)
 
 
 def _across(robot: Robot, cut: Cut, here: pin.Data, there: pin.Data) -> float:
-    """What of the robot comes to lie in the plane, in m to its left: the middle between its hips, or a monopod's toe.
+    """Returns the part of the robot that lies in the plane, in m to its left: mid-hips, or a monopod's toe.
 
-    The toe is the link that is nearest to where the cut has it.
+    The toe is the link that is nearest to the cut's toe.
     """
     if cut.kind == "sagittal":
         return float(_hips(robot, cut, TRUNK[cut.kind], here, there)[0][1])
@@ -96,13 +96,13 @@ def _across(robot: Robot, cut: Cut, here: pin.Data, there: pin.Data) -> float:
 
 
 def _above(cut: Cut) -> list[int]:
-    """Joints from the world to a monopod's hip."""
+    """Returns the joints from the world to a monopod's hip."""
     model = cut.robot.model
     return [int(joint) for joint in model.supports[model.getJointId(cut.angles["hip"][0].joint)]]
 
 
 def _shared(cut: Cut, joint: int) -> bool:
-    """Whether a joint above a monopod's hip carries more than its leg."""
+    """Tells whether a joint above a monopod's hip carries more than its leg."""
     model, chain = cut.robot.model, _above(cut)
     leg = {*chain, *map(int, model.subtrees[chain[-1]])}
     return joint == 0 or not leg.issuperset(map(int, model.subtrees[joint]))

@@ -9,7 +9,7 @@ from spear_pin.arrays import Array
 
 
 def local_poses(model: pin.Model, q: Array) -> Array:
-    """Pose of each joint in its parent joint, (frames, joints, 4, 4), the world at index 0."""
+    """Returns the pose of each joint in its parent joint, (frames, joints, 4, 4), with the world at index 0."""
     data = pin.Data(model)
     poses = np.tile(np.eye(4), (len(q), model.njoints, 1, 1))
     for frame, configuration in enumerate(q):
@@ -20,7 +20,7 @@ def local_poses(model: pin.Model, q: Array) -> Array:
 
 
 def world_poses(model: pin.Model, local: Array) -> Array:
-    """Pose of each joint in the world, (frames, joints, 4, 4), from the poses in their parents."""
+    """Returns the pose of each joint in the world, (frames, joints, 4, 4), from the poses in their parents."""
     poses = local.copy()
     for joint in range(1, model.njoints):
         poses[:, joint] = poses[:, model.parents[joint]] @ local[:, joint]
@@ -28,7 +28,7 @@ def world_poses(model: pin.Model, local: Array) -> Array:
 
 
 def center_of_mass(model: pin.Model, world: Array) -> Array:
-    """Centre of mass in the world, (frames, 3), in m."""
+    """Returns the centre of mass in the world, (frames, 3), in m."""
     masses = np.array([inertia.mass for inertia in model.inertias])
     levers = np.array([np.append(inertia.lever, 1.0) for inertia in model.inertias])
     masses[0] = 0.0
@@ -37,5 +37,5 @@ def center_of_mass(model: pin.Model, world: Array) -> Array:
 
 
 def quaternions(rotations: Array) -> Array:
-    """Rotation matrices, (frames, 3, 3), as x, y, z, w, (frames, 4)."""
+    """Returns rotation matrices, (frames, 3, 3), as quaternions x, y, z, w, (frames, 4)."""
     return np.array([pin.Quaternion(rotation).coeffs() for rotation in rotations])

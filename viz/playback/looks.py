@@ -1,4 +1,4 @@
-"""What a robot looks like: shapes and meshes of its file, or bones; what is cut out of another, as that."""
+"""Appearance of a robot: shapes and meshes of its file, or bones; a cut robot has the appearance of its original."""
 
 from __future__ import annotations
 
@@ -24,18 +24,18 @@ NAMED = 2  # things that are not drawn, of which more are counted
 
 @dataclass(frozen=True)
 class Looks:
-    """The shapes of a robot, and one line for each kind of thing that is not drawn as it is."""
+    """The shapes of a robot, and one line for each kind of part that is not drawn as it is."""
 
     shapes: tuple[Shape, ...]
     notes: tuple[str, ...] = ()
 
 
 def read_looks(robot: Robot, faces: int = FACES) -> Looks:
-    """Read shapes from the file that the robot was loaded from; never fails, what is not drawn is in the notes.
+    """Reads shapes from the robot's file; never fails: parts that are not drawn are in the notes.
 
     Args:
         robot: the robot.
-        faces: that all its meshes have together at most, or about.
+        faces: largest number of faces, roughly, of all meshes together.
     """
     whole = robot if robot.cut is None else robot.cut.robot
     try:
@@ -58,7 +58,7 @@ def read_looks(robot: Robot, faces: int = FACES) -> Looks:
 def _meshes(
     visuals: Sequence[Visual], file: Path, faces: int
 ) -> tuple[Mapping[str, tuple[Mesh, ...]], list[tuple[str, Undrawn]]]:
-    """The meshes of visuals by the names of their files, and those that are not drawn."""
+    """Returns the meshes of visuals by the names of their files, and those that are not drawn."""
     paths: dict[str, Path] = {}
     faults: list[tuple[str, Undrawn]] = []
     shown = [visual for visual in visuals if visual.shown.form == "mesh"]
@@ -85,7 +85,7 @@ def _meshes(
 
 
 def _undrawn(faults: Sequence[tuple[str, Undrawn]]) -> str:
-    """What is not drawn, in a line; of what several bodies have the first is named."""
+    """Says in a line what is not drawn; of several bodies it names the first."""
     said: dict[tuple[str, str], str] = {}
     for body, fault in faults:
         said.setdefault((fault.what, fault.why), f"{fault.what} of {body!r}" + f" ({fault.why})" * bool(fault.why))
@@ -94,7 +94,7 @@ def _undrawn(faults: Sequence[tuple[str, Undrawn]]) -> str:
 
 
 def _shapes(visual: Visual, meshes: Mapping[str, tuple[Mesh, ...]]) -> list[Shape]:
-    """Shapes of a visual."""
+    """Returns the shapes of a visual."""
     joint, placement, shown = visual.joint, visual.placement, visual.shown
     color, size = shown.color or GREY, shown.size
     if shown.form == "mesh":

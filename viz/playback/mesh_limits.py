@@ -1,4 +1,4 @@
-"""How much a mesh file holds, counted before it is read: what would take too long, or too much memory, is not drawn."""
+"""Size of a mesh file, counted before it is read: meshes that take too much time or memory are not drawn."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ Counts = dict[Any, Count]
 
 
 def lean(data: bytes, kind: str) -> bytes:
-    """Return a mesh file's content without what is not drawn of it.
+    """Returns a mesh file's content without the parts that are not drawn.
 
     Args:
-        data: its content.
-        kind: obj, stl or dae.
+        data: content of the file.
+        kind: kind of the file: obj, stl or dae.
 
     Raises:
-        ValueError: it holds too much, or not what it says; the text says of what.
+        ValueError: the file holds too much, or is not what it says; the text says what.
     """
     if kind == "obj":
         return _lean_obj(data)
@@ -47,7 +47,7 @@ def _require(count: float, most: int, what: str) -> None:
 
 
 def _lean_obj(data: bytes) -> bytes:
-    """An OBJ file without names of groups and materials: each would be a mesh of its own, only to be joined again."""
+    """Returns an OBJ file without names of groups and materials, which would each make a mesh of its own."""
     _require(data.count(b"\nv"), MOST_POINTS, "points")
     faces = 0
     for found in _FACE.finditer(data):
@@ -90,7 +90,7 @@ def _check_dae(data: bytes) -> None:
 
 
 def _faces(geometry: Any) -> int:
-    """Triangles of a COLLADA geometry, at most."""
+    """Returns the largest possible number of triangles of a COLLADA geometry."""
     total = 0
     for kind in ("triangles", "polylist", "polygons", "tristrips", "trifans"):
         for group in geometry.iter(f"{{*}}{kind}"):
@@ -102,20 +102,20 @@ def _faces(geometry: Any) -> int:
 
 
 def _numbers(element: Any) -> int:
-    """How many numbers an element lists, at most: one more than there are blanks."""
+    """Returns the largest possible number of numbers in an element: one more than there are blanks."""
     text: str = element.text or ""
     return 1 + sum(map(text.strip().count, " \n\t"))
 
 
 def _put(element: Any, named: Mapping[str, list[Any]], own: Mapping[str, int], known: Counts, deep: int) -> Count:
-    """How many nodes a node is with all in it, and how many triangles, each as often as it is put.
+    """Returns how many nodes a node is with all in it, and how many triangles, each as often as it is placed.
 
     Args:
         element: the node, or the scene.
         named: nodes by their names, of which several may have one.
-        own: triangles of geometries by theirs.
-        known: what is known of nodes already.
-        deep: in how many others it is.
+        own: numbers of triangles of geometries, by the geometries' names.
+        known: results for nodes so far.
+        deep: depth of nesting.
     """
     _require(deep, DEEPEST, "nodes in one another")
     if element not in known:

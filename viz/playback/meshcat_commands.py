@@ -28,8 +28,8 @@ class Track:
     Attributes:
         name: three.js property of the animated object, for instance `position`.
         kind: how values are interpolated; `bool` values hold until the next key.
-        times: (k,) keys, in s, nondecreasing.
-        values: (k, ...) values at the keys.
+        times: keys, (k,), in s, nondecreasing.
+        values: values at the keys, (k, ...).
     """
 
     name: str
@@ -39,31 +39,31 @@ class Track:
 
 
 def box(x: float, y: float, z: float) -> Geometry:
-    """A box of these side lengths, in m, around its centre."""
+    """Returns a box with these side lengths, in m, around its centre."""
     return {"type": "BoxGeometry", "width": x, "height": y, "depth": z}
 
 
 def sphere(radius: float) -> Geometry:
-    """A sphere around its centre; radius in m."""
+    """Returns a sphere around its centre; radius in m."""
     return {"type": "SphereGeometry", "radius": radius, "widthSegments": 32, "heightSegments": 20}
 
 
 def cylinder(radius: float, length: float, top: float | None = None) -> Geometry:
-    """A cylinder, or a cone ending in the radius `top`, along y around its centre; lengths in m."""
+    """Returns a cylinder, or a cone ending in the radius `top`, along y around its centre; lengths in m."""
     top = radius if top is None else top
     size = {"radiusTop": top, "radiusBottom": radius, "height": length, "radialSegments": 40}
     return {"type": "CylinderGeometry", **size}
 
 
 def triangles(vertices: ArrayLike, faces: ArrayLike) -> Geometry:
-    """A mesh from (v, 3) vertices, in m, and (f, 3) indices of its corners."""
+    """Returns a mesh from (v, 3) vertices, in m, and (f, 3) indices of its corners."""
     index = _buffer(faces, "Uint16Array" if len(np.asarray(vertices)) < 2**16 else "Uint32Array", 1)
     attributes = {"position": _buffer(vertices, "Float32Array", 3)}
     return {"type": "BufferGeometry", "data": {"attributes": attributes, "index": index}}
 
 
 def material(color: Sequence[float], kind: str = "MeshPhongMaterial", **properties: Any) -> dict[str, Any]:
-    """A three.js material in its JSON form; colour as red, green, blue and optionally alpha in 0..1."""
+    """Returns a three.js material in its JSON form; colour as red, green, blue and optionally alpha in 0..1."""
     red, green, blue = (round(255 * min(max(value, 0.0), 1.0)) for value in color[:3])
     alpha = float(color[3]) if len(color) > 3 else 1.0
     return {
@@ -77,7 +77,7 @@ def material(color: Sequence[float], kind: str = "MeshPhongMaterial", **properti
 
 
 def set_object(path: str, geometry: Geometry, look: Mapping[str, Any]) -> Command:
-    """Put a mesh at a path."""
+    """Returns the command that puts a mesh at a path."""
     shape, surface = f"{path}#geometry", f"{path}#material"
     return {
         "type": "set_object",
@@ -98,17 +98,17 @@ def set_object(path: str, geometry: Geometry, look: Mapping[str, Any]) -> Comman
 
 
 def set_transform(path: str, matrix: Array) -> Command:
-    """Place a path in its parent by a (4, 4) pose."""
+    """Returns the command that places a path in its parent by a (4, 4) pose."""
     return {"type": "set_transform", "path": path, "matrix": matrix.T.ravel().tolist()}
 
 
 def set_property(path: str, name: str, value: Any) -> Command:
-    """Set a property of what is at a path."""
+    """Returns the command that sets a property of the object at a path."""
     return {"type": "set_property", "path": path, "property": name, "value": value}
 
 
 def set_animation(clips: Mapping[str, Sequence[Track]], duration: float, speed: float = 1.0) -> Command:
-    """Animate paths by their tracks, over and over; duration in s of the motion, played at a speed."""
+    """Returns the command that animates paths by tracks in a loop; duration in s of the motion, played at a speed."""
     return {
         "type": "set_animation",
         # a server sends what it keeps in the order of the paths' first use: the objects come first
@@ -131,7 +131,7 @@ def set_animation(clips: Mapping[str, Sequence[Track]], duration: float, speed: 
 
 
 def pack(command: Command) -> bytes:
-    """A command as the viewer reads it."""
+    """Returns a command in the viewer's format."""
     return bytes(umsgpack.packb(command))
 
 

@@ -1,4 +1,4 @@
-"""Meshes that a robot's file names: found in its folders alone, read without fetching, and made light for a page."""
+"""Meshes that a robot's file names: found only in its folders, read without downloads, and reduced for a page."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ FEWEST = 12  # faces
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles of one colour.
+    """Triangles with one colour.
 
     Attributes:
-        vertices: (v, 3), in m.
-        faces: (f, 3) indices of corners.
-        color: None where the file has none.
+        vertices: corners, (v, 3), in m.
+        faces: indices of corners, (f, 3).
+        color: colour; None where the file has none.
     """
 
     vertices: Array
@@ -56,18 +56,18 @@ class Mesh:
 
 
 def find_mesh(name: str, file: Path) -> Path:
-    """Path of a mesh that a robot's file names.
+    """Returns the path of a mesh that a robot's file names.
 
-    It lies in the folder of the file, or in the package around it: the nearest folder above with a `package.xml`, else
-    the one above. `package://NAME/...` is looked for in the folders above that are called so, or have a package called
-    so in them, and in the package around the file, with and without NAME.
+    The mesh is in the folder of the file, or in the package around it: the nearest folder above with a `package.xml`,
+    else the parent folder. `package://NAME/...` is searched for in the folders above with that name, or with a package
+    of that name in them, and in the package around the file, with and without NAME.
 
     Args:
-        name: as the file has it.
-        file: path of that.
+        name: name in the file.
+        file: path of the file.
 
     Raises:
-        Undrawn: it is elsewhere, or no such file, or of another kind.
+        Undrawn: the mesh is elsewhere, there is no such file, or it is of another kind.
     """
     what = f"mesh {name!r}"
     if name.lower().startswith(REMOTE):
@@ -89,7 +89,7 @@ def find_mesh(name: str, file: Path) -> Path:
 
 
 def _candidates(name: str, file: Path) -> Iterator[tuple[Path, Path]]:
-    """Folders that a mesh may lie in, and where it would be, the path without any `..`."""
+    """Returns folders in which a mesh may be, and its path there, without any `..`."""
     scheme, colon, rest = name.partition("://")
     around = _package(file)
     if colon and scheme in ("package", "model"):
@@ -107,7 +107,7 @@ def _candidates(name: str, file: Path) -> Iterator[tuple[Path, Path]]:
 
 
 def _package(file: Path) -> Path:
-    """The folder around a robot's file that its meshes may lie in."""
+    """Returns the folder around a robot's file in which its meshes may be."""
     for folder in file.parents:
         if (folder / "package.xml").is_file():
             return folder
@@ -127,10 +127,10 @@ class Use(NamedTuple):
     """A mesh file as it is drawn.
 
     Attributes:
-        path: of the file.
-        changed: when that was written, in ns.
-        scale: the largest that it is drawn at.
-        times: that it is drawn.
+        path: path of the file.
+        changed: time at which the file was written, in ns.
+        scale: largest scale at which it is drawn.
+        times: how often it is drawn.
     """
 
     path: Path
@@ -141,11 +141,11 @@ class Use(NamedTuple):
 
 @lru_cache(maxsize=8)  # a page is tried several times
 def light_meshes(uses: tuple[Use, ...], most: int) -> Mapping[Path, tuple[Mesh, ...] | str]:
-    """The meshes of some files, one for each of a file's colours; or in a line why there are none.
+    """Returns the meshes of some files, one for each of a file's colours; or the reason in a line why there are none.
 
     Args:
         uses: the files.
-        most: number of faces that all together have at most, or about: large ones more than small ones.
+        most: largest number of faces of all together, roughly; large meshes get more than small ones.
     """
     found: dict[Path, tuple[Mesh, ...] | str] = {}
     begun, faces = process_time(), 0
@@ -175,7 +175,7 @@ def light_meshes(uses: tuple[Use, ...], most: int) -> Mapping[Path, tuple[Mesh, 
 
 
 def _shares(faces: Array, sizes: Array, counts: NDArray[Any], most: int) -> list[int]:
-    """Faces that each mesh may have: all that it has, or so many by its size, that together they are not too many."""
+    """Returns the number of faces that each mesh may have: all, or a share by its size if they are too many."""
     low, high = 0.0, float((faces / sizes).max(initial=0.0))
     if counts @ faces > most:
         for _ in range(50):
@@ -185,7 +185,7 @@ def _shares(faces: Array, sizes: Array, counts: NDArray[Any], most: int) -> list
 
 
 def _read(path: Path) -> tuple[Mesh, ...]:
-    """The meshes of a file; ValueError with the reason where there are none."""
+    """Returns the meshes of a file; raises ValueError with the reason where there are none."""
     if path.stat().st_size > MOST_BYTES:
         raise ValueError(f"more than {MOST_BYTES} bytes")
     data, kind = path.read_bytes(), path.suffix.lower().removeprefix(".")
@@ -213,7 +213,7 @@ def _lean(data: bytes, kind: str) -> bytes:
 
 
 def _bare(data: bytes) -> bytes:
-    """A COLLADA file without its materials."""
+    """Returns a COLLADA file without its materials."""
     root = etree.fromstring(data, etree.XMLParser(**PARSER))
     for tag in ("bind_material", "library_images", "library_effects", "library_materials"):
         for element in list(root.iter(f"{{*}}{tag}")):
@@ -222,10 +222,10 @@ def _bare(data: bytes) -> bytes:
 
 
 def _parts(data: bytes, kind: str) -> dict[Color | None, list[Array]]:
-    """Corners of the triangles of a file, (f, 3, 3), by their colour.
+    """Returns corners of the triangles of a file, (f, 3, 3), by their colour.
 
     Raises:
-        ValueError: it cannot be read.
+        ValueError: the file cannot be read.
     """
     import trimesh
 
@@ -249,13 +249,13 @@ def _parts(data: bytes, kind: str) -> dict[Color | None, list[Array]]:
 
 
 def _unit(units: str | None) -> float:
-    """Metres of a unit that COLLADA says."""
+    """Returns the metres of a unit in COLLADA."""
     number, times, _ = (units or "").partition("*")
     return float(number) if times else 1.0
 
 
 def _color(visual: Any) -> Color | None:
-    """Colour of most of a mesh; none where it is left white, as it is where the file says nothing."""
+    """Returns the colour of most of a mesh; none where it is white, as it is where the file gives no colour."""
     if not visual.defined:
         return None
     material = getattr(visual, "material", visual)
@@ -264,7 +264,7 @@ def _color(visual: Any) -> Color | None:
 
 
 def _welded(corners: Array, color: Color | None) -> Mesh:
-    """A mesh of triangles, (f, 3, 3), their common corners joined."""
+    """Returns a mesh of triangles, (f, 3, 3), with their common corners joined."""
     points = corners.reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
     if not (low.min() > -LARGEST and high.max() < LARGEST):
@@ -278,7 +278,7 @@ def _welded(corners: Array, color: Color | None) -> Mesh:
 
 
 def _tidy(vertices: Array, faces: NDArray[Any], color: Color | None) -> Mesh:
-    """A mesh without triangles that have a corner twice, or are there twice, and without corners of none."""
+    """Returns a mesh without degenerate or repeated triangles, and without unused corners."""
     faces = faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
     first, _, _ = _distinct(np.sort(faces, axis=1))
     used, index = np.unique(faces[np.sort(first)], return_inverse=True)
@@ -286,7 +286,7 @@ def _tidy(vertices: Array, faces: NDArray[Any], color: Color | None) -> Mesh:
 
 
 def _distinct(rows: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.intp]]:
-    """Of rows of three numbers >= 0: the first of each kind, the kind of each row, and how many are of each."""
+    """Returns, for rows of three numbers >= 0, the first of each kind, the kind of each row, and the counts."""
     base = int(rows.max(initial=0)) + 1
     # as one number each they are sorted in a tenth of the time
     keys = rows @ np.array([base * base, base, 1]) if base < 2**21 else rows
@@ -295,10 +295,10 @@ def _distinct(rows: NDArray[np.int64]) -> tuple[NDArray[np.intp], NDArray[np.int
 
 
 def lightened(mesh: Mesh, most: int) -> Mesh:
-    """A mesh with so many faces at most: near corners are joined, until they are few enough.
+    """Returns a mesh with a limited number of faces: near corners are joined until there are few enough.
 
-    Unlike decimation edge by edge this takes little more time of half a million faces, and does not eat large pieces up
-    where small ones, of which a screw has many, may not vanish.
+    Decimation edge by edge takes more time for half a million faces. It also destroys large pieces where small ones,
+    such as the many parts of a screw, may not vanish.
     """
     light, cells = mesh, FINEST
     while len(light.faces) > most and cells >= COARSEST:
@@ -309,7 +309,7 @@ def lightened(mesh: Mesh, most: int) -> Mesh:
 
 
 def _joined(mesh: Mesh, cells: int) -> Mesh:
-    """A mesh with the corners joined that are in one of so many cells along its size, in their middle."""
+    """Returns a mesh in which corners in the same cell, of so many along its size, are joined in their middle."""
     low = mesh.low
     cell = float((mesh.high - low).max()) / cells
     _, index, count = _distinct(np.floor((mesh.vertices - low) / cell).astype(np.int64))

@@ -1,4 +1,4 @@
-"""Geoms of an MJCF file as they are drawn: their form, size, place and colour."""
+"""Geoms of an MJCF file for drawing: their form, size, place and colour."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ LAST_GROUP = 2  # of those that MuJoCo's own viewer shows at first; the others a
 
 
 def is_shown(said: Mapping[str, str]) -> bool:
-    """Whether a geom of such attributes is there to be seen."""
+    """Tells whether a geom with such attributes is visible."""
     group, rgba = said.get("group", "0"), said.get("rgba", "").split()
     return not (group.isdigit() and int(group) > LAST_GROUP) and rgba[3:] not in (["0"], ["0.0"])
 
 
 def read_geom(said: Mapping[str, str], look: Look) -> Shown:
-    """What a geom shows.
+    """Returns the visible part of a geom.
 
     Args:
-        said: its attributes, with what its class says.
-        look: the file's.
+        said: attributes of the geom, with those of its class.
+        look: appearance settings of the file.
 
     Raises:
-        Undrawn: it is not valid, or of another kind.
+        Undrawn: the geom is not valid, or of another kind.
     """
     if "mesh" in said:
         return _of_mesh(said, look)
@@ -55,7 +55,7 @@ def read_geom(said: Mapping[str, str], look: Look) -> Shown:
 
 
 def _of_ends(form: Form, said: Mapping[str, str]) -> tuple[Array, pin.SE3]:
-    """Size and place of a geom from one point to another."""
+    """Returns size and place of a geom from one point to another."""
     size, ends = _numbers(said, "size"), _numbers(said, "fromto", 6).reshape(2, 3)
     length = float(np.linalg.norm(ends[1] - ends[0]))
     if length == 0.0:
@@ -99,7 +99,7 @@ def _color(said: Mapping[str, str], look: Look) -> Color | None:
 
 
 def _numbers(said: Mapping[str, str], attribute: str, count: int | None = None) -> Array:
-    """The numbers of an attribute, one at least."""
+    """Returns the numbers of an attribute, at least one."""
     try:
         numbers = np.array([float(part) for part in said.get(attribute, "").split()])
     except ValueError:

@@ -1,4 +1,4 @@
-"""Overlays of the robot: the springs while engaged, the ground forces, the paths of the toes."""
+"""Overlays of the robot: engaged springs, ground forces, and paths of the toes."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ TRAIL_SIDES, TRAIL_POINTS = 4, 1000
 
 @dataclass(frozen=True)
 class Overlay:
-    """Commands that put something into the scene, and the tracks that move it, by path."""
+    """Commands that add something to the scene, and the tracks that move it, by path."""
 
     commands: tuple[c.Command, ...]
     clips: dict[str, tuple[c.Track, ...]]
 
 
 def spring_path(parent_path: str, joint: str) -> str:
-    """Path of the coil of a joint, below the joint before it."""
+    """Returns the path of a joint's coil, below the joint before it."""
     return f"{parent_path}/spring of {joint.replace('/', ' ')}"
 
 
 def spring_overlays(
     robot: Robot, frames: Frames, local: Array, paths: tuple[str, ...], shapes: tuple[Shape, ...]
 ) -> tuple[list[Overlay], list[Shape]]:
-    """The coils, visible while engaged, and the brackets that hold their ends, which stay."""
+    """Returns the coils, visible while engaged, and the brackets at their ends, which are always visible."""
     overlays, brackets = [], []
     for joint, switch in frames.springs:
         coil = fit_coil(robot, joint, _typical(frames, switch), shapes)
@@ -50,20 +50,20 @@ def spring_overlays(
 
 
 def arrow_path(toe: str) -> str:
-    """Path of the arrow of the ground force on a toe."""
+    """Returns the path of the arrow for the ground force on a toe."""
     return f"{WORLD}/force on {toe.replace('/', ' ')}"
 
 
 def arrow_overlay(toe: str, t: Array, position: Array, force: Array, scale: float, width: float) -> Overlay:
-    """The ground force on a toe, from the toe on; hidden while there is none.
+    """Returns the arrow for the ground force on a toe, from the toe on; hidden while there is no force.
 
     Args:
         toe: name of the toe.
-        t: (m,) frames, in s.
-        position: (m, 3) of the toe, in m.
-        force: (m, 3), in N.
+        t: times of the frames, (m,), in s.
+        position: places of the toe, (m, 3), in m.
+        force: forces, (m, 3), in N.
         scale: length of the arrow, in m/N.
-        width: of the shaft, in m.
+        width: width of the shaft, in m.
     """
     path = arrow_path(toe)
     length = scale * np.linalg.norm(force, axis=1)
@@ -100,12 +100,12 @@ def arrow_overlay(toe: str, t: Array, position: Array, force: Array, scale: floa
 
 
 def trail_path(toe: str) -> str:
-    """Path of the path of a toe."""
+    """Returns the scene path of a toe's trail."""
     return f"{WORLD}/path of {toe.replace('/', ' ')}"
 
 
 def trail_overlay(toe: str, t: Array, position: Array, radius: float, most: int = TRAIL_POINTS) -> Overlay:
-    """The path of a toe, (m, 3), in m, as a thin tube, of so many points at most, that grows with time."""
+    """Returns the trail of a toe, (m, 3), in m, as a thin tube with at most `most` points that grows with time."""
     keep = spread(position, most)
     if len(keep) < 2:
         return Overlay((), {})
@@ -153,7 +153,7 @@ def _brackets(coil: Coil, parent: int, local: Array) -> list[Shape]:
 
 
 def _moves(t: Array, position: Array | None, rotations: Array | None = None) -> tuple[c.Track, ...]:
-    """Tracks of a pose; nothing moves while nothing is shown."""
+    """Returns tracks of a pose; nothing moves while nothing is shown."""
     tracks = []
     if len(t) and position is not None:
         tracks.append(c.Track("position", "vector3", t, position))
@@ -163,13 +163,13 @@ def _moves(t: Array, position: Array | None, rotations: Array | None = None) -> 
 
 
 def _stretch(t: Array, across: Array, along: Array) -> tuple[c.Track, ...]:
-    """The track of a scale across and along z; never quite zero, which has no inverse."""
+    """Returns the track of a scale across and along z; the scale is never zero, which has no inverse."""
     scale = np.maximum(np.column_stack((across, across, along)), 1e-6)
     return (c.Track("scale", "vector3", t, scale),) if len(t) else ()
 
 
 def _nearest(frames: NDArray[np.intp], chosen: NDArray[np.bool_]) -> NDArray[np.intp]:
-    """For each frame the nearest of those that are chosen."""
+    """Returns for each frame the nearest of the chosen frames."""
     among = np.flatnonzero(chosen)
     if not len(among):
         return frames[:0]
@@ -180,7 +180,7 @@ def _nearest(frames: NDArray[np.intp], chosen: NDArray[np.bool_]) -> NDArray[np.
 
 
 def _during(t: Array, switch: Switch) -> NDArray[np.bool_]:
-    """Whether a switch is on at each time, or was until then."""
+    """Tells whether a switch is on at each time, or was on until then."""
     values = np.array(switch.values)
     after = values[np.searchsorted(switch.times, t, side="right") - 1]
     before = values[np.maximum(np.searchsorted(switch.times, t, side="left") - 1, 0)]
@@ -188,7 +188,7 @@ def _during(t: Array, switch: Switch) -> NDArray[np.bool_]:
 
 
 def _typical(frames: Frames, switch: Switch) -> Array:
-    """A configuration in the middle of those in which a spring is engaged, (nq,)."""
+    """Returns a configuration in the middle of those in which a spring is engaged, (nq,)."""
     engaged = np.flatnonzero(_during(frames.t, switch))
     frame = engaged[len(engaged) // 2] if len(engaged) else len(frames.t) // 2
     return np.asarray(frames.q[frame])
@@ -201,7 +201,7 @@ def _visibility(switch: Switch) -> c.Track:
 
 
 def spread(position: Array, most: int) -> NDArray[np.intp]:
-    """Indices of points that lie apart along a path, at most so many."""
+    """Returns indices of at most `most` points that lie apart along a path."""
     along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(position, axis=0), axis=1))]
     step = max(along[-1] / most, 2e-3)
     cell = np.floor(along / step)

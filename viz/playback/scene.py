@@ -1,4 +1,4 @@
-"""The whole scene: the robot's links in their tree, what lies over it, the stage around them."""
+"""The whole scene: the robot's links in their tree, its overlays, and the stage around them."""
 
 from __future__ import annotations
 
@@ -37,22 +37,22 @@ REVOLUTE = "JointModelR"  # about an axis of the frame or any other; not those w
 
 @dataclass(frozen=True)
 class Scene:
-    """Scene to send to a viewer.
+    """Scene for a viewer.
 
     Attributes:
         commands: objects, places and properties.
         clips: tracks by path, times in s from the start.
-        view: where the camera looks from.
-        peak_force: of the longest arrow that is drawn, a ground force on a foot, in N; of a pair, each foot has half.
+        view: view of the camera.
+        peak_force: force of the longest arrow, a ground force on a foot, in N; each foot of a pair has half.
         paired: whether some legs are pairs.
-        notes: one line for each thing that is not drawn.
-        follows: whether the picture goes with the robot.
-        turns: whether it turns with it.
-        arrows: of each arrow of a ground force its path, its toe, and the share of that toe's force that it shows.
-        newtons: that a metre of an arrow stands for.
-        trails: paths of the paths of toes.
-        tracks: paths of what is left on the ground in space: the way of the torso, the footprints.
-        prints: x and y, in m, and colour of each of these.
+        notes: one line for each part that is not drawn.
+        follows: whether the picture moves with the robot.
+        turns: whether the picture turns with the robot.
+        arrows: path, toe and share of the toe's force for each arrow of a ground force.
+        newtons: newtons per metre of an arrow.
+        trails: paths in the scene of the toes' trails.
+        tracks: paths in the scene of what stays on the ground in space: the way of the torso, the footprints.
+        prints: x and y, in m, and colour of each footprint.
         joints: path of each joint with one angle, by its name.
     """
 
@@ -73,7 +73,7 @@ class Scene:
 
 
 def joint_paths(model: pin.Model, root: str = ROBOT) -> tuple[str, ...]:
-    """Path of each joint in the viewer, each below its parent's; the world's, `root`, at index 0."""
+    """Returns the path of each joint in the viewer, each below its parent's; the world's, `root`, at index 0."""
     paths = [root]
     for joint in range(1, model.njoints):
         paths.append(f"{paths[model.parents[joint]]}/{joint} {model.names[joint].replace('/', ' ')}")
@@ -81,7 +81,7 @@ def joint_paths(model: pin.Model, root: str = ROBOT) -> tuple[str, ...]:
 
 
 def still(robot: Robot, q: Array) -> Scene:
-    """A robot standing still in a configuration, (nq,)."""
+    """Returns the scene of a robot standing still in a configuration, (nq,)."""
     looks, paths = read_looks(robot), joint_paths(robot.model)
     local = local_poses(robot.model, q[None])
     world = world_poses(robot.model, local)
@@ -94,13 +94,13 @@ def still(robot: Robot, q: Array) -> Scene:
 
 
 def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: float | None = None) -> Scene:
-    """A robot in motion, with its springs, ground forces and toe paths.
+    """Returns the scene of a robot in motion, with its springs, ground forces and toe paths.
 
     Args:
         robot: the robot.
-        frames: what it does.
-        ghost: what it does as a ghost beside itself, from the same instant on: joints below `GHOST`, without shapes.
-        newtons: that a metre of an arrow stands for; None: the longest arrow goes with the robot's height.
+        frames: motion of the robot.
+        ghost: motion of a ghost of the robot, from the same instant on: joints below `GHOST`, without shapes.
+        newtons: newtons per metre of an arrow; None: the longest arrow scales with the robot's height.
     """
     looks, paths = read_looks(robot), joint_paths(robot.model)
     local = local_poses(robot.model, frames.q)
@@ -155,7 +155,7 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: f
 
 
 def _angles(model: pin.Model, paths: tuple[str, ...]) -> dict[str, str]:
-    """Path of each joint that turns about one axis, by its name."""
+    """Returns the path of each joint that turns about one axis, by its name."""
     turning = [
         number for number, joint in enumerate(model.joints) if joint.nq == 1 and joint.shortname().startswith(REVOLUTE)
     ]
@@ -163,7 +163,7 @@ def _angles(model: pin.Model, paths: tuple[str, ...]) -> dict[str, str]:
 
 
 def _ghost(model: pin.Model, frames: Frames) -> tuple[list[c.Command], dict[str, tuple[c.Track, ...]], Array]:
-    """Where the joints of a ghost begin, how they move, and the places, (m, 2), that it passes; it is gone after."""
+    """Returns where the joints of a ghost begin, how they move, and its places, (m, 2); the ghost is hidden after."""
     paths, local = joint_paths(model, GHOST), local_poses(model, frames.q)
     end = np.nextafter(np.float32(frames.duration), np.float32(np.inf))
     there = c.Track("visible", "bool", np.array([0.0, end]), [True, False])
@@ -232,7 +232,7 @@ def _joint_clips(paths: tuple[str, ...], t: Array, local: Array) -> dict[str, tu
 
 
 def _pose_tracks(t: Array, poses: Array) -> tuple[c.Track, ...]:
-    """Tracks of what changes of a pose, (m, 4, 4)."""
+    """Returns tracks of the parts of a pose that change, (m, 4, 4)."""
     tracks = []
     if np.ptp(poses[:, :3, 3], axis=0).max() > 0:
         tracks.append(c.Track("position", "vector3", t, poses[:, :3, 3]))
@@ -242,9 +242,9 @@ def _pose_tracks(t: Array, poses: Array) -> tuple[c.Track, ...]:
 
 
 def _bounds(model: pin.Model, shapes: tuple[Shape, ...], world: Array, seen: Array) -> tuple[Array, Array]:
-    """Corners, (3,), in m, of a box around the robot wherever it goes, in the world as it is seen, (m, 4, 4).
+    """Returns corners, (3,), in m, of a box around the robot's motion, in the world as it is seen, (m, 4, 4).
 
-    Links without mass, such as the rails of a test stand, may reach out of it.
+    Links without mass, such as the rails of a test stand, may extend beyond the box.
     """
     some = np.unique(np.linspace(0, len(world) - 1, 60).astype(int))
     poses = seen[some, None] @ world[some]

@@ -21,12 +21,12 @@ class Shape:
     """One primitive or mesh, rigidly fixed to a joint of the (reduced) model.
 
     Attributes:
-        joint: index of the joint it moves with, 0 for the world.
+        joint: index of the joint with which it moves, 0 for the world.
         kind: box, cylinder (along its z), sphere or mesh.
-        size: lengths x, y, z of a box; radius and length of a cylinder; radius of a sphere; in m; none of a mesh.
-        placement: (4, 4) pose in the joint's frame, of a mesh or an ellipsoid times its scale.
-        color: of all of it.
-        mesh: if it is one.
+        size: lengths x, y, z of a box; radius and length of a cylinder; radius of a sphere; in m; empty for a mesh.
+        placement: (4, 4) pose in the joint's frame; for a mesh or an ellipsoid times its scale.
+        color: colour of the whole shape.
+        mesh: the mesh, if the shape is one.
     """
 
     joint: int
@@ -55,7 +55,7 @@ class Shape:
 
 
 def segment(joint: int, start: Array, end: Array, radius: float, color: Color) -> Shape:
-    """A cylinder between two points, in m, of a joint's frame."""
+    """Returns a cylinder between two points, in m, of a joint's frame."""
     placement = np.eye(4)
     placement[:3, :3] = frame_along(end - start)
     placement[:3, 3] = (start + end) / 2
@@ -63,7 +63,7 @@ def segment(joint: int, start: Array, end: Array, radius: float, color: Color) -
 
 
 def frame_along(direction: Array, side: Array | None = None) -> Array:
-    """A rotation, (3, 3), whose z axis is the direction and whose x axis is nearest to `side`."""
+    """Returns a rotation, (3, 3), whose z axis is the direction and whose x axis is nearest to `side`."""
     z = direction / np.linalg.norm(direction)
     for candidate in (np.eye(3)[0] if side is None else side, *np.eye(3)):
         x = candidate - (candidate @ z) * z
@@ -74,7 +74,7 @@ def frame_along(direction: Array, side: Array | None = None) -> Array:
 
 
 def bones(robot: Robot, drawn: set[int]) -> tuple[Shape, ...]:
-    """Thin cylinders from each joint that has no shape to the joints and toes it carries."""
+    """Returns thin cylinders from each joint that has no shape to the joints and toes that it carries."""
     model, ends = robot.model, []
     for joint in range(1, model.njoints):
         ends.append((int(model.parents[joint]), np.array(model.jointPlacements[joint].translation)))

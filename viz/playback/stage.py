@@ -1,4 +1,4 @@
-"""Around the robot: ground, grid, light, background and camera."""
+"""Surroundings of the robot: ground, grid, light, background and camera."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class View:
 
     Attributes:
         target: the point in the middle of the picture, (3,), in m.
-        distance: of the camera from there, in m.
+        distance: distance of the camera from there, in m.
         aspect: width by height that a window needs to show everything; narrower ones zoom out.
     """
 
@@ -41,7 +41,7 @@ class View:
 
 
 def fit_view(low: Array, high: Array) -> View:
-    """The nearest view that shows a box between two corners, (3,), in m."""
+    """Returns the nearest view that shows a box between two corners, (3,), in m."""
     corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
     target = (low + high) / 2
     # room for the controls below
@@ -57,7 +57,7 @@ def fit_view(low: Array, high: Array) -> View:
 
 
 def stage(view: View, first: Array, last: Array, ground: Ground) -> list[c.Command]:
-    """Everything around the robot, for a motion on some ground between two corners, (2,), x and y in m.
+    """Returns everything around the robot, for a motion on some ground between two corners, (2,), x and y in m.
 
     The ground moves with the world; lights, background and camera do not.
     """
@@ -112,7 +112,7 @@ def _ground(first: Array, last: Array) -> list[c.Command]:
 
 
 def _placed(ground: Ground) -> list[c.Command]:
-    """The plane where it is, if that is not level at height zero."""
+    """Returns the plane at its place, if that is not level at height zero."""
     if ground.plain:
         return []
     pose = np.eye(4)
@@ -122,7 +122,7 @@ def _placed(ground: Ground) -> list[c.Command]:
 
 
 def _lines(path: str, low: Array, high: Array, spacing: float, width: float, color: Sequence[float]) -> c.Command:
-    """A grid of flat stripes: lines that pass the camera are not drawn by every browser."""
+    """Returns a grid of flat stripes; not every browser draws lines that pass the camera."""
     along, across = (
         np.arange(np.ceil(a / spacing), b / spacing + 1e-9) * spacing for a, b in zip(low, high, strict=True)
     )

@@ -12,7 +12,7 @@ HALVINGS = 40
 
 
 def outline(ground: Ground, low: float, high: float) -> Array:
-    """Places (x, z) on the ground from one x to another, in m, (n, 2): the ends of a plane, many of another shape."""
+    """Returns places (x, z) on the ground between two x, in m, (n, 2): two for a plane, many for another shape."""
     if type(ground).above is Ground.above:
         return np.array([(x, ground.under(x)) for x in (low, high)])
     places = np.linspace(low, high, max(2, round((high - low) / SPACING) + 1))
@@ -20,7 +20,7 @@ def outline(ground: Ground, low: float, high: float) -> Array:
 
 
 def _height(ground: Ground, x: float) -> float:
-    """Where the distance from the ground changes its sign above a place."""
+    """Returns the height at which the distance from the ground changes its sign above a place."""
     below, over = ground.under(x) - HIGHEST, ground.under(x) + HIGHEST
     for _ in range(HALVINGS):
         middle = 0.5 * (below + over)

@@ -1,4 +1,4 @@
-"""What a robot leaves on the ground in space: the way of its torso, and footprints where its toes came down."""
+"""Marks of a robot on the ground in space: the way of its torso, and footprints where its toes came down."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ AT_ONCE = 1e-4  # s
 
 
 def footprints_path(toe: str) -> str:
-    """Path of the footprints of a toe."""
+    """Returns the path of the footprints of a toe."""
     return f"{WORLD}/footprints of {toe.replace('/', ' ')}"
 
 
 def track_overlays(
     robot: Robot, frames: Frames, world: Array, toes: Mapping[str, Array], size: float
 ) -> dict[str, Overlay]:
-    """The tracks of a robot that moves in space, by path; none of one in the plane.
+    """Returns the tracks of a robot that moves in space, by path; none for a planar one.
 
     Args:
         robot: the robot.
-        frames: what it does.
-        world: (m, joints, 4, 4) poses of its joints.
-        toes: where each of its toes is, (m, 3), in m.
-        size: of the robot, its height, in m.
+        frames: motion of the robot.
+        world: poses of its joints, (m, joints, 4, 4).
+        toes: places of each of its toes, (m, 3), in m.
+        size: height of the robot, in m.
     """
     base = base_joint(robot.model)
     if base is None or not frames.ground.plain:
@@ -54,7 +54,7 @@ def track_overlays(
 
 
 def landings(robot: Robot, frames: Frames, toes: Mapping[str, Array]) -> dict[str, tuple[str, NDArray[np.intp], Array]]:
-    """Colour of each toe, the frames in which it came down, and where, (k, 2), in m; arguments as above."""
+    """Returns each toe's colour, the frames in which it came down, and where, (k, 2), in m; see `track_overlays`."""
     found = {}
     for number, each in enumerate(footfalls(robot.toes, frames.t, frames.force)):
         landed = np.array([first for first, _ in contacts(frames.force[:, number])], dtype=np.intp)
@@ -63,7 +63,7 @@ def landings(robot: Robot, frames: Frames, toes: Mapping[str, Array]) -> dict[st
 
 
 def _way(t: Array, place: Array, half: float) -> Overlay:
-    """A flat stripe along places, (m, 2), in m, that grows with time."""
+    """Returns a flat stripe along places, (m, 2), in m, that grows with time."""
     keep = spread(np.column_stack((place, np.zeros(len(place)))), WAY_POINTS)
     if len(keep) < 2:
         return Overlay((), {})
@@ -77,7 +77,7 @@ def _way(t: Array, place: Array, half: float) -> Overlay:
 
 
 def _prints(path: str, t: Array, place: Array, radius: float, color: Sequence[float]) -> Overlay:
-    """Discs at places, (k, 2), in m, each there from its time on."""
+    """Returns discs at places, (k, 2), in m, each visible from its time on."""
     if not len(t):
         return Overlay((), {})
     angle = 2 * np.pi * np.arange(CORNERS) / CORNERS
@@ -101,7 +101,7 @@ def _flat(
     t: Array,
     drawn: NDArray[np.integer[Any]],
 ) -> Overlay:
-    """A mesh on the ground, of which so many corners of faces are drawn from each time on."""
+    """Returns a mesh on the ground; from each time on a given number of corners of faces is drawn."""
     mesh = c.triangles(np.column_stack((corners, np.full(len(corners), height))), faces)
     own = f"{path}/<object>"
     count = c.Track("geometry[drawRange].count", "number", t, drawn)

@@ -1,4 +1,4 @@
-"""Trajectories as can be played, and parts of them."""
+"""Trajectories that can be played, and parts of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Table = tuple[Sequence[str], Array]
 
 
 class EventLike(Protocol):
-    """Something that happened: its name and its time in s."""
+    """An event: its name and its time in s."""
 
     @property
     def name(self) -> str: ...  # noqa: D102
@@ -29,19 +29,19 @@ class EventLike(Protocol):
 
 @runtime_checkable
 class TrajectoryLike(Protocol):
-    """Motion that can be played.
+    """A motion that can be played.
 
     Attributes:
-        t: (n,) times, in s, nondecreasing; an event has two samples, before and after.
-        q: (n, nq) configurations.
-        domain: (n,) names of the domains.
+        t: times, (n,), in s, nondecreasing; an event has two samples, before and after.
+        q: configurations, (n, nq).
+        domain: names of the domains, (n,).
         force: (n, toes, 2), x and z or round a post and z, or (n, toes, 3): ground forces on the toes, in N.
-        events: what happened, for the time bar.
+        events: events for the time bar.
         spring_joints: names of the joints that a spring spans.
         engaged: (n, springs) or, for one spring, (n,): whether each spring is engaged.
 
-    What it stands on is its `ground`, in whose axes forces of two components are; without one, level ground at height
-    zero.
+    `ground` is what it stands on; forces with two components are in the ground's axes. Without it the ground is level
+    at height zero.
     """
 
     @property
@@ -62,12 +62,12 @@ class TrajectoryLike(Protocol):
 
 @dataclass(frozen=True)
 class Part:
-    """A stretch of a longer trajectory, as can be played; attributes as `TrajectoryLike`'s.
+    """A part of a longer trajectory that can be played; see `TrajectoryLike` for the attributes.
 
     Attributes:
-        whole: when the trajectory begins and ends, in s.
-        table: names and values, (n, ...), of its columns; None of a trajectory that has no such.
-        phase: (n,) names of the phases; None of a trajectory that has none.
+        whole: times at which the trajectory begins and ends, in s.
+        table: names and values, (n, ...), of its columns; None if the trajectory has none.
+        phase: names of the phases, (n,); None if the trajectory has none.
     """
 
     t: Array
@@ -84,29 +84,29 @@ class Part:
 
     @property
     def said(self) -> str:
-        """The part in words."""
+        """Part in words."""
         begin, end = self.whole
         here = "first" if self.t[0] == begin else "last" if self.t[-1] == end else "middle"
         return f"the {here} {np.ptp(self.t):.1f} s of {end - begin:.1f} s, from {self.t[0]:.1f} to {self.t[-1]:.1f} s"
 
 
 def first(trajectory: TrajectoryLike, seconds: float) -> Part:
-    """The beginning of a trajectory; see `between`."""
+    """Returns the beginning of a trajectory; see `between`."""
     begin = float(read_times(trajectory)[0])
     return between(trajectory, begin, begin + seconds)
 
 
 def last(trajectory: TrajectoryLike, seconds: float) -> Part:
-    """The end of a trajectory; see `between`."""
+    """Returns the end of a trajectory; see `between`."""
     end = float(read_times(trajectory)[-1])
     return between(trajectory, end - seconds, end)
 
 
 def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
-    """The samples and events of a trajectory from one time to another, in s.
+    """Returns the samples and events of a trajectory from one time to another, in s.
 
     Raises:
-        BadValue: the trajectory's times are no times.
+        BadValue: the trajectory's times are not valid.
     """
     t = read_times(trajectory)
     rows = slice(*np.searchsorted(t, [begin, np.nextafter(end, np.inf)]))
@@ -127,7 +127,7 @@ def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
 
 
 def table_of(trajectory: TrajectoryLike) -> Table | None:
-    """Names and values, (n, ...), of a trajectory's columns, see `Trajectory.columns`; None if it has no such."""
+    """Returns names and values, (n, ...), of a trajectory's columns, see `Trajectory.columns`; None if it has none."""
     if isinstance(trajectory, Part):
         return trajectory.table
     columns = getattr(trajectory, "columns", None)
@@ -135,13 +135,13 @@ def table_of(trajectory: TrajectoryLike) -> Table | None:
 
 
 def in_world(robot: Robot, q: Array, force: Array, ground: Ground | None) -> Array:
-    """Ground forces in axes of the world, (n, toes, 3), in N.
+    """Returns ground forces in axes of the world, (n, toes, 3), in N.
 
     Args:
-        robot: on which they act.
-        q: (n, nq) configurations.
-        force: (n, toes, 3), as they are; or (n, toes, 2), along the ground and normal to it.
-        ground: in whose axes the latter are; None: level.
+        robot: the robot on which they act.
+        q: configurations, (n, nq).
+        force: forces, (n, toes, 3), in the world; or (n, toes, 2), along the ground and normal to it.
+        ground: ground whose axes the latter refer to; None: level.
     """
     if force.shape[2] == 3:
         return force
@@ -152,14 +152,14 @@ def in_world(robot: Robot, q: Array, force: Array, ground: Ground | None) -> Arr
 
 
 def read_times(trajectory: TrajectoryLike, name: str = "trajectory") -> Array:
-    """The times of a trajectory's samples, (n,), in s.
+    """Returns the times of a trajectory's samples, (n,), in s.
 
     Args:
-        trajectory: that has them.
-        name: by which errors call it.
+        trajectory: the trajectory.
+        name: name of the trajectory in errors.
 
     Raises:
-        BadValue: they are no times, run backward, or are all the same.
+        BadValue: they are not times, run backward, or are all the same.
     """
     expected = f"two or more nondecreasing times below {LONGEST:g}, in s"
     try:

@@ -1,4 +1,4 @@
-"""Visuals of a URDF's links as they are drawn: their form, size, place and colour."""
+"""Visuals of a URDF's links for drawing: their form, size, place and colour."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ SIZES: Mapping[Form, Mapping[str, int]] = {
 
 
 def read_visual(visual: Any, palette: Mapping[str, Any]) -> Shown:
-    """What a visual shows.
+    """Returns the visible part of a visual.
 
     Args:
-        visual: its element.
+        visual: element of the visual.
         palette: the robot's materials by name.
 
     Raises:
-        Undrawn: it is not valid, or of another kind.
+        Undrawn: the visual is not valid, or of another kind.
     """
     geometry, origin = visual.find("geometry"), visual.find("origin")
     element = next(iter(geometry if geometry is not None else ()), None)

@@ -1,4 +1,4 @@
-"""Visual geometry of a robot's file: what its bodies show, where, and in which colour; meshes not yet read."""
+"""Visual geometry of a robot's file: the visible parts of its bodies, their places and colours; meshes are unread."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from spear_pin.viz.playback.urdf_visuals import read_visual
 
 @dataclass(frozen=True)
 class Visual:
-    """Something that a body of a model shows.
+    """A visible part of a body of a model.
 
     Attributes:
         body: name of the body.
         joint: index of the joint that moves it.
-        placement: (4, 4) pose in the joint's frame.
-        shown: what it is.
-        faint: whether it is to be seen through.
+        placement: pose in the joint's frame, (4, 4).
+        shown: the visible part.
+        faint: whether it is translucent.
     """
 
     body: str
@@ -37,11 +37,11 @@ class Visual:
 
 
 def visuals_of(description: Description, model: pin.Model) -> tuple[list[Visual], list[tuple[str, Undrawn]]]:
-    """What a file shows of a model, and what of it is not drawn, with the name of the body.
+    """Returns a file's visible parts of a model, and those that are not drawn, with the name of the body.
 
     Args:
-        description: the file.
-        model: has its bodies.
+        description: content of the file.
+        model: the model that has its bodies.
     """
     visuals, faults = [], []
     for body, read in _shown(description):
@@ -56,7 +56,7 @@ def visuals_of(description: Description, model: pin.Model) -> tuple[list[Visual]
 
 
 def _shown(description: Description) -> Iterator[tuple[str, Callable[[], Shown]]]:
-    """Names of bodies, each with what reads something that it shows."""
+    """Yields names of bodies, each with a function that reads one of its visible parts."""
     if description.look is not None:
         for body, said in description.look.geoms:
             if is_shown(said):

@@ -1,8 +1,8 @@
-"""Plots as for a paper: one style sheet, units on every axis, stance shaded.
+"""Plots for a paper: one style sheet, units on every axis, stance shaded.
 
-Here are those of a trajectory, and `save_figure`; those of a study are in the module of its name. They are
-`matplotlib.figure.Figure`s that belong to no window, and notebooks show them; a `Picture` is one of one's own. Within
-`style()`, the functions `draw_...` draw the same into axes of one's own.
+This module has plots of a trajectory, and `save_figure`; plots of a study are in the module with its name. Plots are
+`matplotlib.figure.Figure`s that belong to no window, and notebooks show them; make your own as a `Picture`. Within
+`style()`, the functions `draw_...` draw the same into axes of your own.
 """
 
 from spear_pin.viz.plots.panels import draw_angle, draw_clearance, draw_energy, draw_force, draw_height, draw_torque

@@ -30,11 +30,11 @@ OTHER = "black"
 
 
 def basin_map(strides: ArrayLike, axes: Mapping[str, ArrayLike]) -> Figure:
-    """Strides to recovery over a grid of pushes, hatched where the gait is lost.
+    """Plots strides to recovery over a grid of pushes, hatched where the gait is lost.
 
     Args:
-        strides: what `basin` returns.
-        axes: what it was given.
+        strides: result of `basin`.
+        axes: axes that `basin` was given.
 
     Raises:
         BadValue: the shapes do not fit.
@@ -64,17 +64,17 @@ def basin_map(strides: ArrayLike, axes: Mapping[str, ArrayLike]) -> Figure:
 
 
 def attraction_map(found: Attraction, rows: ArrayLike, columns: ArrayLike, up: str, across: str) -> Figure:
-    """Over a grid of states, how many cycles they take to the gait, and what becomes of the others.
+    """Plots how many cycles states of a grid take to the gait, and how the other states end.
 
     Args:
-        found: as of `attraction`, of a grid with the columns varying fastest.
+        found: result of `attraction` for a grid with the columns varying fastest.
         rows: values of the first axis, equally spaced.
         columns: values of the second axis, equally spaced.
         up: label of the first axis, with its unit.
         across: label of the second axis, with its unit.
 
     Raises:
-        BadValue: there are not as many states as the grid has.
+        BadValue: the number of states differs from the grid's.
     """
     y, x = np.asarray(rows, dtype=float), np.asarray(columns, dtype=float)
     if found.cycles.shape != (y.size * x.size,):
@@ -112,7 +112,7 @@ def _push(name: str) -> str:
 
 
 def _edges(values: Array) -> Array:
-    """Edges of cells around values."""
+    """Returns edges of cells around values."""
     if len(values) < 2:
         return np.array([values[0] - 0.5, values[0] + 0.5])
     middle = 0.5 * (values[1:] + values[:-1])

@@ -22,16 +22,16 @@ SHADES = {"posterior": "#dfe9f3", "anterior": "#f9e7db"}
 
 
 def bound_summary(trajectory: Trajectory, gait: Gait) -> Figure:
-    """A bound at a glance: foot-falls, torso, ground forces and torques of the first two strides.
+    """Plots a bound at a glance: foot-falls, torso, ground forces and torques of the first two strides.
 
     Forces are those of a pair of legs, torques those of one motor, half of the pair's.
 
     Args:
-        trajectory: what the robot did.
+        trajectory: motion of the robot.
         gait: the gait it shows, for the heights of its toes and the resting angle of its knees.
 
     Raises:
-        BadValue: the gait is no bounding gait, or there are no samples.
+        BadValue: the gait is not a bounding gait, or there are no samples.
     """
     if gait.system.kind != "bounding":
         raise BadValue("gait", gait.system.kind, "a bounding gait")
@@ -60,7 +60,7 @@ def bound_summary(trajectory: Trajectory, gait: Gait) -> Figure:
 
 
 def draw_foot_falls(axes: Axes, trajectory: Trajectory) -> None:
-    """When each pair of feet is on the ground."""
+    """Draws when each pair of feet is on the ground."""
     _over_time(axes, trajectory, "Feet on the ground")
     for row, leg in enumerate(LEGS[::-1]):
         for begin, end in stances(trajectory, leg):
@@ -70,7 +70,7 @@ def draw_foot_falls(axes: Axes, trajectory: Trajectory) -> None:
 
 
 def draw_toes(axes: Axes, trajectory: Trajectory, gait: Gait) -> None:
-    """Height of the toes above the ground over time."""
+    """Draws the height of the toes above the ground over time."""
     _over_time(axes, trajectory, "Toe height (mm)")
     for leg in LEGS:
         heights = np.array([gait.system.ground.foot(gait.system.robot, q, f"{leg}_toe")[0] for q in trajectory.q])
@@ -79,13 +79,13 @@ def draw_toes(axes: Axes, trajectory: Trajectory, gait: Gait) -> None:
 
 
 def draw_torso(axes: Axes, trajectory: Trajectory, coordinate: str, label: str) -> None:
-    """One of the torso's coordinates over time."""
+    """Draws one of the torso's coordinates over time."""
     _over_time(axes, trajectory, label)
     axes.plot(trajectory.t, trajectory.q[:, trajectory.coordinates.index(coordinate)], color="black")
 
 
 def draw_forces(axes: Axes, trajectory: Trajectory) -> None:
-    """Ground force on each pair of feet over time; impulses at touchdown are not in it."""
+    """Draws the ground force on each pair of feet over time; impulses at touchdown are not in it."""
     _over_time(axes, trajectory, "Force on a pair (N)")
     for index, leg in enumerate(LEGS):
         for column, line, label in ((1, "-", "normal"), (0, "--", "tangential")):
@@ -101,7 +101,7 @@ def draw_forces(axes: Axes, trajectory: Trajectory) -> None:
 
 
 def draw_hips(axes: Axes, trajectory: Trajectory) -> None:
-    """Torque of one hip motor of each pair over time."""
+    """Draws the torque of one hip motor of each pair over time."""
     _over_time(axes, trajectory, "One hip motor (N·m)")
     axes.axhline(0.0, color="0.6", linewidth=0.5)
     for leg in LEGS:
@@ -111,7 +111,7 @@ def draw_hips(axes: Axes, trajectory: Trajectory) -> None:
 
 
 def draw_knee(axes: Axes, trajectory: Trajectory, leg: str) -> None:
-    """Torque on one knee of a pair over time, and its motor's and spring's parts of it."""
+    """Draws the torque on one knee of a pair over time, and its motor's and spring's parts."""
     motor = trajectory.u[:, trajectory.actuated.index(f"{leg}_knee")] / PAIR
     spring = trajectory.spring[:, trajectory.spring_joints.index(f"{leg}_knee")] / PAIR
     _over_time(axes, trajectory, f"One {leg} knee (N·m)")
@@ -123,7 +123,7 @@ def draw_knee(axes: Axes, trajectory: Trajectory, leg: str) -> None:
 
 
 def stances(trajectory: Trajectory, leg: str) -> list[tuple[float, float]]:
-    """When a leg, "posterior" or "anterior", comes down and lifts off, in s."""
+    """Returns when a leg, "posterior" or "anterior", comes down and lifts off, in s."""
     t, bears = trajectory.t, _bears(trajectory, leg)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], bears, [False])).astype(int)))
     spans = [(float(t[first]), float(t[end - 1])) for first, end in list(pairwise(edges))[::2]]
@@ -149,7 +149,7 @@ def _over_time(axes: Axes, trajectory: Trajectory, label: str) -> None:
 
 
 def _plot_pieces(axes: Axes, trajectory: Trajectory, values: Array, color: str, line: str, label: str) -> None:
-    """A line, interrupted where the phase changes and the torque jumps."""
+    """Plots a line, interrupted where the phase changes and the torque jumps."""
     jumps = np.flatnonzero(trajectory.phase[1:] != trajectory.phase[:-1]) + 1
     times, pieces = np.insert(trajectory.t, jumps, np.nan), np.insert(values, jumps, np.nan)
     axes.plot(times, pieces, line, color=color, label=label)

@@ -1,4 +1,4 @@
-"""Columns of a trajectory over time, those of the same unit in one panel."""
+"""Columns of a trajectory over time; columns with the same unit share a panel."""
 
 from __future__ import annotations
 
@@ -35,12 +35,12 @@ HANDLE, LETTER = 0.4, 0.065  # in, of a legend
 
 @typed
 def over_time(trajectory: Trajectory, columns: Sequence[str] = (), cycles: int | None = None) -> Figure:
-    """Columns over time, stance shaded.
+    """Plots columns over time, with stance shaded.
 
     Args:
-        trajectory: whose they are.
-        columns: as of `Trajectory.plot`.
-        cycles: how many are drawn, from the first; None: all there is.
+        trajectory: the trajectory that has the columns.
+        columns: names of columns; see `Trajectory.plot`.
+        cycles: number of cycles to draw, from the first; None: all.
 
     Raises:
         UnknownName: there is no such column.
@@ -78,7 +78,7 @@ def over_time(trajectory: Trajectory, columns: Sequence[str] = (), cycles: int |
 
 
 def _parts(trajectory: Trajectory) -> dict[str, str]:
-    """What of a leg each joint is, of a robot in space, if that is found: those of all legs are drawn together."""
+    """Returns the part of a leg that each joint is, for a robot in space; parts of all legs share a panel."""
     if trajectory.coordinates[: len(CHAIN)] != CHAIN:
         return {}
     try:
@@ -90,12 +90,12 @@ def _parts(trajectory: Trajectory) -> dict[str, str]:
 
 
 def _fitting(labels: Sequence[str]) -> int:
-    """Columns of a legend of labels, as many as have room."""
+    """Returns the number of columns for a legend of labels, as many as have room."""
     return max(1, min(4, int((WIDTH - MARGIN) / (HANDLE + LETTER * max(map(len, labels))))))
 
 
 def _beginning(trajectory: Trajectory, cycles: int | None) -> tuple[Trajectory, str]:
-    """As many cycles of a trajectory from the first whole one, and how to see the rest; all of it if it has no more."""
+    """Returns the first whole cycles of a trajectory, and how to see the rest; all of it if it has no more."""
     there = np.unique(trajectory.cycle[trajectory.cycle > 0])
     if cycles is None or len(there) <= cycles:
         return trajectory, ""

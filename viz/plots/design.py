@@ -52,11 +52,11 @@ UNITS = {  # of what of a request a family may vary; those of a robot are in `PA
 
 
 def compliance(gait: Gait, stiffness: float = 56.0) -> Figure:
-    """Torque of a knee motor with the spring and without, of front and back legs, as in Fig. 5.5.
+    """Plots the torque of a knee motor with the spring and without, of front and back legs, as in Fig. 5.5.
 
     Args:
         gait: a bounding gait.
-        stiffness: of a leg's spring, in N·m/rad.
+        stiffness: stiffness of a leg's spring, in N·m/rad.
     """
     sweep = spring_sweep(gait, (0.0, stiffness))
     with style():
@@ -70,11 +70,11 @@ def compliance(gait: Gait, stiffness: float = 56.0) -> Figure:
 
 
 def stiffness_sweep(gait: Gait, stiffnesses: Sequence[float] = STIFFNESSES) -> Figure:
-    """Torque of a knee motor in stance with springs of other stiffness and the motion unchanged, as in Fig. 5.6.
+    """Plots a knee motor's torque in stance with other springs and the same motion, as in Fig. 5.6.
 
     Args:
         gait: a bounding gait.
-        stiffnesses: of a leg's spring, in N·m/rad.
+        stiffnesses: stiffnesses of a leg's spring, in N·m/rad.
     """
     if not len(stiffnesses):
         raise BadValue("stiffnesses", stiffnesses, "at least one")
@@ -100,7 +100,7 @@ def stiffness_sweep(gait: Gait, stiffnesses: Sequence[float] = STIFFNESSES) -> F
 
 
 def hip_torques(gait: Gait) -> Figure:
-    """Torque of a hip motor, of front and back legs, as in Fig. 5.7; its root mean square as a dashed line."""
+    """Plots the torque of a hip motor, of front and back legs, as in Fig. 5.7; its root mean square is dashed."""
     given = points(gait, "hip")
     with style():
         figure = Picture(figsize=(7.0, 2.3), layout="constrained")
@@ -115,15 +115,15 @@ def hip_torques(gait: Gait) -> Figure:
 
 
 def torque_speed(gait: Gait, drives: Mapping[str, Drive], part: str = "knee") -> Figure:
-    """Operating points against drives, as in Fig. 5.8: the most a drive can do solid, continuously dashed.
+    """Plots operating points with drives, as in Fig. 5.8: a drive's limits are solid, continuous ones dashed.
 
-    Speed is counted along the torque, so that braking is on the left, where an envelope is wider. What a
-    drive cannot do is ringed in its colour; above the no-load speed that may be too little torque as well
-    as too much. The legend says how the numbers of each motor were verified.
+    Speed is counted along the torque, so that braking is on the left, where an envelope is wider. Points that a drive
+    cannot reach are ringed in its colour; above the no-load speed the torque may be too small as well as too large. The
+    legend says how the numbers of each motor were verified.
 
     Args:
         gait: a bounding gait.
-        drives: by name.
+        drives: drives by name.
         part: "knee" or "hip".
 
     Raises:
@@ -166,11 +166,11 @@ def torque_speed(gait: Gait, drives: Mapping[str, Drive], part: str = "knee") ->
 
 
 def family_plot(members: Sequence[Member], name: str) -> Figure:
-    """Peak torques, stride and largest multiplier over a family of gaits; a cross where none was found.
+    """Plots peak torques, stride and largest multiplier over a family of gaits; a cross where none was found.
 
     Args:
-        members: of the family.
-        name: of what was varied, a numeric field of `Request` or a parameter of the robot.
+        members: members of the family.
+        name: name of the varied number, a numeric field of `Request` or a parameter of the robot.
 
     Raises:
         BadValue: there is no gait among them.
@@ -224,14 +224,14 @@ def _over_stride(axes: Axes, given: Points, leg: str, part: str) -> None:
 
 
 def _plot(axes: Axes, given: Points, leg: str, line: str = "-", *, color: str, label: str) -> None:
-    """A line over the stride, interrupted at events, where the torque jumps."""
+    """Plots a line over the stride, interrupted at events, where the torque jumps."""
     jumps = np.flatnonzero(np.diff(given.t) == 0.0) + 1
     torque = given.torque[:, LEGS.index(leg)]
     axes.plot(np.insert(1e3 * given.t, jumps, np.nan), np.insert(torque, jumps, np.nan), line, color=color, label=label)
 
 
 def _end_label(axes: Axes, time: Array, torque: Array, text: str, color: tuple[float, ...]) -> None:
-    """The name of a curve where it is farthest from both its ends."""
+    """Writes the name of a curve where it is farthest from both its ends."""
     at = int(np.argmax(np.abs(torque - 0.5 * (torque[0] + torque[-1]))))
     if np.ptp(torque) < 1.0:
         at = len(torque) // 2
@@ -251,7 +251,7 @@ def _envelope(axes: Axes, drive: Drive, fastest: float, color: str) -> None:
 
 
 def _verified(drive: Drive) -> str:
-    """Verification of the numbers of a drive's motor that an envelope rests on."""
+    """Returns the verification of the numbers of a drive's motor that its envelope uses."""
     entry = MOTORS.get(drive.motor.name, {})
     kinds = []
     for field in RELIED_ON:

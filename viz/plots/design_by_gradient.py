@@ -1,4 +1,4 @@
-"""An optimised design: how it was reached, where its parameters lie in their ranges, and what assumptions do to it."""
+"""Plot of an optimised design: its path, its parameters in their ranges, and the effect of assumptions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LEAST = 1e-6  # of what is missed in all, the end of the scale
 
 
 def optimised(design: Design) -> Figure:
-    """Objective and missed bounds over iterations, parameters from start to end, and assumptions by elasticity."""
+    """Plots objective and missed bounds over iterations, parameters from start to end, and assumptions' elasticity."""
     count = len(design.parameters)
     names = design.ranked[:MOST]
     with style():

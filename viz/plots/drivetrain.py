@@ -43,14 +43,14 @@ LIMITS = {HEATING: 1.0, MARGIN: 0.0}
 
 
 def drivetrain(rows: Sequence[KneeDrive]) -> Figure:
-    """Demand of each motor on battery and winding over the gear ratio, what is to spare, and what the rotor costs.
+    """Plots each motor's load on battery and winding over the gear ratio, the margin, and the cost of the rotor.
 
     A point is filled where the drive can do the hop, hollow where it is outside its envelope or the hop is
     unstable; a cross at the bottom is a ratio without a gait. The side beyond a limit is grey. The
     margin's axis is linear up to 10 N·m and logarithmic beyond.
 
     Args:
-        rows: of `knee_drives`.
+        rows: rows of `knee_drives`.
 
     Raises:
         BadValue: no row has a gait, or there are more than seven motors.
@@ -105,7 +105,7 @@ def drivetrain(rows: Sequence[KneeDrive]) -> Figure:
 
 
 def _line(axes: Axes, rows: Sequence[KneeDrive], value: Callable[[KneeDrive], float], place: int) -> None:
-    """A motor's line over the ratio, interrupted where there is no gait."""
+    """Plots a motor's line over the ratio, interrupted where there is no gait."""
     rows = sorted(rows, key=lambda row: row.ratio)
     ratios = np.array([row.ratio for row in rows])
     values = np.array([value(row) if row.gait else np.nan for row in rows])
@@ -123,7 +123,7 @@ def _line(axes: Axes, rows: Sequence[KneeDrive], value: Callable[[KneeDrive], fl
 
 
 def _beyond(axes: Axes, limit: float, above: bool) -> None:
-    """A limit, and the side of it where it is exceeded in grey."""
+    """Plots a limit, with the side of it where it is exceeded in grey."""
     low, high = axes.get_ylim()
     low, high = min(low, 0.8 * limit if above else limit), max(high, limit)
     axes.axhspan(*((limit, high) if above else (low, limit)), color="0.93", zorder=0)

@@ -1,6 +1,6 @@
 """Plots of energy and hardware: the flow of Fig. 4.1, costs of transport, currents, heights and angles of hopping.
 
-In the style of `plots`. What is computed says so, and what nobody verified is hollow.
+They have the style of `plots`. Computed values say so, and unverified ones are hollow.
 """
 
 from __future__ import annotations
@@ -51,12 +51,12 @@ DETAIL = 3  # hops that show details
 
 
 def energy_flow(flow: EnergyFlow) -> Figure:
-    """Energy from the batteries to the ground as bands, as in Fig. 4.1, in J a cycle and in % of what they give.
+    """Plots energy from the batteries to the ground as bands, as in Fig. 4.1, in J a cycle and in % of the input.
 
-    The width of a band is its energy; wanted flows are green, losses red, what is stored is blue.
+    The width of a band is its energy; wanted flows are green, losses red, stored energy is blue.
 
     Raises:
-        BadValue: the batteries give nothing, or the motors do no work on balance.
+        BadValue: the batteries give nothing, or the net work of the motors is not positive.
     """
     given, work = flow.total("given"), flow.total("motor")
     if not (given > 0.0 and work > 0.0):
@@ -82,13 +82,13 @@ def energy_flow(flow: EnergyFlow) -> Figure:
 
 
 def cost_of_transport(points: Sequence[CostPoint], computed: Sequence[CostPoint] = ()) -> Figure:
-    """Cost of transport over mass, as in Fig. 2.4, with the line of running animals.
+    """Plots cost of transport over mass, as in Fig. 2.4, with the line of running animals.
 
-    The marker is the kind of energy; what nobody verified is hollow, what is computed is red and labelled so.
+    The marker is the kind of energy. Unverified points are hollow; computed points are red and labelled so.
 
     Args:
-        points: published, see `spear_pin.studies.published_costs`.
-        computed: see `spear_pin.studies.energetics.computed_points`.
+        points: published points, see `spear_pin.studies.published_costs`.
+        computed: computed points, see `spear_pin.studies.energetics.computed_points`.
 
     Raises:
         BadValue: there are no points.
@@ -121,10 +121,10 @@ def cost_of_transport(points: Sequence[CostPoint], computed: Sequence[CostPoint]
 
 
 def currents(trajectory: Trajectory, hops: int = DETAIL) -> Figure:
-    """Current of each motor and the one that was asked for, over the first hops, as in Fig. 4.12.
+    """Plots the current of each motor and its command, over the first hops, as in Fig. 4.12.
 
     Args:
-        trajectory: with hardware.
+        trajectory: a trajectory with hardware.
         hops: number of hops.
 
     Raises:
@@ -153,11 +153,11 @@ def currents(trajectory: Trajectory, hops: int = DETAIL) -> Figure:
 
 
 def heights(trajectory: Trajectory, clean: Trajectory | None = None) -> Figure:
-    """Height of the hip over all hops, as in Fig. 4.13, with how far apart the highest and the lowest apex are.
+    """Plots the height of the hip over all hops, as in Fig. 4.13, with the range of the apexes.
 
     Args:
-        trajectory: what the robot did.
-        clean: the same without hardware.
+        trajectory: motion of the robot.
+        clean: the same motion without hardware.
     """
     vertical = trajectory.coordinates.index("boom_z")
     with style():
@@ -175,12 +175,12 @@ def heights(trajectory: Trajectory, clean: Trajectory | None = None) -> Figure:
 
 
 def angles_against(trajectory: Trajectory, clean: Trajectory, gait: Gait | None = None, hops: int = DETAIL) -> Figure:
-    """Hip and knee over the first hops, as in Fig. 4.11, against the same without hardware.
+    """Plots hip and knee over the first hops, as in Fig. 4.11, with the same motion without hardware.
 
     Args:
-        trajectory: what the robot did.
-        clean: the same without hardware.
-        gait: if given, the angles its law commands in flight are drawn as well.
+        trajectory: motion of the robot.
+        clean: the same motion without hardware.
+        gait: if given, the angles that its law commands in flight are drawn as well.
         hops: number of hops.
     """
     shown = trajectory.t[trajectory.cycle <= hops]
@@ -202,7 +202,7 @@ def _marker(marker: str, face: str, label: str) -> Line2D:
 
 
 def _name(figure: Figure, axes: Axes) -> None:
-    """Name the points by their gid, the longest names first, each on the side where it hides least."""
+    """Names the points by their gid, the longest names first, each on the side where it hides least."""
     figure.draw_without_rendering()  # to have the layout
     points = sorted((line for line in axes.lines if line.get_gid()), key=lambda line: -len(str(line.get_gid())))
     taken = [line.get_window_extent().padded(2.0) for line in points]
@@ -226,13 +226,13 @@ def _name(figure: Figure, axes: Axes) -> None:
 
 
 def _stances(trajectory: Trajectory) -> list[tuple[float, float]]:
-    """When the robot comes down and lifts off, in s."""
+    """Returns when the robot comes down and lifts off, in s."""
     down = np.char.find(trajectory.phase, STANCE) >= 0
     edges = np.flatnonzero(np.diff(np.concatenate(([False], down, [False])).astype(int)))
     return [(trajectory.t[first], trajectory.t[end - 1]) for first, end in list(pairwise(edges))[::2]]
 
 
 def _pieces(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A line that is interrupted at events, where it jumps."""
+    """Returns a line that is interrupted at events, where it jumps."""
     jumps = np.flatnonzero(np.diff(t) <= 0.0) + 1
     return np.insert(t, jumps, np.nan), np.insert(values, jumps, np.nan)

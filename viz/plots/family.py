@@ -1,6 +1,6 @@
-"""A branch of gaits over its parameter: where it is stable is seen at a glance.
+"""A branch of gaits over its parameter, with its stability at a glance.
 
-In the style of `plots`. Stable parts are solid, unstable ones dashed; special points and borders are marked.
+It has the style of `plots`. Stable parts are solid, unstable ones dashed; special points and borders are marked.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ MARKS = {
 
 
 def family(*branches: Branch) -> Figure:
-    """Moduli of the multipliers, durations of the phases and what is solved for, over the parameter.
+    """Plots moduli of the multipliers, durations of the phases and the solved numbers over the parameter.
 
     Args:
         *branches: one, or several of the same system over the same parameter, with the same numbers solved for.
 
     Raises:
-        BadValue: there is none, or they are of different parameters.
+        BadValue: there is no branch, or they have different parameters.
     """
     if len({(branch.over, branch.vary) for branch in branches}) != 1:
         raise BadValue("branches", [branch.over for branch in branches], "some over the same parameter")
@@ -65,14 +65,14 @@ def family(*branches: Branch) -> Figure:
 
 
 def draw(axes: Axes, branch: Branch, values: Array, color: str = BLUE, name: str = "") -> None:
-    """Values along a branch over its parameter, (n,): stable parts solid, unstable ones dashed, special points marked.
+    """Draws values along a branch over its parameter, (n,): stable parts solid, unstable ones dashed, with marks.
 
     Args:
-        axes: where.
+        axes: axes to draw into.
         branch: the branch.
         values: a number at each point.
-        color: of the line.
-        name: of it, for a legend.
+        color: colour of the line.
+        name: name of the line, for a legend.
     """
     gaps = {frozenset((border.index, border.beyond)) for border in branch.borders if border.beyond is not None}
     for stable, points in _parts(branch.stable, len(branch), gaps):
@@ -85,7 +85,7 @@ def draw(axes: Axes, branch: Branch, values: Array, color: str = BLUE, name: str
 
 
 def _panels(branch: Branch) -> list[tuple[str, list[tuple[str, Array, str]]]]:
-    """Titles of the panels, and in each the lines with their names and colours."""
+    """Returns titles of the panels, and in each the lines with their names and colours."""
     colors = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
     moduli = np.abs(branch.multipliers)
     lines = [("", moduli[:, 0], BLUE)]
@@ -99,7 +99,7 @@ def _panels(branch: Branch) -> list[tuple[str, list[tuple[str, Array, str]]]]:
 
 
 def _parts(stable: NDArray[np.bool_], n: int, gaps: set[frozenset[int]]) -> list[tuple[bool, list[int]]]:
-    """Points that belong together, and whether they are stable; between two of both kinds a step is the unstable's."""
+    """Returns points that belong together, and whether they are stable; a mixed step counts as unstable."""
     parts: list[tuple[bool, list[int]]] = [(bool(stable[0]), [0])]
     for i, j in pairwise(range(n)):
         kind = bool(stable[i] and stable[j])
@@ -113,13 +113,13 @@ def _parts(stable: NDArray[np.bool_], n: int, gaps: set[frozenset[int]]) -> list
 
 
 def _marked(branch: Branch) -> list[tuple[str, int]]:
-    """Kinds of what is marked, keys of `MARKS`, and the points."""
+    """Returns kinds of marks, keys of `MARKS`, and the points."""
     marks = [(special.kind, special.index) for special in branch.specials]
     return marks + [("end" if border.beyond is None else "border", border.index) for border in branch.borders]
 
 
 def _legend(axes: Axes, branches: Sequence[Branch]) -> None:
-    """What lines and marks mean, of those that are there."""
+    """Returns a legend of the lines and marks that occur."""
     there_are = {kind for branch in branches for kind, _ in _marked(branch)}
     kinds = [kind for kind in MARKS if kind in there_are]
     stable = np.concatenate([branch.stable for branch in branches])

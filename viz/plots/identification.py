@@ -23,13 +23,13 @@ MOST = 12  # parameters in a matrix of correlations
 
 
 def fit_summary(estimates: Mapping[str, Estimate]) -> Figure:
-    """Data and model of every estimate, as in Fig. 4.4, with the residuals and what was estimated.
+    """Plots data and model of every estimate, as in Fig. 4.4, with the residuals and the estimated parameters.
 
-    All releases of an estimate lie over each other, from its release times on. Angles have one scale and
-    residuals have one, so that estimates can be compared.
+    All releases of an estimate lie over each other, from its release times on. Angles share one scale and residuals
+    another, so that estimates can be compared.
 
     Args:
-        estimates: by name.
+        estimates: estimates by name.
 
     Raises:
         BadValue: there are no estimates.
@@ -73,7 +73,7 @@ def fit_summary(estimates: Mapping[str, Estimate]) -> Figure:
 
 
 def correlations(estimate: Estimate) -> Figure:
-    """Correlations of the parameters as a heat map; of many, those shared and those of the first release.
+    """Plots correlations of the parameters as a heat map; of many, the shared ones and those of the first release.
 
     Raises:
         BadValue: the data do not tell the parameters apart.
@@ -107,14 +107,14 @@ def correlations(estimate: Estimate) -> Figure:
 
 
 def mathematical(symbol: str) -> str:
-    """A symbol as one writes it in a formula."""
+    """Returns a symbol in the notation of a formula."""
     letter, _, index = symbol.replace("₀", "_0").replace("²", "^2").partition("_")
     upright = f"\\mathrm{{{letter}}}" if letter.isupper() and letter.isalpha() else letter
     return f"${upright}_{{\\mathrm{{{index}}}}}$" if index else f"${upright}$"
 
 
 def _draw_fit(upper: Axes, lower: Axes, given: Estimate) -> None:
-    """Data, model and residuals over the time since the estimated releases; noise as plain pixels: files stay small."""
+    """Draws data, model and residuals over the time since the estimated releases; noise as pixels keeps files small."""
     let_go = {p.trial: p.value for p in given.parameters if p.name == "release_time"}
     pixels: dict[str, Any] = {"rasterized": True, "antialiased": False}
     for j, (trial, model) in enumerate(zip(given.trials, given.predicted, strict=True)):
@@ -127,7 +127,7 @@ def _draw_fit(upper: Axes, lower: Axes, given: Estimate) -> None:
 
 
 def _source(given: Estimate) -> str:
-    """Whether the data are synthetic: all of them, some or none."""
+    """Says whether the data are synthetic: all of them, some or none."""
     marked = sum(trial.synthetic for trial in given.trials)
     if marked == len(given.trials):
         return SYNTHETIC
@@ -135,7 +135,7 @@ def _source(given: Estimate) -> str:
 
 
 def _found(name: str, given: Estimate, width: int) -> str:
-    """Name, fit and parameters of the knee, a line each."""
+    """Returns name, fit and parameters of the knee, a line each."""
     warned = f", warnings: {len(given.warnings)}" if given.warnings else ""
     lines = [fill(f"{name}: fit {given.fit:.1f} %{warned}", width)]
     for quantity in dict.fromkeys(p.name for p in given.parameters if p.name not in NUISANCES):

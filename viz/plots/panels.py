@@ -1,4 +1,4 @@
-"""Panels of a trajectory, each drawn into axes of the caller's, within `paper.style`; stance is shaded."""
+"""Panels of a trajectory, each drawn into given axes, within `paper.style`; stance is shaded."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ NEGLIGIBLE = 1e-3  # of the largest flow: too little to be seen
 
 
 def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None) -> None:
-    """Angle of a joint over time, with what is commanded in flight and latched in stance."""
+    """Draws the angle of a joint over time, with the angles commanded in flight and latched in stance."""
     index = trajectory.coordinates.index(joint)
     over(axes, trajectory, f"{_words(joint)} angle (rad)")
     axes.plot(trajectory.t, trajectory.q[:, index], color=BLUE, label="simulated")
@@ -48,7 +48,7 @@ def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None
 
 
 def draw_force(axes: Axes, trajectory: Trajectory) -> None:
-    """Ground force over time."""
+    """Draws the ground force over time."""
     pairs = all(of_a_pair(f"force_z_{toe}") for toe in trajectory.toes)
     over(axes, trajectory, f"Ground force{PAIR * pairs} (N)")
     for index, toe in enumerate(trajectory.toes):
@@ -61,7 +61,7 @@ def draw_force(axes: Axes, trajectory: Trajectory) -> None:
 
 
 def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None:
-    """Torques on a knee over time."""
+    """Draws the torques on a knee over time."""
     motor = trajectory.u[:, trajectory.actuated.index(joint)]
     spring = trajectory.spring[:, trajectory.spring_joints.index(joint)]
     total = trajectory.tau[:, trajectory.actuated.index(joint)]
@@ -74,7 +74,7 @@ def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None
 
 
 def draw_energy(axes: Axes, trajectory: Trajectory, cycle: str = "Hop") -> None:
-    """The energy ledger, hop by hop, the motors of several legs taken together."""
+    """Draws the energy ledger, hop by hop; the motors of several legs are summed."""
     ledger = trajectory.ledger
     if trajectory.cycles == 0:
         raise BadValue("trajectory.cycles", 0, "at least one whole hop")
@@ -107,7 +107,7 @@ def draw_energy(axes: Axes, trajectory: Trajectory, cycle: str = "Hop") -> None:
 
 
 def draw_height(axes: Axes, trajectory: Trajectory, coordinate: str = "boom_z") -> None:
-    """Height of the hip over time."""
+    """Draws the height of the hip over time."""
     rise = trajectory.coordinates.index(coordinate)
     apexes = trajectory.named("apex")
     over(axes, trajectory, "Height of the hip (m)")
@@ -118,7 +118,7 @@ def draw_height(axes: Axes, trajectory: Trajectory, coordinate: str = "boom_z") 
 
 
 def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
-    """Height of the toes above the ground over time."""
+    """Draws the height of the toes above the ground over time."""
     robot = trajectory.load_robot()
     over(axes, trajectory, "Clearance (mm)")
     ground = trajectory.ground or Ground()
@@ -130,7 +130,7 @@ def draw_clearance(axes: Axes, trajectory: Trajectory) -> None:
 
 
 def over(axes: Axes, trajectory: Trajectory, label: str) -> None:
-    """Prepare axes for what is drawn over the time of a trajectory: its stances, its limits, its labels."""
+    """Prepares axes for curves over the time of a trajectory: its stances, its limits, its labels."""
     if len(trajectory.t) < 2:
         raise BadValue("trajectory.t", trajectory.t, "at least two samples")
     for first, last in _stances(trajectory):
@@ -141,19 +141,19 @@ def over(axes: Axes, trajectory: Trajectory, label: str) -> None:
 
 
 def _levels(axes: Axes, trajectory: Trajectory, levels: list[tuple[Span, float]], style: str, label: str) -> None:
-    """Constant pieces, as one line with gaps."""
+    """Draws constant pieces, as one line with gaps."""
     times = [time for (first, last), _ in levels for time in (trajectory.t[first], trajectory.t[last], np.nan)]
     values = [value for _, level in levels for value in (level, level, np.nan)]
     axes.plot(times, values, style, color=VERMILLION if style == "--" else GREEN, label=label)
 
 
 def _stances(trajectory: Trajectory) -> list[Span]:
-    """The stances."""
+    """Returns the stances."""
     return _runs(trajectory, _bears(trajectory))
 
 
 def _bears(trajectory: Trajectory) -> NDArray[np.bool_]:
-    """Whether each sample is one of a stance."""
+    """Tells whether each sample is in a stance."""
     return np.asarray(np.char.find(trajectory.phase, STANCE) >= 0)
 
 
@@ -162,12 +162,12 @@ def _words(name: str) -> str:
 
 
 def _of_all_legs(flow: str) -> str:
-    """The flow that one of a leg's motors is part of: "motor_knee" for "motor_left_knee"."""
+    """Returns the flow that a leg's motor flow is part of: "motor_knee" for "motor_left_knee"."""
     return f"motor_{flow.rpartition('_')[2]}" if flow.startswith("motor_") else flow
 
 
 def _runs(trajectory: Trajectory, chosen: NDArray[np.bool_]) -> list[Span]:
-    """First and last sample of every unbroken run of chosen samples that lasts."""
+    """Returns first and last sample of every unbroken run of chosen samples that lasts."""
     cuts = np.append(np.flatnonzero(np.diff(chosen.astype(int))), gaps(trajectory)) + 1
     pieces = np.split(np.arange(len(chosen)), np.unique(cuts))
     runs = [(int(piece[0]), int(piece[-1])) for piece in pieces if chosen[piece[0]]]
@@ -175,7 +175,7 @@ def _runs(trajectory: Trajectory, chosen: NDArray[np.bool_]) -> list[Span]:
 
 
 def _commanded(trajectory: Trajectory, joint: str, gait: Gait) -> list[tuple[Span, float]]:
-    """The flights, and what the law commands in each: the hip's depends on the speed at lift-off."""
+    """Returns the flights, and the law's commands in each: the hip's depends on the speed at lift-off."""
     law = gait.system.law
     hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
     levels = []

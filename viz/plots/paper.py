@@ -1,4 +1,4 @@
-"""The style of a paper: one style sheet, colours that a print and the colour-blind tell apart, files without a date."""
+"""Style of a paper: one style sheet, colours that differ in print and for the colour-blind, files without a date."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FORMATS = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}  
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Apply the style sheet for as long as the block lasts; fonts that the user has chosen in `rcParams` stay."""
+    """Applies the style sheet for as long as the block lasts; fonts that the user has chosen in `rcParams` stay."""
     now: dict[Any, Any] = dict(rcParams)
     chosen = any(now[name] != dict[Any, Any](rcParamsDefault)[name] for name in FONTS)
     own: dict[Any, Any] = {name: now[name] for name in FONTS} if chosen else {}
@@ -41,7 +41,7 @@ class _Above(Legend):
     """A legend above its axes, and above their title where they have one."""
 
     def get_bbox_to_anchor(self) -> BboxBase:
-        """Where the legend's lower left corner is, in pixels."""
+        """Returns the place of the legend's lower left corner, in pixels."""
         at = super().get_bbox_to_anchor()
         titles = [getattr(self.axes, name) for name in ("title", "_left_title", "_right_title")]
         tops = [title.get_window_extent().y1 for title in titles if title.get_text()]
@@ -49,12 +49,12 @@ class _Above(Legend):
 
 
 def legend_above(axes: Axes, columns: int = 4, **options: Any) -> None:
-    """Put a legend above axes, and above their title, whenever that is set.
+    """Puts a legend above axes, and above their title, even if that is set later.
 
     Args:
         axes: the axes.
-        columns: of the legend.
-        options: `handles`, and whatever else `Axes.legend` takes.
+        columns: number of columns of the legend.
+        options: `handles`, and other options of `Axes.legend`.
     """
     legend = axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, **options)
     legend.__class__ = _Above  # made by `Axes.legend`, which tells the axes of it
@@ -64,7 +64,7 @@ class Picture(Figure):
     """A figure that belongs to no window, and that a notebook shows."""
 
     def _repr_png_(self) -> tuple[bytes, dict[str, int]]:
-        """The picture, and how large it is to be shown, in pixels."""
+        """Returns the picture, and its display size, in pixels."""
         file = BytesIO()
         with style():
             self.savefig(file, format="png", dpi=SHARPNESS * SCREEN)
@@ -72,14 +72,14 @@ class Picture(Figure):
 
 
 def with_unit(name: str, unit: str) -> str:
-    """A quantity's name in words, for an axis: its unit in brackets, where it has one ("1" is none)."""
+    """Returns a quantity's name in words for an axis, with its unit in brackets, where it has one ("1" is none)."""
     words = name.replace("_", " ").capitalize()
     return words if unit == "1" else f"{words} ({unit})"
 
 
 @typed
 def save_figure(figure: Figure, path: str | Path) -> Path:
-    """Write a figure, whole or not at all, in the format of the path's suffix.
+    """Writes a figure, whole or not at all, in the format of the path's suffix.
 
     The text of an svg is drawn as outlines, so that it looks the same without the fonts.
 

@@ -1,4 +1,4 @@
-"""Maps of a payoff study: cost and saving over stiffness and speed for each knee, and what its motor does.
+"""Maps of a payoff study: cost and saving over stiffness and speed for each knee, and the torques of its motor.
 
 In the style of `plots`.
 """
@@ -27,7 +27,7 @@ STIFFNESS = "Stiffness of a leg (N·m/rad)"
 
 
 def cost_map(study: Study) -> Figure:
-    """Electrical cost of each point, a panel for each kind of knee; hatched where no gait was found."""
+    """Plots the electrical cost of each point, a panel for each kind of knee; hatched where no gait was found."""
     tables = {kind: costs(study, kind) for kind in KINDS}
     found = np.concatenate([table[np.isfinite(table)] for table in tables.values()])
     scale = Normalize(found.min(), found.max()) if len(found) else Normalize(0.0, 1.0)
@@ -47,7 +47,7 @@ def cost_map(study: Study) -> Figure:
 
 
 def saving_map(study: Study) -> Figure:
-    """What each spring saves of the cost of the knee without one, at the same speed."""
+    """Plots how much each spring saves of the cost of the knee without one, at the same speed."""
     bare = costs(study, NONE)
     tables = {kind: 100.0 * (1.0 - costs(study, kind) / bare) for kind in (FIXED, SWITCHED)}
     found = np.concatenate([table[np.isfinite(table)] for table in tables.values()])
@@ -65,7 +65,7 @@ def saving_map(study: Study) -> Figure:
 
 
 def knee_torques(study: Study) -> Figure:
-    """Torque of one knee motor of each pair, or of the leg, over a cycle, of the best gait with each kind of knee."""
+    """Plots the torque of one knee motor of each pair, or of the leg, over a cycle, for the best gaits by kind."""
     joints = joints_of(study.robot, "knee")
     with style():
         figure = Figure(figsize=(7.0, 2.4), layout="constrained")
@@ -85,14 +85,14 @@ def knee_torques(study: Study) -> Figure:
 
 
 def costs(study: Study, kind: str) -> Array:
-    """Cost of each point of a kind, a row for each speed; NaN where there is no gait."""
+    """Returns the cost of each point of a kind, a row for each speed; NaN where there is no gait."""
     stiffnesses = (0.0,) if kind == NONE else study.grid.stiffnesses
     rows = [[study.at(Point(kind, speed, k)) for k in stiffnesses] for speed in study.grid.speeds]
     return np.array([[np.nan if each is None else each.cost for each in row] for row in rows])
 
 
 def _cells(axes: Axes, table: Array, study: Study, scale: Normalize, form: str, colors: str) -> Any:
-    """Cells with their numbers; of a table with one column there are no stiffnesses."""
+    """Draws cells with their numbers; a table with one column has no stiffnesses."""
     grid, (up, across) = study.grid, table.shape
     hatched: dict[str, Any] = {"facecolor": "0.9", "edgecolor": "0.55", "hatch": "////", "linewidth": 0}
     axes.add_patch(Rectangle((0, 0), across, up, gid="lost", **hatched))

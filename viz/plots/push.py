@@ -19,12 +19,12 @@ TIME, ANGLE = "Time since the release (s)", "Knee angle (rad)"
 
 
 def release_summary(releases: Mapping[str, Release]) -> Figure:
-    """Knee, hip and normal ground force after a release; where the pinned toe pulls on the ground is shaded.
+    """Plots knee, hip and normal ground force after a release; shaded where the pinned toe pulls on the ground.
 
     The dashed lines are the angles at rest.
 
     Args:
-        releases: by name.
+        releases: releases by name.
 
     Raises:
         BadValue: there are no releases, or more than seven.
@@ -62,10 +62,10 @@ def release_summary(releases: Mapping[str, Release]) -> Figure:
 
 
 def gear_comparison(rows: Sequence[GearRow]) -> Figure:
-    """The release of SPEAR-II with other gear ratios, as in Figs. 4.5 and 4.6, and the inertia that swings.
+    """Plots SPEAR-II's release with other gear ratios, as in Figs. 4.5 and 4.6, and the effective inertia.
 
     Args:
-        rows: as `gear_study` finds them.
+        rows: rows of `gear_study`.
 
     Raises:
         BadValue: there are no rows.

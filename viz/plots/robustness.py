@@ -1,4 +1,4 @@
-"""Survival of a gait over each of the numbers drawn at random; in the style of `plots`."""
+"""Survival of a gait over each randomly drawn number, in the style of `plots`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ BINS = 10  # as many draws in each
 
 
 def robustness_figure(found: Robustness) -> Figure:
-    """Share of draws that survive, over each number drawn, with 95 % intervals; a tenth of the draws in each bin."""
+    """Plots the share of draws that survive, over each drawn number, with 95 % intervals; a tenth in each bin."""
     names = list(found.drawn)
     columns = max(1, min(len(names), 4))
     with style():

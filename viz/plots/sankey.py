@@ -28,7 +28,7 @@ class Sankey:
         self._text(-0.08, -0.5 * WIDEST, self._said("batteries\ngive", given), "right", "center")
 
     def down(self, label: str, energy: float, color: str, parts: Sequence[str] = ()) -> None:
-        """A flow that leaves downward; `parts` are lines below its label."""
+        """Draws a flow that leaves downward; `parts` are lines below its label."""
         thick = self._thick(energy, label if color == LOST else "")
         if not thick:
             return
@@ -41,7 +41,7 @@ class Sankey:
         self._run(max(thick + 0.3, APART))
 
     def up(self, label: str, energy: float) -> None:
-        """A wanted flow that leaves upward."""
+        """Draws a wanted flow that leaves upward."""
         thick = self._thick(energy)
         self._run(0.35)
         if thick:
@@ -53,7 +53,7 @@ class Sankey:
             self._run(thick + 0.2)
 
     def into(self, label: str, energy: float) -> None:
-        """A flow that enters from above."""
+        """Draws a flow that enters from above."""
         thick = self._thick(energy)
         if not thick:
             return
@@ -68,12 +68,12 @@ class Sankey:
         self._run(0.3)
 
     def label(self, label: str, energy: float) -> None:
-        """Name the band where it is now."""
+        """Writes a name at the band's present place."""
         self._text(self.x + 0.1, self.top + 0.05, self._said(label, energy), "center", "bottom")
         self._run(0.3)
 
     def loop(self, stored: float, returned: float) -> None:
-        """Draw the energy that the spring takes from the leg and gives back."""
+        """Draws the energy that the spring takes from the leg and gives back."""
         down, up = self._thick(returned), self._thick(stored)
         if not up:
             return
@@ -89,7 +89,7 @@ class Sankey:
         self._run(width + 0.1)
 
     def fit(self, figure: Figure) -> None:
-        """Make the figure as large as the picture."""
+        """Makes the figure as large as the picture."""
         if self.nothing:
             self._text(self.x, self.lowest, f"next to nothing: {', '.join(self.nothing)}", "right", "top")
         left, right, low, high = -0.8, self.x + 0.15, self.lowest - 0.05, self.ceiling + 0.05

@@ -1,4 +1,4 @@
-"""Elasticities of a gait as a heat map: per cent of each output for one more per cent of each parameter."""
+"""Elasticities of a gait as a heat map: change of each output in % for 1 % more of each parameter."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LINEAR = 0.1  # elasticities up to this are told apart linearly, larger ones by 
 
 
 def elasticities(table: Sensitivity) -> Figure:
-    """The table as a heat map, red where an output grows and blue where it shrinks; grey where it has no derivative."""
+    """Plots the table as a heat map, red where an output grows, blue where it shrinks, grey without a derivative."""
     rows = np.array([table.elasticity(name) for name in table.outputs])
     top = max(1.0, float(np.nanmax(np.abs(rows), initial=0.0)))
     with style():

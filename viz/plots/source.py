@@ -1,4 +1,4 @@
-"""Plots that answer figures and tables of the source: spring, balance, model, geometry, bridge, estimates."""
+"""Plots for figures and tables of the source: spring, balance, model, geometry, bridge, estimates."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ ASIDE = 0.1  # of a place, by which the belt on and off lie apart
 
 
 def switched_spring(latched: float = 0.3) -> Figure:
-    """Torque on the joint with the key engaged at an angle, and without, as in Fig. 2.1.
+    """Plots the torque on the joint with the key engaged at an angle, and without, as in Fig. 2.1.
 
     Args:
         latched: angle at which the key engages, in rad.
@@ -61,7 +61,7 @@ def switched_spring(latched: float = 0.3) -> Figure:
 
 
 def design_metrics() -> Figure:
-    """Each number of Table 2.4 over that of Table 2.2: left of the line it has become smaller."""
+    """Plots each number of Table 2.4 over that of Table 2.2: left of the line it has become smaller."""
     ratios = np.array([getattr(SPEAR_II, name) / getattr(SPEAR_I, name) for name in METRICS])
     at = np.arange(len(METRICS))
     with style():
@@ -85,7 +85,7 @@ def design_metrics() -> Figure:
 
 
 def balance() -> Figure:
-    """Thigh and its centre of mass about the hip, of both robots, as in Fig. 2.9; both drawn with SPEAR-II's length."""
+    """Plots thigh and centre of mass about the hip, of both robots, as in Fig. 2.9; both with SPEAR-II's length."""
     length = 0.318
     with style():
         figure = Picture(figsize=(3.4, 2.6), layout="constrained")
@@ -106,7 +106,7 @@ def balance() -> Figure:
 
 
 def printed_model() -> Figure:
-    """Effective inertia and weight's torque of the knee by (3.14) and (3.15), as printed and corrected."""
+    """Plots the knee's effective inertia and weight torque by (3.14) and (3.15), as printed and corrected."""
     angles = np.linspace(0.2, 1.8, 65)
     quantities = {
         "Effective inertia (kg·m²)": np.array([effective_inertia(angle) for angle in angles]),
@@ -125,7 +125,7 @@ def printed_model() -> Figure:
 
 
 def crank_slider() -> Figure:
-    """The leg at rest and pushed down by each depth, and height and hip over the knee, as in Figs. 4.2 and 4.3."""
+    """Plots the leg at rest and at each depth, and height and hip over the knee, as in Figs. 4.2 and 4.3."""
     leg, length = spear_ii(), 0.318
     rest = equilibrium(leg, WITH_MOTOR)
     poses = {"at rest": rest} | {f"{100 * d:g} cm": pushed_angle(leg, WITH_MOTOR, d) for d in DEPTHS}
@@ -155,10 +155,10 @@ def crank_slider() -> Figure:
 
 
 def power_off_heights(cases: Mapping[str, PowerOff]) -> Figure:
-    """Height of the boom after the release with the motor idling, as in Fig. 4.7.
+    """Plots the height of the boom after the release with the motor idling, as in Fig. 4.7.
 
     Args:
-        cases: by label, as `spear_pin.studies.push_test.power_off.power_off` finds them.
+        cases: cases by label, from `spear_pin.studies.push_test.power_off.power_off`.
 
     Raises:
         BadValue: there are no cases, or more than four.
@@ -181,12 +181,12 @@ def power_off_heights(cases: Mapping[str, PowerOff]) -> Figure:
 
 
 def bridge_currents(machine: Motor, ratio: float, speeds: tuple[float, float] = (0.0, 25.0)) -> Figure:
-    """Current of a motor turned from outside in each state of its bridge, of Figs. 4.8 and 4.9, and its back-EMF.
+    """Plots current and back-EMF of a motor turned from outside by state of its bridge, Figs. 4.8 and 4.9.
 
     Args:
         machine: needs torque constant and resistance.
-        ratio: of its gearbox.
-        speeds: of the joint, from and to, in rad/s.
+        ratio: ratio of its gearbox.
+        speeds: least and largest speed of the joint, in rad/s.
     """
     rates = np.linspace(*speeds, 251)
     constant, resistance = machine.known("torque_constant"), machine.known("resistance")
@@ -211,7 +211,7 @@ def bridge_currents(machine: Motor, ratio: float, speeds: tuple[float, float] = 
 
 
 def source_comparison() -> Figure:
-    """Stiffness and damping of Table 4.1 with their standard deviations, their mean, and the mean of Table 4.2."""
+    """Plots stiffness and damping of Table 4.1 with standard deviations and mean, and the mean of Table 4.2."""
     with style():
         figure = Picture(figsize=(5.4, 4.2), layout="constrained")
         stiffness, damping = figure.subplots(2, 1, sharex=True)
@@ -232,7 +232,7 @@ def source_comparison() -> Figure:
 
 
 def _draw_rows(panel: Axes, rows: Sequence[TableRow], quantity: str, color: str, side: int, name: str) -> None:
-    """Values of one column of the tables, the last two with numbers: the mean, and what is printed for it."""
+    """Draws values of one column of the tables, the last two with numbers: the mean, and its printed value."""
     values = [float(getattr(row, quantity)) for row in rows]
     deviations = [float(getattr(row, f"sigma_{quantity}")) for row in rows]
     places = np.array(PLACES) + side * ASIDE

@@ -1,4 +1,4 @@
-"""Plots of a motion in space, in the style of `plots`: when feet are on the ground, the way from above, what turns.
+"""Plots of a motion in space, in the style of `plots`: footfalls, the way from above, and turning.
 
 Each leg has its own colour, that of its footprints on the page.
 """
@@ -28,14 +28,14 @@ OFTEN = 40  # footprints of a foot above which they are small
 
 @typed
 def space_summary(trajectory: Trajectory, cycles: int | None = None) -> Figure:
-    """A motion in space at a glance: footfalls, the way from above, torso, adductions and forces.
+    """Plots a motion in space at a glance: footfalls, the way from above, torso, adductions and forces.
 
     Args:
-        trajectory: of a quadruped on a chain.
-        cycles: how many strides are drawn over time, from the first; None: all. The way is drawn whole.
+        trajectory: trajectory of a quadruped on a chain.
+        cycles: number of strides to draw over time, from the first; None: all. The whole way is drawn.
 
     Raises:
-        BadValue: it is not in space, or has less than two samples.
+        BadValue: the trajectory is not in space, or has less than two samples.
         UnknownName: its robot is not found.
     """
     _check(trajectory)
@@ -66,13 +66,13 @@ def space_summary(trajectory: Trajectory, cycles: int | None = None) -> Figure:
 
 @typed
 def footfall_diagram(motions: dict[str, Trajectory]) -> Figure:
-    """Footfalls of one stride of each motion, one below the other: a bar for each leg, over the share of the stride.
+    """Plots footfalls of one stride of each motion, one below the other: a bar per leg over the stride's share.
 
     Args:
-        motions: each with a whole stride, by the title of its panel.
+        motions: motions with a whole stride, by the titles of their panels.
 
     Raises:
-        BadValue: there are none, or one has no whole stride.
+        BadValue: there are no motions, or one has no whole stride.
     """
     if not motions:
         raise BadValue("motions", motions, "one at least")
@@ -89,7 +89,7 @@ def footfall_diagram(motions: dict[str, Trajectory]) -> Figure:
 
 @typed
 def way_from_above(trajectory: Trajectory) -> Figure:
-    """The way of the torso on the ground, and where feet came down."""
+    """Plots the way of the torso on the ground, and where feet came down."""
     _check(trajectory)
     with style():
         figure = Picture(figsize=(3.4, 3.4), layout="constrained")
@@ -101,16 +101,16 @@ def way_from_above(trajectory: Trajectory) -> Figure:
 
 
 def draw_footfalls(axes: Axes, trajectory: Trajectory) -> None:
-    """When each foot is on the ground, a row for each, in the plane too."""
+    """Draws when each foot is on the ground, a row for each, in the plane too."""
     _bars(axes, trajectory, 0.0, 1.0)
     axes.set_xlim(trajectory.t[0], trajectory.t[-1])
     axes.set_xlabel("Time (s)")
 
 
 def draw_footfalls_of_a_stride(axes: Axes, trajectory: Trajectory, cycle: int = 1) -> None:
-    """The same over the share of one stride, from a cycle on: as many cycles as it takes until each foot has been down.
+    """Draws the same over the share of one stride, from a cycle on, until each foot has been down.
 
-    Where halves of a stride are mirror images, as in a trot, these are two.
+    Where halves of a stride are mirror images, as in a trot, the stride has two cycles.
 
     Raises:
         BadValue: there is no such stride.
@@ -126,7 +126,7 @@ def draw_footfalls_of_a_stride(axes: Axes, trajectory: Trajectory, cycle: int = 
 
 
 def draw_way(axes: Axes, trajectory: Trajectory) -> None:
-    """The way of the torso and footprints, x to the right, y up, in one scale."""
+    """Draws the way of the torso and footprints, x to the right, y up, in one scale."""
     robot, q, colors = trajectory.load_robot(), trajectory.q, _colors(trajectory)
     axes.plot(q[:, X], q[:, Y], color="0.35", label="torso")
     for number, toe in enumerate(trajectory.toes):
@@ -148,7 +148,7 @@ def draw_way(axes: Axes, trajectory: Trajectory) -> None:
 
 
 def draw_heading(axes: Axes, trajectory: Trajectory) -> None:
-    """Heading over time, to the left; of one that turns, how fast in the mean of the whole strides."""
+    """Draws the heading over time, to the left; for a turning gait, with the mean rate over the whole strides."""
     _over_time(axes, trajectory, "Heading (°)")
     t, yaw = trajectory.t, np.degrees(trajectory.q[:, YAW])
     whole = (trajectory.cycle >= 1) & (trajectory.cycle <= trajectory.cycles)
@@ -159,42 +159,42 @@ def draw_heading(axes: Axes, trajectory: Trajectory) -> None:
 
 
 def draw_roll(axes: Axes, trajectory: Trajectory) -> None:
-    """Roll over time: how the torso leans."""
+    """Draws the roll of the torso over time."""
     _over_time(axes, trajectory, "Roll, to the right (°)")
     axes.plot(trajectory.t, np.degrees(trajectory.q[:, ROLL]), color=BLUE)
 
 
 def draw_speed_across(axes: Axes, trajectory: Trajectory) -> None:
-    """Velocity of the torso across its heading over time."""
+    """Draws the velocity of the torso across its heading over time."""
     yaw, (vx, vy) = trajectory.q[:, YAW], trajectory.v[:, [X, Y]].T
     _over_time(axes, trajectory, "Speed to the left (m/s)")
     axes.plot(trajectory.t, np.cos(yaw) * vy - np.sin(yaw) * vx, color=BLUE)
 
 
 def draw_adductions(axes: Axes, trajectory: Trajectory) -> None:
-    """Adduction angles over time, to the left."""
+    """Draws adduction angles over time, to the left."""
     _over_time(axes, trajectory, "Adduction (°)")
     columns = [trajectory.coordinates.index(joint) for joint in _adductions(trajectory)]
     _by_leg(axes, trajectory, [np.degrees(trajectory.q[:, column]) for column in columns])
 
 
 def draw_adduction_torques(axes: Axes, trajectory: Trajectory) -> None:
-    """Torques of the adduction motors over time."""
+    """Draws torques of the adduction motors over time."""
     _over_time(axes, trajectory, "Adduction motor of a leg (N·m)")
     columns = [trajectory.actuated.index(joint) for joint in _adductions(trajectory)]
     _by_leg(axes, trajectory, [trajectory.u[:, column] for column in columns])
 
 
 def draw_forces(axes: Axes, trajectory: Trajectory, part: str = "normal") -> None:
-    """A part of the ground force on each foot over time; impulses at touchdown are not in it.
+    """Draws a part of the ground force on each foot over time; impulses at touchdown are not in it.
 
     Args:
-        axes: where.
-        trajectory: whose.
+        axes: axes to draw into.
+        trajectory: the trajectory.
         part: "normal", or "across": to the left of the heading.
 
     Raises:
-        UnknownName: it is another.
+        UnknownName: `part` is neither.
     """
     if part not in ("normal", "across"):
         raise UnknownName("part of the force", part, ("normal", "across"))
@@ -218,7 +218,7 @@ def _check(trajectory: Trajectory) -> None:
 
 
 def _adductions(trajectory: Trajectory) -> list[str]:
-    """Names of the joints that swing the legs sideways, in the order of the toes."""
+    """Returns names of the joints that swing the legs sideways, in the order of the toes."""
     joints = [leg.abduction for leg in trajectory.load_robot().legs]
     found = [joint for joint in joints if joint is not None]
     if len(found) < len(trajectory.toes):

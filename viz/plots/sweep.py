@@ -1,4 +1,4 @@
-"""Maps of a sweep: the largest multiplier, and what was solved for, over the first two parameters.
+"""Maps of a sweep: the largest multiplier, and a solved number, over the first two parameters.
 
 In the style of `plots`. Points without a gait are hatched on a grid, and crosses in a sample.
 """
@@ -33,13 +33,13 @@ UNITS = {
 
 
 def sweep_map(dataset: Any) -> Figure:
-    """The largest multiplier and the first of what was solved for, else the period.
+    """Plots the largest multiplier, and the first solved number or else the period.
 
-    Lines over one parameter, cells over a grid of two, points over a sample; of more parameters the first two, the
-    others running on behind each other.
+    The plot has lines over one parameter, cells over a grid of two, or points over a sample. With more parameters it
+    shows the first two, with the others in sequence.
 
     Args:
-        dataset: what `studies.sweep.sweep` returns.
+        dataset: the Dataset that `studies.sweep.sweep` returned.
 
     Raises:
         BadValue: no gait was found, so that there is nothing to draw.
@@ -80,13 +80,13 @@ def _line(axes: Axes, x: Array, values: Array, *, first: bool) -> None:
 
 
 def _is_grid(axes: list[Array]) -> bool:
-    """Whether two parameters form a grid, of more than a line."""
+    """Tells whether two parameters form a grid, of more than a line."""
     counts = [len(np.unique(axis)) for axis in axes]
     return len(axes) == 2 and counts[0] * counts[1] == len(axes[0]) and min(counts) > 1
 
 
 def _table(x: Array, y: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Values of a grid in rows of the same y."""
+    """Returns values of a grid in rows of the same y."""
     across, i = np.unique(x, return_inverse=True)
     up, j = np.unique(y, return_inverse=True)
     table = np.full((len(up), len(across)), np.nan)
@@ -113,7 +113,7 @@ def _points(axes: Axes, x: Array, y: Array, values: Array) -> Any:
 
 
 def _stable(axes: Axes, given: list[Array], values: Array) -> None:
-    """The line on which the largest multiplier is 1."""
+    """Draws the line on which the largest multiplier is 1."""
     if _is_grid(given) and np.nanmin(values) < 1.0 < np.nanmax(values):
         across, up, table = _table(given[0], given[1], values)
         axes.contour(across, up, np.ma.masked_invalid(table), levels=[1.0], colors=[VERMILLION], linewidths=0.8)
@@ -125,5 +125,5 @@ def _edges(values: Array) -> Array:
 
 
 def label(name: str) -> str:
-    """A parameter's or measure's name and unit, for an axis."""
+    """Returns a parameter's or measure's name and unit, for an axis."""
     return with_unit(name, UNITS.get(name, "1"))

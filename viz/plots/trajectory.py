@@ -15,11 +15,11 @@ DETAIL = 2  # cycles that a composite shows of the quantities that repeat
 
 @typed
 def joint_angles(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
-    """Hip and knee angles over time, with the angles latched at touchdown by the springs.
+    """Plots hip and knee angles over time, with the angles that the springs latch at touchdown.
 
     Args:
-        trajectory: what the robot did.
-        gait: if given, the angles its law commands in flight are drawn as well.
+        trajectory: motion of the robot.
+        gait: if given, the angles that its law commands in flight are drawn as well.
     """
     with style():
         figure = Picture(figsize=(3.4, 3.2), layout="constrained")
@@ -32,7 +32,7 @@ def joint_angles(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
 
 @typed
 def ground_force(trajectory: Trajectory) -> Figure:
-    """Ground force on each toe over time, tangential and normal; impulses at touchdown are not in it."""
+    """Plots the ground force on each toe over time, tangential and normal; impulses at touchdown are not in it."""
     with style():
         figure = Picture(layout="constrained")
         draw_force(figure.subplots(), trajectory)
@@ -41,7 +41,7 @@ def ground_force(trajectory: Trajectory) -> Figure:
 
 @typed
 def knee_torque(trajectory: Trajectory, joint: str = "knee") -> Figure:
-    """Torque on a knee over time, positive in flexion, split into motor, spring and damping."""
+    """Plots the torque on a knee over time, positive in flexion, split into motor, spring and damping."""
     with style():
         figure = Picture(layout="constrained")
         draw_torque(figure.subplots(), trajectory, joint)
@@ -50,10 +50,9 @@ def knee_torque(trajectory: Trajectory, joint: str = "knee") -> Figure:
 
 @typed
 def energy_per_hop(trajectory: Trajectory) -> Figure:
-    """The energy ledger as stacked bars, one a hop: into the mechanism upward, out of it downward.
+    """Plots the energy ledger as stacked bars, one a hop: into the mechanism upward, out of it downward.
 
-    The mark is the change of the stored energy, which the bars add up to. Flows too small to be
-    seen are left out.
+    The mark is the change of the stored energy, to which the bars add up. Flows too small to be seen are left out.
 
     Raises:
         BadValue: the trajectory has no whole hop.
@@ -66,7 +65,7 @@ def energy_per_hop(trajectory: Trajectory) -> Figure:
 
 @typed
 def boom_height(trajectory: Trajectory) -> Figure:
-    """Height of the hip over time, and how far the toe is above the ground."""
+    """Plots the height of the hip over time, and how far the toe is above the ground."""
     with style():
         figure = Picture(figsize=(3.4, 3.0), layout="constrained")
         height, clearance = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
@@ -78,11 +77,11 @@ def boom_height(trajectory: Trajectory) -> Figure:
 
 @typed
 def hop_summary(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
-    """Everything at a glance: height and energy of all hops; force, angles and torque of the first two.
+    """Plots everything at a glance: height and energy of all hops; force, angles and torque of the first two.
 
     Args:
-        trajectory: what the robot did.
-        gait: if given, the angles its law commands in flight are drawn as well.
+        trajectory: motion of the robot.
+        gait: if given, the angles that its law commands in flight are drawn as well.
 
     Raises:
         BadValue: the trajectory has no whole hop.

@@ -1,4 +1,4 @@
-"""Which number a gait's spread comes from, and Monte Carlo beside the first order; in the style of `plots`."""
+"""Contributions of numbers to a gait's spread, and Monte Carlo compared with first order; in the style of `plots`."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ BINS, WIDTH = 60, 5.0  # of a histogram, over so many standard deviations on eac
 
 
 def variance_shares(spread: Uncertainty) -> Figure:
-    """Per cent of each output's variance that knowing a parameter exactly takes away.
+    """Plots by how many per cent each output's variance falls if a parameter is known exactly.
 
-    Of independent errors these are shares, stacked to 100 %; of correlated ones, which do not add up, side by side.
+    For independent errors these are shares, stacked to 100 %. For correlated errors they do not add up, and are side by
+    side.
     """
     names = [name for name in spread.outputs if spread.moves(name)]
     gains = 100.0 * np.array([spread.gains(name) for name in names]).reshape(len(names), len(spread.over))
@@ -52,14 +53,14 @@ def variance_shares(spread: Uncertainty) -> Figure:
 
 
 def monte_carlo(drawn: MonteCarlo, outputs: Sequence[str] = ()) -> Figure:
-    """Histograms of outputs with the normal distribution of the first order over each.
+    """Plots histograms of outputs with the normal distribution of the first order over each.
 
     Args:
         drawn: the samples.
-        outputs: which (default: what is solved for, the cost, the largest multiplier).
+        outputs: outputs to plot (default: solved numbers, the cost, the largest multiplier).
 
     Raises:
-        UnknownName: there is no output of a name.
+        UnknownName: no output has such a name.
         BadValue: none of them moves.
     """
     for name in outputs:
@@ -84,7 +85,7 @@ def monte_carlo(drawn: MonteCarlo, outputs: Sequence[str] = ()) -> Figure:
 
 
 def draw(axes: Axes, drawn: MonteCarlo, name: str) -> None:
-    """A histogram of one output's samples, those with another order of events apart, and the first order's normal."""
+    """Draws a histogram of an output's samples, another order of events apart, with the first order's normal."""
     values = drawn.samples.outputs[name]
     middle, first = drawn.values[name], drawn.first[name]
     half = WIDTH * max(first, min(drawn.deviation(name), 3.0 * first)) if first > 0.0 else WIDTH * drawn.deviation(name)
@@ -107,13 +108,13 @@ def draw(axes: Axes, drawn: MonteCarlo, name: str) -> None:
 
 
 def drawable(drawn: MonteCarlo, outputs: Sequence[str] = ()) -> list[str]:
-    """Of some outputs those that move and have samples; arguments as of `monte_carlo`."""
+    """Returns the outputs among some that move and have samples; see `monte_carlo` for the arguments."""
     chosen = outputs or _usual(drawn)
     return [name for name in chosen if drawn.verdict(name) != STAYS and len(drawn.drawn(name))]
 
 
 def _usual(drawn: MonteCarlo) -> list[str]:
-    """What is solved for, the cost, the largest multiplier."""
+    """Returns the solved numbers, the cost, and the largest multiplier."""
     names = list(drawn.first)
     solved = names[: next(i for i, name in enumerate(names) if name.endswith("_time"))]
     cost = [next(name for name in COSTS if name in drawn.first)]

@@ -1,8 +1,8 @@
-"""Results kept from one run to the next, in the user's cache folder, for as long as nothing they rest on changes.
+"""Results kept from one run to the next, in the user's cache folder, until something that they depend on changes.
 
-A key is a hash over the package's own files, the versions of the libraries that compute and draw, and the item's
-name; so any change of the package makes everything anew. Not by joblib or diskcache: what they read from a folder that
-others may write to they unpickle. It stands where heyoka, too, keeps what it compiles.
+A key is a hash over the package's own files, the versions of the libraries that compute and draw, and the item's name;
+so any change of the package makes everything again. The cache does not use joblib or diskcache, which unpickle what
+they read from a folder that others may write to. It is in the folder where heyoka also keeps what it compiles.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ MOST_BYTES = 60_000_000
 
 @dataclass(frozen=True)
 class Cache:
-    """Bytes by name; a folder of its own, in which the oldest give way.
+    """Bytes by name, in a folder of its own from which the oldest are removed.
 
     Attributes:
-        folder: of the files.
-        state: of the package and its libraries, part of every key.
+        folder: folder of the files.
+        state: state of the package and its libraries, part of every key.
     """
 
     folder: Path
     state: str
 
     def get(self, name: str) -> bytes | None:
-        """Content kept under a name; None where nothing was, or where something else is now."""
+        """Returns the content kept under a name; None where there is none, or where it has changed."""
         path = self._path(name)
         with suppress(OSError):
             if path.is_file() and path.stat().st_size <= MOST_BYTES:
@@ -46,7 +46,7 @@ class Cache:
         return None
 
     def put(self, name: str, content: bytes) -> None:
-        """Keep something, if the disk lets it; the oldest are given up for it."""
+        """Keeps a content, if the disk allows it; removes the oldest to make room."""
         with suppress(OSError, BadFile):
             self.folder.mkdir(parents=True, exist_ok=True)
             with atomic(self._path(name), at_once=True) as temporary:
@@ -72,13 +72,13 @@ def _digest(content: bytes) -> bytes:
 
 
 def user_cache() -> Cache:
-    """The cache of this user for the package as it is now."""
+    """Returns the cache of this user for the present package."""
     home = os.environ.get("XDG_CACHE_HOME")
     return Cache((Path(home) if home else Path.home() / ".cache") / "spear_pin", package_state())
 
 
 def package_state() -> str:
-    """Hash of the package's files, of Python's version and of its libraries'."""
+    """Returns a hash of the package's files, of Python's version and of its libraries'."""
     digest = hashlib.sha256(platform.python_version().encode())
     for name in LIBRARIES:
         digest.update(f" {name} {version(name)}".encode())

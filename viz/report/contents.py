@@ -1,4 +1,4 @@
-"""Contents of the report's page: its chapters, their figures and tables, and which statements stand beside each."""
+"""Contents of the report's page: its chapters, their figures and tables, and the statements next to each."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ WORST: tuple[Verdict, ...] = ("failed", "differs", "agrees", "cannot be known", 
 
 @dataclass(frozen=True)
 class Card:
-    """Statements of a chapter that stand together.
+    """Statements of a chapter that belong together.
 
     Attributes:
-        id: of the figure or table that shows them, or of the card alone.
-        place: where the source has them.
-        statements: that stand in it.
-        verdict: of the figure or table as a whole; None where it has none.
+        id: id of the figure or table that shows them, or of the card alone.
+        place: place in the source.
+        statements: statements on the card.
+        verdict: verdict on the figure or table as a whole; None where it has none.
         picture: the figure that shows them, if one does.
         table: the table that shows them, if one does.
     """
@@ -43,11 +43,11 @@ class Card:
 
 @dataclass(frozen=True)
 class Chapter:
-    """Chapter of the source, as far as a report has something of it.
+    """A chapter of the source with its contents in a report.
 
     Attributes:
-        number: in the source.
-        title: what it is about.
+        number: number in the source.
+        title: title.
         cards: figures and tables first, then the statements that none of them shows.
     """
 
@@ -57,7 +57,7 @@ class Chapter:
 
 
 def chapters(report: Report) -> list[Chapter]:
-    """The chapters that a report has something of."""
+    """Returns the chapters with contents in a report."""
     exhibits = {number: list(_exhibits(report, number)) for number in TITLES}
     shown = {card.id for cards in exhibits.values() for card in cards}
     found = []
@@ -71,7 +71,7 @@ def chapters(report: Report) -> list[Chapter]:
 
 
 def _exhibits(report: Report, chapter: int) -> Iterator[Card]:
-    """Figures and tables that the report has of a chapter; what has the same id goes together."""
+    """Returns figures and tables of a chapter in the report; those with the same id go together."""
     pictures = {picture.id: picture for picture in PICTURES.get(chapter, ()) if picture in report.selection.pictures}
     tables = {table.id: table for table in TABULATIONS.get(chapter, ()) if table in report.selection.tabulations}
     for name in dict.fromkeys((*pictures, *tables)):
@@ -82,6 +82,6 @@ def _exhibits(report: Report, chapter: int) -> Iterator[Card]:
 
 
 def _verdict(report: Report, statements: Sequence[Statement]) -> Verdict | None:
-    """Of a figure or table: it differs if anything in it does, and agrees if something does and nothing differs."""
+    """Returns the verdict on a figure or table: it differs if anything differs, and else agrees if something agrees."""
     found = {report.findings[statement.id].verdict for statement in statements}
     return next((verdict for verdict in WORST if verdict in found), None)

@@ -1,4 +1,4 @@
-"""Figures of the report: the plots with the runs that they are of."""
+"""Figures of the report: the plots with their runs."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from spear_pin.viz.plots import source as source_plots
 
 
 def transport() -> Figure:
-    """Costs of transport of others, and of the bound."""
+    """Draws published costs of transport, and those of the bound."""
     return energy_plots.cost_of_transport(PUBLISHED, computed_points("Q-SPEAR, assumed motors", runs.bound_costs()))
 
 
 def energy() -> Figure:
-    """Energy flow of the hop on hardware."""
+    """Draws the energy flow of the hop on hardware."""
     return energy_plots.energy_flow(runs.hop_energy())
 
 
 def releases() -> Figure:
-    """Releases with the estimates of Table 4.1: from the three depths with motor, from the deepest without."""
+    """Draws releases with the estimates of Table 4.1: from the three depths with motor, from the deepest without."""
     cases = {f"{100 * depth:g} cm": (depth, True) for depth in DEPTHS} | {"10 cm, no motor": (DEPTHS[-1], False)}
     return push_plots.release_summary(
         {
@@ -41,7 +41,7 @@ def releases() -> Figure:
 
 
 def fits() -> Figure:
-    """The model fitted to six synthetic sets of releases."""
+    """Draws the model fitted to six synthetic sets of releases."""
     return identification_plots.fit_summary(
         {
             f"{100 * depth:g} cm, {'with motor' if motor_on else 'no motor'}": runs.fitted(depth, motor_on)
@@ -52,61 +52,61 @@ def fits() -> Figure:
 
 
 def gears() -> Figure:
-    """The release with other gear ratios."""
+    """Draws the release with other gear ratios."""
     return push_plots.gear_comparison(runs.gears())
 
 
 def idling() -> Figure:
-    """The release with the motor idling."""
+    """Draws the release with the motor idling."""
     return source_plots.power_off_heights(runs.idling())
 
 
 def bridge() -> Figure:
-    """The knee motor turned from outside."""
+    """Draws the knee motor turned from outside."""
     return source_plots.bridge_currents(motor("spear_ii_knee"), SPEAR_II.knee_ratio)
 
 
 def hop() -> Figure:
-    """The hop at a glance."""
+    """Draws the hop at a glance."""
     return plots.hop_summary(runs.hops(), runs.hop())
 
 
 def experiment_angles() -> Figure:
-    """Angles on disturbed hardware and without."""
+    """Draws angles on disturbed hardware and without."""
     return energy_plots.angles_against(runs.rough_hops(), runs.hops(), runs.hardware_hop())
 
 
 def experiment_currents() -> Figure:
-    """Currents on disturbed hardware."""
+    """Draws currents on disturbed hardware."""
     return energy_plots.currents(runs.rough_hops())
 
 
 def experiment_heights() -> Figure:
-    """Heights on disturbed hardware and without."""
+    """Draws heights on disturbed hardware and without."""
     return energy_plots.heights(runs.rough_hops(), runs.hops())
 
 
 def bound() -> Figure:
-    """The bound at a glance."""
+    """Draws the bound at a glance."""
     return bound_plots.bound_summary(runs.strides(), runs.bound())
 
 
 def compliance() -> Figure:
-    """Knee torques with the spring and without."""
+    """Draws knee torques with the spring and without."""
     return design_plots.compliance(runs.bound())
 
 
 def stiffness() -> Figure:
-    """Knee torques with springs of other stiffness."""
+    """Draws knee torques with springs of other stiffness."""
     return design_plots.stiffness_sweep(runs.bound())
 
 
 def hips() -> Figure:
-    """Hip torques of the bound."""
+    """Draws hip torques of the bound."""
     return design_plots.hip_torques(runs.bound())
 
 
 def torque_speed() -> Figure:
-    """Operating points of the knees against three drives."""
+    """Draws operating points of the knees with three drives."""
     drives = {power: runs.knee_drive(power) for power in ("100 W", "260 W", "600 W")}
     return design_plots.torque_speed(runs.bound(), drives)

@@ -1,7 +1,7 @@
-"""The report: every statement checked, every figure drawn, every table made, each once or from the cache.
+"""Making of the report: every statement checked, every figure drawn, every table made, each once or from the cache.
 
-Nothing is computed here; `spear_pin.studies.audit.statements` and the plots say what there is. What fails is part of
-the report, with its reason.
+This module computes nothing itself; `spear_pin.studies.audit.statements` and the plots define the contents. Failures
+are part of the report, with their reasons.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ class Selection:
     """Contents of a report, in the order of the source.
 
     Attributes:
-        statements: of all chapters.
-        pictures: of all chapters.
-        tabulations: of all chapters.
-        playbacks: at the end.
+        statements: statements of all chapters.
+        pictures: pictures of all chapters.
+        tabulations: tables of all chapters.
+        playbacks: playbacks at the end.
     """
 
     statements: tuple[Statement, ...]
@@ -52,12 +52,12 @@ class Report:
     """Results of a report, by id.
 
     Attributes:
-        selection: what it is of.
-        findings: of the statements.
+        selection: contents of the report.
+        findings: findings on the statements.
         pictures: each figure by format.
-        rows: of the tables.
-        pages: of the playbacks.
-        failures: what could not be made, and why.
+        rows: rows of the tables.
+        pages: pages of the playbacks.
+        failures: parts that could not be made, and why.
     """
 
     selection: Selection
@@ -75,10 +75,10 @@ class Report:
 
 
 def select(patterns: Sequence[str] = ()) -> Selection:
-    """Everything, or what has an id that one of the patterns fits, statements with the figure or table that shows them.
+    """Returns everything, or the parts with an id that fits a pattern; statements come with their figure or table.
 
     Args:
-        patterns: such as "fig-5.*".
+        patterns: patterns such as "fig-5.*".
 
     Raises:
         UnknownName: a pattern fits nothing.
@@ -107,13 +107,13 @@ def make(
     formats: Sequence[str] = (SVG,),
     on_item: Callable[[str], object] = lambda name: None,
 ) -> Report:
-    """Make a report, or what has changed of it.
+    """Makes a report, or the parts of it that have changed.
 
     Args:
-        selection: what it is of.
-        cache: of earlier runs; None makes everything anew.
-        formats: of the figures, suffixes that `save_figure` knows.
-        on_item: called with the id of each item as it is begun.
+        selection: contents of the report.
+        cache: cache of earlier runs; None makes everything again.
+        formats: formats of the figures, suffixes that `save_figure` knows.
+        on_item: called with the id of each item when it begins.
     """
     report = Report(selection)
     for statement in selection.statements:
@@ -132,7 +132,7 @@ def make(
 
 
 def write_figures(report: Report, folder: Path, suffix: str) -> list[Path]:
-    """Write the figures of a report that was made in this format into a folder, each by its id."""
+    """Writes the figures of a report that was made in this format into a folder, each by its id."""
     folder.mkdir(exist_ok=True)
     paths = []
     for name, drawn in report.pictures.items():
@@ -144,7 +144,7 @@ def write_figures(report: Report, folder: Path, suffix: str) -> list[Path]:
 
 
 def _try(report: Report, name: str, results: dict[str, Any], make_one: Callable[[], Any]) -> None:
-    """Keep what is made, or why it is not: one part of a report must not take the others with it."""
+    """Keeps the result of a part, or the reason why it failed: one part must not stop the others."""
     try:
         results[name] = make_one()
     except Exception as error:
@@ -152,7 +152,7 @@ def _try(report: Report, name: str, results: dict[str, Any], make_one: Callable[
 
 
 def _finding(statement: Statement, cache: Cache | None) -> Finding:
-    """Finding on a statement by checking it; a failure is not kept."""
+    """Returns the finding on a statement by checking it; a failure is not kept."""
     kept = None if cache is None else cache.get(statement.id)
     if kept is not None:
         return Finding.of(json.loads(kept))
@@ -163,7 +163,7 @@ def _finding(statement: Statement, cache: Cache | None) -> Finding:
 
 
 def _drawn(picture: Picture, formats: Sequence[str], cache: Cache | None) -> dict[str, bytes]:
-    """A figure in each format, drawn once for those that are not there."""
+    """Returns a figure in each format, drawn once for those that are missing."""
     names = {suffix: f"{picture.id}.{suffix}" for suffix in formats}
     drawn = {suffix: kept for suffix, name in names.items() if cache is not None and (kept := cache.get(name))}
     if missing := [suffix for suffix in formats if suffix not in drawn]:

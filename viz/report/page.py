@@ -1,4 +1,4 @@
-"""The report as one HTML page that asks for nothing: what its template is given."""
+"""The report as one HTML page that loads nothing else: the data for its template."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST_BYTES = 8_000_000
 
 
 def render(report: Report) -> str:
-    """The text of the page."""
+    """Returns the text of the page."""
     pages = environment(
         blocks=blocks, command=command_of, drawing=drawing, number=number, numbers=numbers, prose=prose, symbols=symbols
     )
@@ -37,5 +37,5 @@ def render(report: Report) -> str:
 
 
 def drawing(picture: Picture, report: Report) -> Markup:
-    """A figure as an element of the page; see `embedding.drawing`."""
+    """Returns a figure as an element of the page; see `embedding.drawing`."""
     return embedding.drawing(report.pictures[picture.id][SVG], picture.id, f"{picture.place}: {picture.caption}")

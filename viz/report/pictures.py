@@ -1,4 +1,4 @@
-"""Figures of the report: which figure of the source each answers, and the function that draws it."""
+"""Figures of the report: the source's figure that each shows, and the function that draws it."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ class Picture:
     """A figure of the report.
 
     Attributes:
-        id: that statements and files call it by.
-        place: the figures of the source that it answers.
-        caption: what it shows.
-        shows: what the source's figure shows, in words of our own.
-        draw: a function of a module that makes it.
-        assumes: ids of the assumptions that it rests on.
+        id: name by which statements and files refer to it.
+        place: figures of the source that it shows.
+        caption: caption.
+        shows: contents of the source's figure, in words of our own.
+        draw: a function of a module that draws it.
+        assumes: ids of the assumptions that it uses.
     """
 
     id: str

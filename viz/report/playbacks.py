@@ -1,4 +1,4 @@
-"""Playbacks of the report: pages of `player` that share one viewer, which stands in the report once."""
+"""Playbacks of the report: pages of `player` that share one viewer, which is in the report once."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ class Playback:
     """A playback of the report.
 
     Attributes:
-        id: that it is called by.
-        caption: what moves.
-        make: a function of a module that gives its page.
-        assumes: ids of the assumptions that it rests on.
+        id: name of the playback in the code.
+        caption: caption.
+        make: a function of a module that returns its page.
+        assumes: ids of the assumptions that it uses.
     """
 
     id: str
@@ -30,17 +30,17 @@ class Playback:
 
 
 def hop() -> str:
-    """SPEAR-II hopping in place."""
+    """Returns the page of SPEAR-II hopping in place."""
     return page(runs.hop().system.robot, runs.hops(), title="SPEAR-II hopping in place")
 
 
 def bound() -> str:
-    """Q-SPEAR bounding."""
+    """Returns the page of Q-SPEAR bounding."""
     return page(runs.bound().system.robot, runs.strides(), title="Q-SPEAR bounding at 2.5 m/s")
 
 
 def push_test() -> str:
-    """SPEAR-II pushed down by 10 cm and let go."""
+    """Returns the page of SPEAR-II pushed down by 10 cm and let go."""
     leg = spear_ii()
     with scratch() as folder:
         path = folder / "release.html"

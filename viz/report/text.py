@@ -1,6 +1,7 @@
 """Text of the report as HTML: numbers, symbols with their indices, and the little Markdown of the errata.
 
-Not by a library of Markdown: indices, links without targets and framed tables would be rules of ours with one, too.
+It does not use a library for Markdown, because indices, links without targets and framed tables would need rules of our
+own there, too.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ Table: TypeAlias = list[list[str]]
 
 
 def symbols(words: str) -> Markup:
-    """Words with the indices of their symbols."""
+    """Returns words with the indices of their symbols."""
     return Markup(SUPERSCRIPT.sub(r"<sup>\1</sup>", SUBSCRIPT.sub(r"\1<sub>\2</sub>", str(escape(words)))))
 
 
 def number(value: float) -> Markup:
-    """A number to four digits, a power of ten where it is far from one, with a minus sign."""
+    """Formats a number with four digits, a power of ten where it is far from one, and a minus sign."""
     if value == 0.0:
         return Markup("0")
     exponent = math.floor(math.log10(abs(value)))
@@ -43,13 +44,13 @@ def number(value: float) -> Markup:
 
 
 def numbers(value: Value, unit: str = "") -> Markup:
-    """Numbers with their unit."""
+    """Formats numbers with their unit."""
     shown = Markup("; ").join(map(number, value)) if isinstance(value, tuple) else number(value)
     return Markup("{} {}").format(shown, unit).rstrip()
 
 
 def blocks(source: str) -> list[str | Table]:
-    """Paragraphs and tables of Markdown, these as rows of cells, the first of them the head."""
+    """Splits Markdown into paragraphs and tables; a table is rows of cells, with the head first."""
     return [_rows(block) if block.startswith("|") else block for block in source.split("\n\n")]
 
 
@@ -59,7 +60,7 @@ def _rows(block: str) -> Table:
 
 
 def prose(block: str) -> Markup:
-    """A paragraph or cell of Markdown; links lose their targets, which are not in the report."""
+    """Formats a paragraph or cell of Markdown; links lose their targets, which are not in the report."""
     escaped = str(symbols(block))
     for pattern, replacement in INLINE:
         escaped = pattern.sub(replacement, escaped)

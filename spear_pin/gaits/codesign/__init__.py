@@ -1,1 +1,1 @@
-"""Robot and gait designed together: a measure made small over any numbers, where gaits exist, by exact derivatives."""
+"""Robot and gait designed together: a measure is minimised over any numbers, with exact derivatives."""

@@ -1,4 +1,4 @@
-"""The gait of other numbers, by Newton's method with exact derivatives, from one nearby."""
+"""Gaits for changed numbers, by Newton's method with exact derivatives from a nearby gait."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ SLOWEST = 0.5  # factor by which the residual has to fall
 def closed(
     orbit: Orbit, vary: Sequence[str], keep: Mapping[str, float], on_cycle: Callable[[], object] = lambda: None
 ) -> Orbit:
-    """The gait beside an orbit that all but is one, with its derivatives.
+    """Finds the gait near an orbit that is nearly one, with its derivatives.
 
     Args:
         orbit: its names begin with those of `vary`.
-        vary: parameters that are solved for.
-        keep: measures, as many, and their values.
+        vary: names of parameters that are solved for.
+        keep: as many measures, and the values that they keep.
         on_cycle: called before each cycle.
 
     Raises:
-        NoGait: Newton's method does not lead to one within a few cycles.
+        NoGait: Newton's method does not converge to a gait within a few cycles.
     """
     before = np.inf
     for _ in range(MOST):
@@ -62,17 +62,17 @@ def led(
     change: Mapping[str, float],
     on_cycle: Callable[[], object] = lambda: None,
 ) -> Orbit:
-    """The gait with other numbers than one has: Newton's method from where derivatives say it is.
+    """Finds the gait for changed numbers: Newton's method from the state that derivatives predict.
 
     Args:
-        orbit: the gait; its names are those of `vary`, then those that may change.
-        vary: parameters that are solved for.
-        keep: measures, as many, and their values.
-        change: by how much parameters change, by name.
+        orbit: the gait's orbit; its names are those of `vary`, then those that may change.
+        vary: names of parameters that are solved for.
+        keep: as many measures, and the values that they keep.
+        change: changes of parameters, by name.
         on_cycle: called before each cycle.
 
     Raises:
-        NoGait: Newton's method does not lead to one, or a number is not valid.
+        NoGait: Newton's method does not converge to a gait, or a number is not valid.
     """
     dxi, dz = solved(orbit, vary, list(keep))
     by = np.array([change[name] for name in orbit.names[len(vary) :]])

@@ -1,4 +1,4 @@
-"""What an optimisation of a design says: the gait, what holds it back and at what price, and what assumptions do."""
+"""Result of a design optimisation: the gait, the active bounds with their prices, and the effect of assumptions."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from spear_pin.model.numbers import body_numbers
 from spear_pin.model.variants import parameters_of
 from spear_pin.showing import Shown
 
-STEP = 1e-6  # of the largest multiplier that is allowed
+STEP = 1e-6  # relative to the largest allowed multiplier
 MISSED = 1e-6  # of bounds, in all, relative to them
-NO_PRICE = 1e-6  # of the objective, for a whole bound or range: a price that is none
+NO_PRICE = 1e-6  # relative to the objective, for a whole bound or range: smaller prices are zero
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,11 @@ class Chosen:
     """A parameter of a design.
 
     Attributes:
-        start: its value at the beginning.
-        value: its value.
-        low: the least that was allowed.
-        high: the greatest that was allowed.
-        unit: of these, empty where nothing says one.
+        start: value at the beginning.
+        value: value at the end.
+        low: least allowed value.
+        high: greatest allowed value.
+        unit: unit of these values, empty where nothing says one.
     """
 
     start: float
@@ -47,12 +47,12 @@ class Chosen:
 
 @dataclass(frozen=True)
 class Assumption:
-    """What a number that was not chosen does to the best design.
+    """Effect of a number that was not chosen on the best design.
 
     Attributes:
-        value: of the number.
-        unit: of the number.
-        derivative: of what is minimised at its minimum, for one unit more, to first order.
+        value: value of the number.
+        unit: unit of the number.
+        derivative: change of the minimum for one more unit of the number, to first order.
     """
 
     value: float
@@ -73,22 +73,23 @@ class Design(Shown):
         (58.0, ['greatest stiffness'])
 
     Attributes:
-        gait: the gait there, confirmed by the reference engine.
-        minimize: name of the measure.
-        unit: of the measure.
-        start: the measure where it began, what is to be kept being kept.
+        gait: the gait at the minimum, confirmed by the reference engine.
+        minimize: name of the minimised measure.
+        unit: unit of the measure.
+        start: the measure at the beginning, at the gait that keeps what `keep` names.
         objective: the measure at the minimum.
-        parameters: by name.
-        bounds: measures that are bounded: value and bound, by what the bound is called.
-        margins: of each event to happening otherwise, in its guard's unit, by name.
-        active: bounds that hold the design back: by how much the measure changes for one unit more of the bound.
-        assumptions: by name.
+        parameters: chosen parameters, by name.
+        bounds: value and bound of each bounded measure, by the name of the bound.
+        margins: margin of each event from happening otherwise, in its guard's unit, by name.
+        active: active bounds, by name: change of the minimum for one more unit of the bound.
+        assumptions: effect of each number that was not chosen, by name.
         largest: modulus of the largest multiplier.
-        path: the measure, and by how much bounds are missed in all relative to them, after each iteration.
-        stationarity: what bounds leave of the gradient, relative to the measure where it began, over whole ranges.
-        cycles: that were run and differentiated.
-        reason: why it ended.
-        converged: whether that is a minimum.
+        path: the measure, and the total relative violation of bounds, after each iteration.
+        stationarity: the part of the gradient that bounds do not balance, relative to the measure at the beginning,
+            over whole ranges.
+        cycles: number of cycles that were run and differentiated.
+        reason: why the optimisation ended.
+        converged: whether the end is a minimum.
     """
 
     gait: Gait
@@ -137,21 +138,21 @@ class Design(Shown):
 
     @property
     def missed(self) -> float:
-        """By how much bounds are missed in all, relative to them; a design misses none."""
+        """Total relative violation of the bounds; zero for a design."""
         return self.path[-1][1]
 
     @property
     def ranked(self) -> list[str]:
-        """Names of assumptions, those first that matter most."""
+        """Names of the assumptions, by falling influence."""
         return sorted(self.assumptions, key=lambda name: -abs(self.elasticity(name)))
 
     def elasticity(self, name: str) -> float:
-        """% of the minimum for one more % of an assumption."""
+        """Returns the change of the minimum in % for 1 % more of an assumption."""
         each = self.assumptions[name]
         return each.derivative * each.value / self.objective if self.objective else np.nan
 
     def to_json(self) -> str:
-        """All of it but the gait, as JSON."""
+        """Returns the design without the gait as JSON."""
         data = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "gait"} | {
             "parameters": {name: vars(each) for name, each in self.parameters.items()},
             "assumptions": {name: vars(each) for name, each in self.assumptions.items()},
@@ -172,16 +173,16 @@ def design(
     cycles: int,
     names: Sequence[str],
 ) -> Design:
-    """What there is to say of an end.
+    """Returns the result for an end of the optimisation.
 
     Args:
         problem: the problem.
         begun: the gait at the beginning.
-        gait: that at the end.
-        end: the end.
-        scale: of what is minimised.
-        cycles: that it took.
-        names: of assumptions.
+        gait: the gait at the end.
+        end: the end of the minimisation.
+        scale: scale of the minimised measure.
+        cycles: number of cycles that the optimisation took.
+        names: names of the assumptions.
     """
     orbit = end.local.more
     objective, c = problem.values(orbit)
@@ -216,7 +217,7 @@ def design(
 
 
 def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
-    """Numbers of gears, springs, ground and masses that equations have in them, other than some."""
+    """Returns the names of gears, springs, ground and masses that enter the equations, except those in `besides`."""
     robot = system.robot
     # a robot whose bodies are changed is not varied any more
     own = () if set(besides) & set(body_numbers(robot)) else parameters_of(robot)
@@ -228,7 +229,7 @@ def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
 
 
 def _prices(problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float) -> dict[str, float]:
-    """Change of what is minimised for one unit more of each active bound."""
+    """Returns the change of the minimised measure for one more unit of each active bound."""
     found = dict[str, float]()
     for word, side, prices in zip(("least", "greatest"), (1.0, -1.0), end.at_bounds, strict=True):
         for name, price, span in zip(problem.over, prices, problem.span, strict=True):
@@ -250,9 +251,9 @@ def _prices(problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float) -
 def _assumptions(
     problem: Problem, orbit: Orbit, end: Minimum[Orbit], scale: float, names: Sequence[str]
 ) -> dict[str, Assumption]:
-    """By how much the minimum changes with each, to first order: of Lagrange's function, the design being as it is.
+    """Returns the first-order change of the minimum with each assumption: that of Lagrange's function at the design.
 
-    On a kink, that of both sides, in the shares that hold the minimum.
+    On a kink it combines the derivatives of both sides, in the shares that hold the minimum.
     """
     watch = bool(problem.largest_multiplier is not None and end.multipliers[-len(STABILITY) :].any())
 

@@ -1,4 +1,4 @@
-"""The best robot and gait together, within bounds: `optimize_design`."""
+"""`optimize_design` finds the best robot and gait together, within bounds."""
 
 from __future__ import annotations
 
@@ -47,35 +47,35 @@ def optimize_design(
     iterations: int = 100,
     on_iteration: Callable[[int, float, float], object] = lambda n, value, missed: None,
 ) -> Design:
-    """A local minimum of a measure over parameters of robot, spring and law, each point a gait of the simulation.
+    """Finds a local minimum of a measure over parameters of robot, spring and law, along gaits of the simulation.
 
-    Gaits are followed by Newton's method with exact derivatives; the next design is that of a quadratic model within a
-    region in which models have been right and gaits exist. The end is confirmed by the reference engine.
+    Newton's method with exact derivatives follows the gaits. The next design comes from a quadratic model, within a
+    region in which models have been right and gaits exist. The reference engine confirms the end.
 
     Args:
-        gait: where it begins; it need not keep what is to be kept.
-        minimize: a measure: of `gait.sensitivity`, with motors `energy` and `heat_JOINT`, with drives of all joints
-            `electricity`, or `margin_EVENT`.
-        over: least and greatest values of parameters, by the names of law, springs, ground or robot.
-        keep: measures of which the values are kept.
-        vary: as many parameters, which are solved for; those that the gait was solved for.
+        gait: the gait at the beginning; it need not have the values to keep.
+        minimize: name of a measure: one of `gait.sensitivity`, with motors `energy` and `heat_JOINT`, with drives of
+            all joints `electricity`, or `margin_EVENT`.
+        over: least and greatest values of parameters, by the names of numbers of law, springs, ground or robot.
+        keep: measures and the values that they keep.
+        vary: as many parameters, which are solved for; by default those that the gait was solved for.
         at_most: upper bounds of measures, such as `peak_torque_knee`.
-        at_least: lower bounds, such as `margin_spring_switch`: how far an event is from happening otherwise.
-        largest_multiplier: upper bound of the multipliers' moduli.
-        motors: of joints, by name: motors, whose heat `energy` counts behind gears that lose nothing, or drives, with
-            `electricity_JOINT` and `reserve_JOINT`; gears have the robot's ratio, which may vary.
-        assuming: numbers of which the answer says what their change would do; those of gears, springs, ground and
-            masses.
-        tolerance: of the relative gain that is still predicted.
-        iterations: at most.
-        on_iteration: called with the iteration, what is minimised, and by how much bounds are missed, relative to them.
+        at_least: lower bounds, such as `margin_spring_switch`: margin of an event from happening otherwise.
+        largest_multiplier: upper bound of the moduli of the multipliers.
+        motors: by the name of each joint, a motor or a drive. `energy` counts the heat of motors behind gears that lose
+            nothing; drives give `electricity_JOINT` and `reserve_JOINT`. Gears have the robot's ratio, which may vary.
+        assuming: names of numbers whose effect on the minimum the result gives; by default those of gears, springs,
+            ground and masses.
+        tolerance: the search ends when the predicted relative gain is below this.
+        iterations: largest number of iterations.
+        on_iteration: called with the iteration, the minimised measure, and the relative violation of bounds.
 
     Raises:
         MissingExtra: heyoka is not installed.
-        UnknownName: there is no parameter, measure or joint of a name.
-        BadValue: a range is none, the gait lies outside of one, as many measures are not kept as are solved for, a
-            drive has another ratio than the robot, or the gait moves in space or has hardware.
-        NoGait: no gait near the given one keeps what is to be kept.
+        UnknownName: there is no parameter, measure or joint that has such a name.
+        BadValue: a range is empty, the gait lies outside a range, `keep` and `vary` differ in length, a drive has
+            another ratio than the robot, or the gait moves in space or has hardware.
+        NoGait: no gait near the given one has the values to keep.
         NotDifferentiable: the gait has no derivative.
 
     Example:
@@ -142,7 +142,7 @@ def optimize_design(
 
 
 def unconfirmed(orbit: Orbit, vary: Sequence[str]) -> Gait:
-    """The gait as the fast engine has it."""
+    """Returns the gait as the fast engine finds it."""
     values = np.linalg.eigvals(orbit.jacobian)
     return Gait(
         system=orbit.system,
@@ -155,7 +155,7 @@ def unconfirmed(orbit: Orbit, vary: Sequence[str]) -> Gait:
 
 
 def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> None:
-    """Refuse ranges that are none, and names that do not fit together."""
+    """Refuses empty ranges, and names that do not fit together."""
     if not problem.over:
         raise BadValue("over", {}, "one parameter or more, each with its least and greatest value")
     for name, bounds in problem.over.items():

@@ -1,4 +1,4 @@
-"""What is minimised over what, within which bounds, at one gait: values and gradients along the branch of gaits."""
+"""The minimised measure, its parameters and bounds at one gait: values and gradients along the branch of gaits."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ MARGIN = "margin_"
 OF_MOTORS = "energy|heat_.*|electricity.*|reserve_.*"
 STABILITY = ("multiplier at +1", "multiplier at -1", "multipliers in a complex pair")
 ROUNDING = 1e-5  # by which multipliers may miss their bound at an end
-WATCHED = 0.8  # of the largest multiplier that is allowed: above this its derivatives are needed
+WATCHED = 0.8  # share of the largest allowed multiplier above which derivatives are needed
 
 
 class Bound(NamedTuple):
-    """A bound of a measure; side is -1 where it is the upper one, 1 where it is the lower."""
+    """A bound of a measure; side is -1 for an upper bound, 1 for a lower one."""
 
     measure: str
     side: float
@@ -35,28 +35,28 @@ class Bound(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What it is called."""
+        """Name of the bound."""
         return f"{self.measure} at {'most' if self.side < 0.0 else 'least'}"
 
     @property
     def size(self) -> float:
-        """Unit in which it is counted."""
+        """Unit in which the bound is counted."""
         return abs(self.value) or 1.0
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A measure to be made small.
+    """A measure to minimise.
 
     Attributes:
-        minimize: the measure.
+        minimize: name of the measure.
         over: least and greatest values of the parameters, by name.
-        vary: parameters that are solved for.
-        keep: measures that they keep, as many, and their values.
+        vary: names of parameters that are solved for.
+        keep: as many measures, and the values that they keep.
         at_most: upper bounds of measures.
         at_least: lower bounds of measures.
-        largest_multiplier: upper bound of every multiplier's modulus; None: no bound.
-        motors: of joints, for `heat_JOINT` and `energy`, or drives, for `electricity` and `reserve_JOINT`.
+        largest_multiplier: upper bound of every multiplier's modulus; None: there is no bound.
+        motors: motors for `heat_JOINT` and `energy`, or drives for `electricity` and `reserve_JOINT`, by joint.
     """
 
     minimize: str
@@ -70,7 +70,7 @@ class Problem:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Parameters whose derivatives are needed."""
+        """Names of parameters whose derivatives are needed."""
         return (*self.vary, *self.over)
 
     @property
@@ -85,20 +85,20 @@ class Problem:
 
     @property
     def bounds(self) -> tuple[Bound, ...]:
-        """Bounds of measures, in the order of `Local.c`, of which those of the multipliers are the last."""
+        """Bounds of measures, in the order of `Local.c`; those of the multipliers are the last."""
         upper = [Bound(name, -1.0, value) for name, value in self.at_most.items()]
         return (*upper, *(Bound(name, 1.0, value) for name, value in self.at_least.items()))
 
     def measure(self, orbit: Orbit, name: str) -> Measure | None:
-        """A measure of a gait, or a margin; None where there is none of that name."""
+        """Returns a measure of a gait, or a margin; None where there is none of that name."""
         return orbit.margins.get(name.removeprefix(MARGIN)) if name.startswith(MARGIN) else orbit.measures.get(name)
 
     def named(self, orbit: Orbit) -> None:
-        """Check that a gait has the measures.
+        """Checks that a gait has the measures.
 
         Raises:
-            UnknownName: it has not.
-            BadValue: it would with other motors.
+            UnknownName: the gait lacks a measure.
+            BadValue: the gait would have the measure with other motors.
         """
         kept = [name for name in orbit.measures if name in orbit.system.measures]  # the end is searched for with them
         for name in self.keep:
@@ -113,7 +113,7 @@ class Problem:
                 raise UnknownName("measure", name, [*orbit.measures, *(MARGIN + each for each in orbit.margins)])
 
     def values(self, orbit: Orbit) -> tuple[float, Array]:
-        """What is minimised, and the constraints, which are met where they are >= 0, in units of their size, (m,)."""
+        """Returns the minimised measure, and the constraints in units of their size, (m,), >= 0 where they are met."""
         goal, values = self.measure(orbit, self.minimize), []
         if goal is None:
             raise NoGait(f"there is no {self.minimize} here", np.nan)
@@ -126,11 +126,11 @@ class Problem:
         return goal.value, np.array(values)
 
     def slopes(self, orbit: Orbit, watch: bool, on_cycle: OnCycle = lambda: None) -> tuple[Array, Array]:
-        """Derivatives of `values` along the branch by all of an orbit's names that are not solved for, (n,) and (m, n).
+        """Returns derivatives of `values` along the branch by an orbit's free names, (n,) and (m, n).
 
         Args:
-            orbit: the gait.
-            watch: whether those of the multipliers are needed, which take a cycle each; else they are zero.
+            orbit: orbit of the gait; its names that are not solved for are free.
+            watch: whether derivatives of the multipliers are needed, which take a cycle each; else they are zero.
             on_cycle: called before each cycle.
         """
         others, goal = len(orbit.names) - len(self.vary), self.measure(orbit, self.minimize)
@@ -146,11 +146,11 @@ class Problem:
         return goal.derivative @ chain, np.array(rows).reshape(-1, others)
 
     def local(self, orbit: Orbit, scale: float, on_cycle: OnCycle = lambda: None) -> Local[Orbit]:
-        """The problem about a gait, with parameters counted from 0 to 1 within their ranges.
+        """Returns the problem about a gait, with parameters scaled to 0 … 1 within their ranges.
 
         Args:
-            orbit: the gait, with derivatives by `names`.
-            scale: of what is minimised.
+            orbit: orbit of the gait, with derivatives by `names`.
+            scale: scale of the minimised measure.
             on_cycle: called before each cycle.
         """
         goal, c = self.values(orbit)
@@ -164,16 +164,16 @@ class Problem:
         return Local(x, goal / scale, c, derived, orbit)
 
     def stable(self, orbit: Orbit) -> bool:
-        """Whether all multipliers are where they may be, rounding apart."""
+        """Tells whether all multipliers are within their bound, up to rounding."""
         return self.largest_multiplier is None or largest(orbit) <= self.largest_multiplier * (1.0 + ROUNDING)
 
     def hidden(self, orbit: Orbit) -> bool:
-        """Whether multipliers are outside though no border says so: an even number left the circle by the same way."""
+        """Tells whether multipliers are outside though no border function is negative, because an even number left."""
         if self.largest_multiplier is None or self.stable(orbit):
             return False
         return bool((borders(orbit.jacobian, self.largest_multiplier) >= 0.0).all())
 
 
 def largest(orbit: Orbit) -> float:
-    """Modulus of the largest multiplier."""
+    """Returns the modulus of the largest multiplier."""
     return float(np.abs(np.linalg.eigvals(orbit.jacobian)).max())

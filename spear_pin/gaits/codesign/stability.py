@@ -1,4 +1,4 @@
-"""A bound on the multipliers without a kink where real ones meet: the three ways out of a circle, each smooth."""
+"""A smooth bound on the multipliers: one function for each of the three ways out of a circle."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from spear_pin.gaits.sensitivity.multipliers import step_of
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
-STEP = 1e-6  # of a parameter, of one side: shorter than of two
+STEP = 1e-6  # relative to a parameter; one-sided steps are shorter than central ones
 
 
 def borders(jacobian: Array, radius: float) -> Array:
-    """Functions that are positive inside the circle |λ| = radius and zero where a multiplier leaves it, (3,).
+    """Returns functions that are positive inside the circle |λ| = radius and zero where a multiplier leaves it, (3,).
 
-    At +radius (of radius one: a fold), Π (1 - λ/r); at -radius (a flip), Π (1 + λ/r); as a complex pair
-    (Neimark-Sacker), Π over pairs of (1 - λ_i λ_j / r²). They are polynomials in the entries of the return map's
-    Jacobian, and so as smooth as it is; the modulus of the largest has a kink where two real multipliers meet.
+    They are Π (1 - λ/r) at +radius (with radius one: a fold), Π (1 + λ/r) at -radius (a flip), and Π over pairs of (1 -
+    λ_i λ_j / r²) for a complex pair (Neimark-Sacker). They are polynomials in the entries of the return map's Jacobian,
+    and so as smooth as the Jacobian. The modulus of the largest multiplier has a kink where two real multipliers meet.
     """
     values = np.linalg.eigvals(jacobian) / radius
     i, j = np.triu_indices(len(values), 1)
@@ -31,15 +31,15 @@ def borders(jacobian: Array, radius: float) -> Array:
 def slopes(
     orbit: Orbit, vary: Sequence[str], keep: Sequence[str], radius: float, on_cycle: Callable[[], object] = lambda: None
 ) -> Array:
-    """Derivatives of `borders` by the other parameters along the branch, by differences of exact multipliers.
+    """Returns derivatives of `borders` by the other parameters along the branch, by differences of exact multipliers.
 
-    Those are of one side, a cycle each: a search is led by five digits as well as by ten.
+    The differences are one-sided and take a cycle each: five digits are enough for a search.
 
     Args:
         orbit: the gait; its names are those of `vary`, then those that change.
-        vary: parameters that are solved for.
-        keep: measures that they keep.
-        radius: of the circle.
+        vary: names of parameters that are solved for.
+        keep: names of measures that they keep.
+        radius: radius of the circle.
         on_cycle: called before each cycle.
 
     Returns:

@@ -1,4 +1,4 @@
-"""The step of a quadratic model within a box, under linear constraints, as far as the next kink."""
+"""The step of a quadratic model within a box, under linear constraints, up to the next kink."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ T = TypeVar("T")
 HIGHEST = 1e6  # of a multiplier
 FAILURES = RuntimeError, ArithmeticError, np.linalg.LinAlgError  # of solvers
 NEAR = 1e-12  # a row that is shorter is none
-ROUNDING = 1e-12  # by which constraints are eased, so that a box without an inside has one
+ROUNDING = 1e-12  # constraints are relaxed by this, so that every box has interior points
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,11 @@ class Local(Generic[T]):
 
     Attributes:
         x: the point, (n,).
-        f: the function.
-        c: constraints, to be >= 0, (m,).
-        slopes: gives the gradient of the function, (n,), and the constraints' derivatives, (m, n). It may take long,
-            and is asked where a step goes on from, or was no better.
-        more: what else is known there.
+        f: value of the function.
+        c: constraints, (m,), which should be >= 0.
+        slopes: returns the gradient of the function, (n,), and the constraints' derivatives, (m, n). It may take long,
+            and is called where a step begins, or where a trial was no better.
+        more: what else is known at the point.
     """
 
     x: Array
@@ -54,18 +54,19 @@ class Local(Generic[T]):
 
     @property
     def violation(self) -> float:
-        """By how much constraints are missed, summed."""
+        """Sum of the violations of the constraints."""
         return float(np.maximum(-self.c, 0.0).sum())
 
 
 class Cut(NamedTuple, Generic[T]):
-    """Where a step ends, at row · s = end from above, for what another point says that is across a kink.
+    """Limit row · s >= end of a step, by what another point across a kink says.
 
     Attributes:
-        row: (n,).
-        end: what row · s is at least.
-        constraint: which of the other point's constraints is missed beyond; None: its function is the larger.
-        other: the point.
+        row: normal of the limit, (n,).
+        end: least value of row · s.
+        constraint: the other point's constraint that is missed beyond the limit; None: the other point's function is
+            larger there.
+        other: the other point.
     """
 
     row: Array
@@ -80,11 +81,10 @@ class Step(Generic[T]):
 
     Attributes:
         s: the step, (n,).
-        missed: by how much the linearised constraints are missed, summed: no step in the box misses them and those
-            across kinks by less.
-        multipliers: of the constraints, (m,).
-        at_bounds: of the box, lower and upper, (2, n).
-        kinks: where it ends by kinks, with multipliers.
+        missed: sum of the violations of the linearised constraints; no step in the box has a smaller one.
+        multipliers: multipliers of the constraints, (m,).
+        at_bounds: multipliers of the box, lower and upper, (2, n).
+        kinks: limits by kinks that hold the step, with multipliers.
     """
 
     s: Array
@@ -95,12 +95,12 @@ class Step(Generic[T]):
 
     @property
     def on_kink(self) -> bool:
-        """Whether a kink holds it."""
+        """Whether a kink holds the step."""
         return any(price > 0.0 for price, _ in self.kinks)
 
     @property
     def prices(self) -> Array:
-        """Multipliers of the constraints, (m,), those of what is across kinks among them."""
+        """Multipliers of the constraints, (m,), including those of points across kinks."""
         found = self.multipliers.copy()
         for price, cut in self.kinks:
             if cut.constraint is not None:
@@ -109,15 +109,15 @@ class Step(Generic[T]):
 
 
 def step_within(local: Local[T], hessian: Array, low: Array, high: Array, across: Sequence[Local[T]]) -> Step[T]:
-    """The step of least model among those that miss the constraints by as little as can be.
+    """Finds the step of least model among those that violate the constraints least.
 
-    A trial that was no better may be across a kink, where the function and the constraints are others: steps end where
-    those would be worse. A minimum on the kink is one of both functions, in shares that add up to one; if the other's
-    is more, the kink is no valley, and the step goes on.
+    A trial that was no better may be across a kink, where function and constraints are others. Steps end where these
+    would be worse. A minimum on the kink is a minimum of both functions, in shares that add up to one. If the other
+    function's share exceeds one, the kink is not a valley, and the step goes on.
 
     Args:
-        local: where it begins.
-        hessian: of the model, (n, n), positive definite.
+        local: the function about the point where the step begins.
+        hessian: curvature of the model, (n, n), positive definite.
         low: least step, (n,).
         high: greatest step, (n,).
         across: points that may be across kinks.
@@ -141,10 +141,10 @@ def step_within(local: Local[T], hessian: Array, low: Array, high: Array, across
 
 
 def cuts(local: Local[T], other: Local[T]) -> Iterator[Cut[T]]:
-    """Where steps from a point end for what another one says that is across a kink.
+    """Lists limits of steps from a point, by what another point across a kink says.
 
-    Where its function is the larger, and where its constraints are missed; but for what it says of the point itself
-    that is worse than it is there, for then that is no kink.
+    Steps end where the other point's function is larger, or where its constraints are missed. A statement of the other
+    point that makes the first point itself worse than it is does not count, because then there is no kink.
     """
     back = local.x - other.x
     ahead = other.f - local.f + float(other.g @ back)
@@ -172,7 +172,7 @@ def _solved(local: Local[T], hessian: Array, low: Array, high: Array, kinks: Seq
 
 
 def _slack(rows: Array, right: Array, low: Array, high: Array) -> Array:
-    """By how much rows · s >= right are missed, by as little in all as steps in the box allow."""
+    """Returns by how much rows · s >= right are missed, with the least total over steps in the box."""
     n, m = rows.shape[1], len(rows)
     cost = np.concatenate([np.zeros(n), np.ones(m)])
     box = [*zip(low, high, strict=True), *[(0.0, None)] * m]
@@ -183,10 +183,10 @@ def _slack(rows: Array, right: Array, low: Array, high: Array) -> Array:
 
 
 def _quadratic(hessian: Array, g: Array, rows: Array, right: Array) -> tuple[Array, Array]:
-    """Minimise g·s + s·B s / 2 under rows s >= right, and the multipliers.
+    """Minimises g·s + s·B s / 2 under rows s >= right; returns s and the multipliers.
 
-    As the least distance that it is in coordinates in which B is one, by non-negative least squares: Lawson and Hanson,
-    Solving Least Squares Problems, chapter 23.
+    In coordinates in which B is one, the problem is a least distance. It is solved by non-negative least squares:
+    Lawson and Hanson, Solving Least Squares Problems, chapter 23.
     """
     half = np.linalg.cholesky(hessian)
     to = scipy.linalg.solve_triangular(half, rows.T, lower=True).T

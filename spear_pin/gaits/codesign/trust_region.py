@@ -1,8 +1,8 @@
-"""Minimise under inequalities where there may be no value: sequential quadratic programming with trust regions.
+"""Minimisation under inequalities where values may not exist: sequential quadratic programming with trust regions.
 
-A step is trusted as far as the model has been right. Where there is no value the region shrinks, so that iterates stay
-where values exist; solvers that evaluate wherever their line search leads do not. Where the function or a constraint
-has a kink, trials that were no better say what is across it.
+A step is trusted as far as the model has been right. Where there is no value, the region shrinks, so that iterates stay
+where values exist; a solver with a line search would evaluate anywhere. Where the function or a constraint has a kink,
+trials that were no better tell what is across the kink.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ T = TypeVar("T")
 FIRST, LARGEST = 0.1, 0.5  # radii, of the box
 GOOD, BAD = 0.75, 0.1  # shares of a predicted gain
 PENALTY = 2.0  # of the largest multiplier, at least
-STILL = 1e-3  # of the function, over the whole box: what a minimum leaves of the gradient
-NEARBY = 1e-4  # of the box: what holds a point is that near
-BENT = 1e4  # curvature of the function, over the whole box: as much only where it has a kink
-REMEMBERED = 15.0  # radii: points across kinks that are farther do not count
+STILL = 1e-3  # a minimum has at most this gradient, relative to the function, over the box
+NEARBY = 1e-4  # relative to the box: distance at which a bound or kink holds a point
+BENT = 1e4  # relative curvature over the box; only a kink has a larger one
+REMEMBERED = 15.0  # radii: farther points across kinks do not count
 CONVERGED, STUCK, NO_VALUE, TOO_LONG = (
     "converged",
     "no step makes it better",
@@ -35,16 +35,16 @@ UNSOLVED = "the quadratic model has no solution"
 
 @dataclass(frozen=True)
 class Minimum(Generic[T]):
-    """Where a minimisation ended.
+    """The end of a minimisation.
 
     Attributes:
         local: the best point.
-        multipliers: of Lagrange, of the constraints, (m,), >= 0.
-        at_bounds: of the lower and upper bounds, (2, n), >= 0.
-        stationarity: what of the gradient they leave, its largest component.
-        kinks: what holds it of what is across kinks, with multipliers, those of constraints counted above, too.
+        multipliers: Lagrange multipliers of the constraints, (m,), >= 0.
+        at_bounds: multipliers of the lower and upper bounds, (2, n), >= 0.
+        stationarity: largest component of the gradient that they do not balance.
+        kinks: limits by kinks that hold the point, with multipliers; those of constraints are counted above, too.
         path: function and violation after each iteration.
-        reason: why it ended.
+        reason: why the minimisation ended.
     """
 
     local: Local[T]
@@ -57,7 +57,7 @@ class Minimum(Generic[T]):
 
     @property
     def converged(self) -> bool:
-        """Whether a minimum was found: no constraint is missed, and no step makes it better."""
+        """Whether a minimum was found: no constraint is missed, and no step improves it."""
         return self.reason == CONVERGED
 
 
@@ -71,16 +71,16 @@ def minimised(
     iterations: int = 100,
     on_step: Callable[[int, Local[T]], object] = lambda n, local: None,
 ) -> Minimum[T]:
-    """A local minimum.
+    """Finds a local minimum.
 
     Args:
-        value: of a point, given the best so far; None where there is none.
-        start: where it begins.
-        lower: bounds, (n,).
-        upper: bounds, (n,); what varies should be of order one between them.
-        tolerance: of the gain that is still predicted, of violations, and of the radius.
-        iterations: at most.
-        on_step: called after each.
+        value: returns the function about a point, given the best point so far; None where there is no value.
+        start: the starting point, (n,).
+        lower: lower bounds, (n,).
+        upper: upper bounds, (n,); what varies should be of order one between the bounds.
+        tolerance: tolerance of the predicted gain, of violations, and of the radius.
+        iterations: largest number of iterations.
+        on_step: called after each step.
     """
     best, radius, penalty, steep = start, FIRST, 1.0, False
     hessian, plain = _plain(start), True
@@ -102,16 +102,16 @@ def minimised(
         penalty = max(0.5 * penalty, 1.0, PENALTY * float(ahead.prices.max(initial=0.0)))
         predicted = -(best.g @ step + 0.5 * step @ hessian @ step) + penalty * (best.violation - ahead.missed)
         size = float(np.abs(step).max())
-        reach = radius if size > 0.9 * radius else 1.0  # a step that the region cuts short says little
+        reach = radius if size > 0.9 * radius else 1.0  # a step that the region shortens gives little information
         if predicted <= tolerance * max(abs(best.f), 1.0) * reach and ahead.on_kink and radius > NEARBY:
-            radius *= 0.3  # points that are across a kink far away say little of it here
+            radius *= 0.3  # points across a kink far away give little information here
             continue
         if predicted <= tolerance * max(abs(best.f), 1.0) * reach:
             left = _held(best, hessian, lower, upper, across).stationarity
             if left <= STILL * max(abs(best.f), 1.0) or steep:
                 reason = CONVERGED if best.violation <= tolerance else STUCK
                 break
-            hessian, steep = np.eye(len(best.x)) * left, True  # the first curvature was of steeper directions
+            hessian, steep = np.eye(len(best.x)) * left, True  # the first curvature came from steeper directions
             continue
         there = value(best.x + step, best)
         beyond = there is None
@@ -119,7 +119,7 @@ def minimised(
         if there is not None and gained > 0.0:
             try:
                 change = _of_lagrange(there, multipliers) - _of_lagrange(best, multipliers)
-            except FAILURES:  # a value without derivatives is none to go on from
+            except FAILURES:  # the search cannot continue from a value without derivatives
                 there, beyond, gained = None, True, -np.inf
         if gained < BAD * predicted:
             radius = 0.3 * size
@@ -141,7 +141,7 @@ def minimised(
 
 
 def _plain(local: Local[T]) -> Array:
-    """A first curvature."""
+    """Returns a first curvature."""
     return np.eye(len(local.x)) * max(float(np.abs(local.g).max()), 1e-3)
 
 
@@ -150,7 +150,7 @@ def _of_lagrange(local: Local[T], multipliers: Array) -> Array:
 
 
 def _known(local: Local[T]) -> bool:
-    """Whether a point has derivatives."""
+    """Tells whether a point has derivatives."""
     try:
         return bool(np.isfinite(local.g).all() and np.isfinite(local.A).all())
     except FAILURES:
@@ -158,7 +158,7 @@ def _known(local: Local[T]) -> bool:
 
 
 class _Held(NamedTuple, Generic[T]):
-    """As of `Minimum`."""
+    """Multipliers and stationarity, with the meanings in `Minimum`."""
 
     multipliers: Array
     at_bounds: Array
@@ -167,7 +167,7 @@ class _Held(NamedTuple, Generic[T]):
 
 
 def _held(local: Local[T], hessian: Array, lower: Array, upper: Array, across: Sequence[Local[T]]) -> _Held[T]:
-    """What holds a point, of constraints, bounds and kinks, and what that leaves of the gradient."""
+    """Returns the constraints, bounds and kinks that hold a point, and the gradient that they do not balance."""
     low, high = np.maximum(lower - local.x, -NEARBY), np.minimum(upper - local.x, NEARBY)
     near = [each for each in across if np.abs(each.x - local.x).max() <= REMEMBERED * NEARBY]  # as for a step that long
     try:
@@ -184,7 +184,7 @@ def _held(local: Local[T], hessian: Array, lower: Array, upper: Array, across: S
 
 
 def _updated(hessian: Array, step: Array, change: Array) -> Array:
-    """Powell's damped update, which stays positive definite."""
+    """Returns Powell's damped update, which stays positive definite."""
     along = hessian @ step
     curvature = float(step @ along)
     if not curvature > 0.0:

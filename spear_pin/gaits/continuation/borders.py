@@ -1,7 +1,8 @@
-"""Borders: where the order of events changes, or the cycle ends.
+"""Borders of a branch: points where the order of events changes, or where the cycle no longer closes.
 
-Beyond, the return map is another one, or the same one made of other pieces. If both agree at the border the branch goes
-on there, perhaps with a kink, or back to where it came from; if they do not it ends.
+Beyond a border the return map is another map, or the same map made of other pieces. If both maps agree at the border,
+the branch goes on there, perhaps with a kink, or it turns back to the side where it came from. If they do not agree,
+the branch ends.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ from spear_pin.hybrid.orders import Order
 
 CLOSEST = 1e-8  # arc length up to which a border is approached
 BEYOND = (1e-7, 1e-6, 1e-5, 1e-4)  # arc lengths at which the other side is looked for
-BENT = 10.0  # lengths of so small a step: how far a branch with a kink may lie from its tangent before
-JUMPS = 100.0  # residual by arc length behind a border that says that the map jumps there
-BACK = -0.999  # cosine between tangents of a branch that would go back on itself
+BENT = 10.0  # step lengths: a branch with a kink may be this far from its old tangent
+JUMPS = 100.0  # residual over arc length behind a border: above this the map jumps
+BACK = -0.999  # cosine between tangents: below this the branch would return on itself
 CONTINUOUS, TURNED, DISCONTINUOUS, LOST = "continuous", "turned", "discontinuous", "lost"
 
 
@@ -28,14 +29,14 @@ class Border:
     """A border that a branch meets.
 
     Attributes:
-        kind: `CONTINUOUS` (the branch goes on beyond it), `TURNED` (it goes on beyond it, and the parameter back),
-            `DISCONTINUOUS` (it ends: beyond, no fixed point is near), `LOST` (it ends, and why is not known: the map
-            does not jump).
-        inner: the last point before it.
-        outer: the first point behind it, if there is one.
-        after: the order of events behind it; empty if the cycle does not close there.
-        reason: why the cycle does not close there, in a word; empty if it does.
-        jump: largest component of the residual just behind it, where the branch ends.
+        kind: `CONTINUOUS` (the branch goes on beyond it), `TURNED` (the branch goes on beyond it, and the parameter
+            turns back), `DISCONTINUOUS` (the branch ends: no fixed point is near beyond it), `LOST` (the branch ends
+            for an unknown reason: the map does not jump).
+        inner: the last point before the border.
+        outer: the first point behind the border, if there is one.
+        after: the order of events behind the border; empty if the cycle does not close there.
+        reason: why the cycle does not close there, in a word; empty if the cycle closes.
+        jump: largest component of the residual just behind the border, where the branch ends.
     """
 
     kind: str
@@ -47,12 +48,12 @@ class Border:
 
 
 def approached(problem: Problem, base: Point, length: float) -> list[tuple[Point, float]]:
-    """Points ever closer to a border, and the steps that led there.
+    """Finds points ever closer to a border, and the steps that led to them.
 
     Args:
         problem: the equations.
         base: the last point of the branch.
-        length: of a step from it that leads to no point of the same order.
+        length: length of a step from `base` that leads to no point with the same order of events.
     """
     steps: list[tuple[Point, float]] = []
     while length > CLOSEST:
@@ -68,12 +69,12 @@ def approached(problem: Problem, base: Point, length: float) -> list[tuple[Point
 
 
 def border(problem: Problem, inner: Point, came: Array) -> Border:
-    """What is behind the last point before a border.
+    """Finds what lies behind the last point before a border.
 
     Args:
         problem: the equations.
-        inner: the point.
-        came: tangent of the branch some way before, (N,), where differences do not reach the border.
+        inner: the last point before the border.
+        came: tangent of the branch some way before the point, (N,), for use where differences do not reach the border.
     """
     outer = _straight_on(problem, inner) or _turned(problem, inner, came)
     if outer is not None:
@@ -91,7 +92,7 @@ def border(problem: Problem, inner: Point, came: Array) -> Border:
 
 
 def _straight_on(problem: Problem, inner: Point) -> Point | None:
-    """The first point of a branch that goes on to the side to which it came."""
+    """Finds the first point of the branch beyond the border, where the branch keeps its direction."""
     for length in BEYOND:
         try:
             point = stepped(problem, inner, length, reach=BENT)
@@ -103,7 +104,7 @@ def _straight_on(problem: Problem, inner: Point) -> Point | None:
 
 
 def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
-    """The first point of a branch that goes on to another side than it came to, by the tangent beyond."""
+    """Finds the first point of a branch that turns at the border, by the tangent beyond the border."""
     for length in BEYOND:
         try:
             there = problem.local(_predicted(problem, inner, length))
@@ -125,7 +126,7 @@ def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
 
 
 def _facing(local: Local, inner: Point) -> Point | None:
-    """A solution with its tangent away from the border."""
+    """Returns a solution with its tangent pointing away from the border."""
     try:
         return placed(local, local.u - inner.local.u)
     except NoValue:

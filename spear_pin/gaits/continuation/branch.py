@@ -1,4 +1,4 @@
-"""A branch of periodic gaits over one number: its points, their stability, what happens on it, and why it ends."""
+"""A branch of periodic gaits over one number: its points, their stability, its special points, and why it ends."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ WHY: Mapping[str, str] = {
 
 @dataclass(frozen=True)
 class SpecialPoint:
-    """A point where multipliers meet the unit circle, or jump.
+    """A point where multipliers meet the unit circle, or where they jump.
 
     Attributes:
         kind: a key of `KINDS`.
-        index: of the branch's point.
-        parameter: there.
-        critical: the multipliers that it is about, (1,) or (2,); of a kink none.
+        index: index of the point on the branch.
+        parameter: value of the parameter there.
+        critical: the multipliers concerned, (1,) or (2,); empty for a kink.
     """
 
     kind: str
@@ -62,19 +62,19 @@ class SpecialPoint:
 
 @dataclass(frozen=True)
 class BorderPoint:
-    """A point where the order of events changes, or the cycle ends.
+    """A point where the order of events changes, or where the cycle ends.
 
     Attributes:
-        kind: "continuous" (the branch goes on), "turned" (it goes on, and the parameter back), "discontinuous" (it
-            ends: no gait is near beyond), "lost" (it ends, and why is not known: no gait was found beyond, though the
-            map does not jump).
-        index: of the last of the branch's points before it, seen from where the continuation began.
-        beyond: of the first behind it; None where the branch ends.
-        parameter: there.
+        kind: "continuous" (the branch goes on), "turned" (the branch goes on, and the parameter turns back),
+            "discontinuous" (the branch ends: no gait is near beyond it), "lost" (the branch ends for an unknown reason:
+            no gait was found beyond, though the map does not jump).
+        index: index of the last point before the border, seen from where the continuation began.
+        beyond: index of the first point behind the border; None where the branch ends.
+        parameter: value of the parameter there.
         before: (domain, event) of each event on the near side.
-        after: of each on the far side; of a cycle that does not close as far as it is known.
+        after: (domain, event) of each event on the far side; of a cycle that does not close, as far as they are known.
         reason: why the cycle does not close there, a key of `gaits.gait_table.REASONS`; empty if it does.
-        jump: where the branch ends ‖P(x) - x‖∞ just beyond; else zero.
+        jump: ‖P(x) - x‖∞ just beyond the border where the branch ends; else zero.
     """
 
     kind: str
@@ -102,9 +102,9 @@ class End:
     """An end of a branch.
 
     Attributes:
-        parameter: there.
+        parameter: value of the parameter there.
         reason: a key of `WHY`.
-        border: the border that it is at, if it is at one.
+        border: the border at this end, if there is one.
     """
 
     parameter: float
@@ -120,15 +120,15 @@ class Branch(Shown):
     """Gaits along a branch, in the order of the arc; at first the parameter grows from where the continuation began.
 
     Attributes:
-        family: the systems.
+        family: the systems along the branch.
         over: the parameter.
-        vary: names of what is solved for.
-        target: what it is solved for, by name.
+        vary: names of the numbers that are solved for.
+        target: target values that the solved numbers reach, by name.
         start: index of the point where the continuation began.
-        values: the parameter's, (n,).
+        values: values of the parameter, (n,).
         q: configurations on the section, (n, nq).
-        v: velocities there, (n, nv).
-        solved: values of what is solved for, by name, (n,) each.
+        v: velocities on the section, (n, nv).
+        solved: values of the numbers that are solved for, by name, (n,) each.
         multipliers: Floquet multipliers by decreasing modulus, (n, d); NaN beyond the section's dimension, which is one
             less where no toe slides as it lands.
         durations: seconds in each phase, (n,) each.
@@ -136,8 +136,8 @@ class Branch(Shown):
         orders: (domain, event) of each event of the cycle, (n,).
         tangents: d(q, v, solved, parameter) by the arc length, (n, nq + nv + k + 1).
         specials: special points, in the order of the arc.
-        borders: borders, in that order.
-        ends: the ends, the first and the last.
+        borders: borders, in the order of the arc.
+        ends: the two ends of the branch, the first and the last.
 
     Example:
         >>> from spear_pin import continue_gait, find_gait, hopping, load
@@ -166,7 +166,7 @@ class Branch(Shown):
     ends: tuple[End, End]
 
     def __len__(self) -> int:
-        """Number of points."""
+        """Returns the number of points."""
         return len(self.values)
 
     def __repr__(self) -> str:
@@ -190,45 +190,45 @@ class Branch(Shown):
 
     @property
     def period(self) -> Array:
-        """Seconds of one cycle, (n,)."""
+        """Duration of one cycle in s, (n,)."""
         return np.asarray(sum(self.durations.values()))
 
     @property
     def folds(self) -> tuple[SpecialPoint, ...]:
-        """Where the parameter turns."""
+        """Special points where the parameter turns."""
         return self._of(FOLD)
 
     @property
     def flips(self) -> tuple[SpecialPoint, ...]:
-        """Where a multiplier is -1."""
+        """Special points where a multiplier is -1."""
         return self._of(FLIP)
 
     @property
     def neimark_sacker(self) -> tuple[SpecialPoint, ...]:
-        """Where a complex pair of multipliers is on the unit circle."""
+        """Special points where a complex pair of multipliers is on the unit circle."""
         return self._of(TORUS)
 
     @property
     def why(self) -> tuple[str, str]:
-        """Why each end is where it is."""
+        """Why the branch ends, in words, for each end."""
         return str(self.ends[0]), str(self.ends[1])
 
     def _of(self, kind: str) -> tuple[SpecialPoint, ...]:
         return tuple(special for special in self.specials if special.kind == kind)
 
     def rows(self) -> list[tuple[float, str]]:
-        """What happens along the arc: the parameter's value and a sentence each, the ends among them."""
+        """Lists what happens along the arc: the parameter's value and a sentence for each event, with the ends."""
         first, last = ((end.parameter, f"end: {end}") for end in self.ends)
         return [first, *((each.parameter, str(each)) for each in self.events), last]
 
     @property
     def gaits(self) -> Sequence[Gait]:
-        """The gaits at all points, each made as it is asked for."""
+        """Gaits at all points; each gait is made when it is first read."""
         return _Gaits(self)
 
     @property
     def events(self) -> tuple[SpecialPoint | BorderPoint, ...]:
-        """Special points and borders that are not ends, in the order along the arc."""
+        """Special points, and borders that are not ends, in the order of the arc."""
         inner = [border for border in self.borders if border.beyond is not None]
         return tuple(sorted([*self.specials, *inner], key=lambda each: each.index))
 
@@ -246,7 +246,7 @@ class Branch(Shown):
         )
 
     def to_json(self) -> str:
-        """All of it as a JSON object: points by column, special points, borders and ends."""
+        """Returns the whole branch as a JSON object: points by column, special points, borders and ends."""
         orders = list(dict.fromkeys(self.orders))
         data = {
             "format": FORMAT,
@@ -295,7 +295,7 @@ class _Gaits(Sequence[Gait]):
 
 
 def _change(before: Order, after: Order) -> str:
-    """What is another in an order of events."""
+    """Tells in words how two orders of events differ."""
     near, far = differing(before, after)
     if before == after:
         return "a toe begins or ceases to slide as it lands"

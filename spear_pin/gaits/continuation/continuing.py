@@ -1,4 +1,4 @@
-"""`continue_gait`: the branch of gaits through a given one."""
+"""`continue_gait` follows the branch of gaits through a given gait."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
 from spear_pin.model.variants import parameters_of
 
-NEAR = 0.1  # how far, scaled, the first point may be from the gait that is given
+NEAR = 0.1  # largest scaled distance of the first point from the given gait
 LEAST_STEP = 1e-4
-STILL = 1e-10  # of a tangent: along it a measure does not change
+STILL = 1e-10  # relative to a tangent: a smaller change of a measure counts as zero
 
 
 @typed
@@ -42,27 +42,28 @@ def continue_gait(
     rtol: float = 1e-9,
     on_point: Callable[[float], object] = lambda value: None,
 ) -> Branch:
-    """Follow the branch of gaits through a given one over a parameter, both ways, by pseudo-arclength continuation.
+    """Follows the branch of gaits through a given gait over a parameter, both ways, by pseudo-arclength continuation.
 
-    It goes round folds, and over borders, where the order of events changes, as far as the gaits on both sides meet.
-    Folds, flips, Neimark-Sacker points and borders are located.
+    The continuation passes folds. It also passes borders, where the order of events changes, if the gaits on both sides
+    meet. It locates folds, flips, Neimark-Sacker points and borders.
 
     Args:
-        gait: where it begins.
+        gait: the gait at which the continuation begins.
         over: the parameter: a number of law, spring, contact or robot, or a measure as a target.
-        within: between which values of it.
-        vary: numbers to solve for, as of `find_gait`; one more than targets where `over` is a measure.
-        target: wanted values of as many measures, by name, which are kept.
-        step: longest along the arc: 1 is the whole range, 1 m, rad, m/s or rad/s, or a number solved for itself.
-        points: at most so many each way.
-        rtol: relative tolerance, as of `simulate_many`; without lanes of the reference engine.
+        within: least and largest value of the parameter.
+        vary: numbers to solve for; see `find_gait`; one more than there are targets where `over` is a measure.
+        target: target values of as many measures, by name; they stay the same along the branch.
+        step: longest step along the arc; 1 is the whole range of the parameter, 1 m, rad, m/s or rad/s, or the whole
+            value of a number that is solved for.
+        points: largest number of points each way.
+        rtol: relative tolerance; see `simulate_many`; where lanes cannot run the cycles, that of the reference engine.
         on_point: called with the parameter's value at each point.
 
     Raises:
         UnknownName: unknown parameter or measure.
-        BadValue: the range does not hold the gait's own value, or is none, there are not as many targets as numbers to
+        BadValue: the range is empty or does not hold the gait's own value, there are not as many targets as numbers to
             solve for, a number is not valid, or a measure stays the same along the branch.
-        NoGait: the gait is none of the equations', to begin with.
+        NoGait: the given gait does not solve the equations.
 
     Example:
         >>> from spear_pin import continue_gait, find_gait, hopping, load
@@ -97,7 +98,7 @@ def continue_gait(
 def _equations(
     gait: Gait, over: str, within: tuple[float, float], vary: tuple[str, ...], target: dict[str, float], rtol: float
 ) -> tuple[Gaits, Any, Array]:
-    """The equations, the gait's state, and its values of what is solved for and the parameter."""
+    """Returns the equations, the gait's state, and its values of the solved numbers and the parameter."""
     system = gait.system
     measured = over in system.measures
     for name in target:
@@ -135,7 +136,7 @@ def _equations(
 
 
 def _measured(family: Family, gait: Gait, own: list[float]) -> float:
-    """The gait's value of the last measure."""
+    """Returns the gait's value of the last measure."""
     q, v = gait.state
     cycles = family.run(q[None], v[None], np.array([own]))
     if cycles.reason[0]:
@@ -144,7 +145,7 @@ def _measured(family: Family, gait: Gait, own: list[float]) -> float:
 
 
 def _start(problem: Gaits, state: Any, values: Array) -> Point:
-    """The point of the branch beside the gait, its tangent towards greater values of the parameter."""
+    """Finds the point of the branch near the gait; its tangent points towards greater values of the parameter."""
     u = problem.point(state, values)
     row = np.zeros_like(u)
     row[-1] = 1.0
@@ -161,7 +162,7 @@ def _start(problem: Gaits, state: Any, values: Array) -> Point:
 
 
 def _branch(problem: Gaits, over: str, vary: tuple[str, ...], target: dict[str, float], back: Way, on: Way) -> Branch:
-    """The branch made of both ways from its start."""
+    """Joins the two ways from the start to one branch."""
     start = len(back.points) - 1
     turned = [Point(point.local, -point.tangent) for point in back.points[:0:-1]]
     points = [*turned, *on.points]

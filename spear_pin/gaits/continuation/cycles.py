@@ -1,4 +1,4 @@
-"""Cycles of a family of gaits, from states and with numbers of their own: by lanes, or by the reference engine."""
+"""Cycles of a family of gaits from given states with given numbers, run by lanes or by the reference engine."""
 
 from __future__ import annotations
 
@@ -32,8 +32,9 @@ class Family:
     """Systems that differ in a few numbers, and what is measured of their cycles.
 
     Attributes:
-        system: one of them.
-        names: of the numbers, as `with_parameters` and `vary` have them; of the robot's at most the last.
+        system: one of the systems.
+        names: names of the numbers, as `with_parameters` and `vary` take them; at most the last one belongs to the
+            robot.
         measures: names among `system.measures`, or functions of a cycle's run.
         rtol: relative tolerance of the integration.
     """
@@ -45,11 +46,11 @@ class Family:
 
     @property
     def of_robot(self) -> bool:
-        """Whether the last number is one of the robot's."""
+        """Whether the last number belongs to the robot."""
         return bool(self.names) and self.names[-1] in parameters_of(self.system.robot)
 
     def member(self, values: Sequence[float]) -> HybridSystem:
-        """The system with values of the numbers.
+        """Returns the system with given values of the numbers.
 
         Raises:
             BadValue: one is not valid.
@@ -61,7 +62,7 @@ class Family:
         return with_parameters(system, given)
 
     def _with_robot(self, value: float) -> HybridSystem:
-        """The system with another value of the robot's number."""
+        """Returns the system with another value of the robot's number."""
         if value not in self._made:
             if len(self._made) >= KEPT:
                 self._made.clear()
@@ -70,20 +71,20 @@ class Family:
 
     @cached_property
     def _made(self) -> dict[float, HybridSystem]:
-        """Systems with other robots, by the value of their number."""
+        """Systems with other robots, by the value of the robot's number."""
         return {}
 
     def values(self) -> list[float]:
-        """The numbers of the system itself."""
+        """Returns the values of the numbers in the system itself."""
         return [number(self.system, name) for name in self.names]
 
     def run(self, q: Array, v: Array, values: Array) -> Cycles:
-        """One cycle each from states with values of the numbers, (m, k)."""
+        """Runs one cycle from each state with its values of the numbers, (m, k)."""
         return self._runner(q, v, values)
 
     @cached_property
     def exact(self) -> TangentCycles | None:
-        """Cycles with exact derivatives, if there are any: none of a robot whose number moves its section."""
+        """Cycles with exact derivatives; None if there are none, as where a number of the robot moves its section."""
         if self.of_robot or not self._has_lanes():
             return None
         return tangent_cycles(self.system, self.names, self.measures)
@@ -93,7 +94,7 @@ class Family:
         return self._by_lanes if self._has_lanes() else self._by_reference
 
     def _has_lanes(self) -> bool:
-        """Whether lanes can run it, which are faster."""
+        """Tells whether lanes, which are faster, can run the cycles."""
         own = self.names[:-1] if self.of_robot else self.names
         return has_lanes(self.system, own) and all(measure in MEASURES for measure in self.measures)
 
@@ -102,7 +103,7 @@ class Family:
         last = values[:, -1] if self.of_robot else np.zeros(len(q))
         for value in np.unique(last):
             chosen = np.flatnonzero(last == value)
-            for first in range(0, len(chosen), FEW):  # of more, nobody keeps the order of events
+            for first in range(0, len(chosen), FEW):  # a batch of more lanes does not keep the order of events
                 lanes = chosen[first : first + FEW]
                 parts.append((lanes, self._few(q[lanes], v[lanes], values[lanes])))
         return _joined(parts)
@@ -142,7 +143,7 @@ class Family:
 
 
 def _joined(parts: Sequence[tuple[NDArray[np.int64], Cycles]]) -> Cycles:
-    """Cycles of all lanes, from those of some of them each."""
+    """Joins cycles of several groups of lanes to cycles of all lanes."""
     back = np.argsort(np.concatenate([lanes for lanes, _ in parts]))
     every = [cycles for _, cycles in parts]
     orders = [order for cycles in every for order in cycles.orders]

@@ -1,4 +1,4 @@
-"""Derivatives by differences that keep to one order of events: central, or to one side where a border is near."""
+"""Derivatives by differences within one order of events: central, or one-sided where a border is near."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ Values = Callable[[Array], tuple[Array, Sequence[str], Sequence[Order]]]
 
 
 def differentiated(values: Values, x: Array, step: float = STEP) -> tuple[Array, Array, Order]:
-    """Values at a point, (r,), their Jacobian there, (r, k), and the order of events.
+    """Returns the values at a point, (r,), their Jacobian there, (r, k), and the order of events.
 
     Args:
-        values: the functions.
+        values: the functions to differentiate.
         x: the point, (k,).
-        step: of the differences, in each unknown.
+        step: step of the differences, in each unknown.
 
     Raises:
-        NoValue: there is no value at the point, or in some direction to neither side one of the same order, or at least
-            one that does not jump.
+        NoValue: there is no value at the point, or in some direction neither side has a value with the same order of
+            events that does not jump.
     """
     k = len(x)
     found, why, orders = values(x + np.concatenate([np.zeros((1, k)), stencil(k, step)]))
@@ -36,7 +36,7 @@ def differentiated(values: Values, x: Array, step: float = STEP) -> tuple[Array,
     ahead, behind = found[1 : k + 1] - centre, centre - found[k + 1 :]
     same = np.array([not reason and each == order for reason, each in zip(why, orders, strict=True)])[1:]
     sides = np.stack([same[:k], same[k:]])
-    # between two borders there is no other side: what does not jump does for Newton's method
+    # between two borders neither side is free; values without jump are enough for Newton's method
     smooth = np.abs(np.stack([ahead, behind])).max(axis=2) < STEEPEST * step  # False where there is no value
     sides |= ~sides.any(axis=0) & smooth
     if not sides.any(axis=0).all():

@@ -1,4 +1,4 @@
-"""Follow a branch from one of its points, one way, to where it ends."""
+"""Following a branch one way from one of its points to where it ends."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from spear_pin.gaits.continuation.problem import NoValue, Problem
 from spear_pin.gaits.continuation.signs import Special, located, specials
 from spear_pin.gaits.continuation.stepping import TOLERANCE, Point, landed, stepped
 
-FINE = 1e-3  # arc length of steps that are not shortened any more: what stops them is a border
+FINE = 1e-3  # shortest arc length of a step; if it fails, there is a border
 ENTERING = 1e-4  # of the first step behind a border
 FIRST = 0.2  # of the longest step
-STRAIGHT, CURVED = 0.05, 0.3  # rad between tangents: up to the first steps grow, above the second they are shortened
+STRAIGHT, CURVED = 0.05, 0.3  # rad between tangents: below the first steps grow, above the second shrink
 GROWTH = 2.0
 RANGE, BORDER, LOST, CLOSED, LIMIT = "range", "border", "lost", "closed", "points"
 Met = Border | Special
@@ -24,13 +24,14 @@ Met = Border | Special
 
 @dataclass
 class Way:
-    """What was met on the way.
+    """The points and borders that were met on the way.
 
     Attributes:
-        points: of the branch, in order, the start first.
+        points: points of the branch, in order, the start first.
         met: borders and special points, each with its index in `points`.
-        end: why it ends: `RANGE` (the parameter's range does), `BORDER` (at the last border), `LOST` (no point beyond
-            was found, and no border), `CLOSED` (it is back where it began), `LIMIT` (enough points).
+        end: why the way ends: `RANGE` (the parameter's range ends), `BORDER` (at the last border), `LOST` (no point
+            beyond was found, and no border), `CLOSED` (the branch is back at its start), `LIMIT` (the largest number of
+            points is reached).
     """
 
     points: list[Point]
@@ -46,14 +47,14 @@ def follow(
     most: int,
     on_point: Callable[[Point], object] = lambda point: None,
 ) -> Way:
-    """Follow a branch along its tangent.
+    """Follows a branch along its tangent.
 
     Args:
         problem: the equations.
-        start: a point of it, with its tangent in the direction in which it is followed.
-        bounds: of the scaled parameter.
-        longest: step along the arc.
-        most: points.
+        start: a point of the branch; its tangent points in the direction to follow.
+        bounds: bounds of the scaled parameter.
+        longest: longest step along the arc.
+        most: largest number of points.
         on_point: called with each point.
     """
     way, length = Way([start]), FIRST * longest
@@ -80,7 +81,7 @@ def follow(
 
 
 def _tried(problem: Problem, base: Point, length: float) -> Point | None:
-    """The next point, if there is one of the same order of events."""
+    """Returns the next point, or None if there is none with the same order of events."""
     try:
         point = stepped(problem, base, length)
     except NoValue:
@@ -93,7 +94,7 @@ def _angle(one: Point, other: Point) -> float:
 
 
 def _add(problem: Problem, way: Way, point: Point, length: float, bounds: tuple[float, float], start: Point) -> None:
-    """Add a point, what happens on the step to it, and the end if it is beyond one."""
+    """Adds a point, the special points on the step to it, and the end if the point lies beyond one."""
     base, parameter = way.points[-1], point.local.u[-1]
     if not bounds[0] <= parameter <= bounds[1]:
         bound, way.end = bounds[0] if parameter < bounds[0] else bounds[1], RANGE
@@ -117,14 +118,14 @@ def _mark(problem: Problem, way: Way, base: Point, point: Point, length: float) 
 
 
 def _closes(base: Point, point: Point, start: Point, length: float) -> bool:
-    """Whether the start lies on the step, and the branch goes on there as it began."""
+    """Tells whether the start lies on the step and the branch goes on there as it began."""
     before, after = (float(start.tangent @ (each.local.u - start.local.u)) for each in (base, point))
     near = np.linalg.norm(point.local.u - start.local.u) < length
     return bool(near and base is not start and before < 0.0 <= after and start.tangent @ point.tangent > 0.0)
 
 
 def _meet(problem: Problem, way: Way, base: Point, length: float) -> None:
-    """Go up to a border, and behind it if the branch goes on."""
+    """Goes up to a border, and beyond it if the branch goes on."""
     came = base.tangent
     for point, taken in approached(problem, base, length):
         _mark(problem, way, base, point, taken)

@@ -1,6 +1,7 @@
-"""Gaits as equations to continue: x = P(x), and targets, over one number or the value of one target.
+"""Gaits as equations for continuation: x = P(x), and targets, over one number or over the value of one target.
 
-Derivatives are exact where the fast engine runs the cycle, else differences of cycles. `Gaits.local` alone knows.
+Derivatives are exact where the fast engine runs the cycle; else they are differences of cycles. Only `Gaits.local`
+makes that choice.
 """
 
 from __future__ import annotations
@@ -27,12 +28,12 @@ from spear_pin.hybrid.spatial_section import SpatialCharts
 
 @dataclass(frozen=True)
 class About:
-    """What is known of a cycle beside its equations.
+    """Data about a cycle besides its equations.
 
     Attributes:
         charts: the chart of the section around its state, ξ = 0.
         durations: seconds in each phase.
-        residual: P(x) - x in the section's coordinates, the largest.
+        residual: the largest component of P(x) - x in the section's coordinates.
     """
 
     charts: Charts | SpatialCharts
@@ -45,10 +46,10 @@ class Gaits:
     """The equations. Points are (q, v, solved parameters, parameter), the last two scaled.
 
     Attributes:
-        family: the systems, whose numbers are the solved ones and, unless it is a target, the parameter.
+        family: the systems; their numbers are the solved ones and, unless the parameter is a target, the parameter.
         wanted: the targets.
-        over_target: whether the parameter is the value of one target more, the last.
-        scale: of the solved ones and the parameter, (k + 1,).
+        over_target: whether the parameter is the value of one more target, the last.
+        scale: scales of the solved parameters and the parameter, (k + 1,).
     """
 
     family: Family
@@ -57,29 +58,29 @@ class Gaits:
     scale: Array
 
     def point(self, state: State, values: Array) -> Array:
-        """The point of a state, with values of the solved ones and the parameter, (k + 1,)."""
+        """Returns the point for a state with values of the solved parameters and the parameter, (k + 1,)."""
         return np.concatenate([*state, values / self.scale])
 
     def read(self, u: Array) -> tuple[State, Array]:
-        """State, solved ones and parameter of a point."""
+        """Returns the state, the solved parameters and the parameter at a point."""
         nq, nv = self.family.system.robot.nq, self.family.system.robot.nv
         return (u[:nq], u[nq : nq + nv]), u[nq + nv :] * self.scale
 
     def numbers(self, values: Array) -> Array:
-        """The family's numbers, of solved ones and parameters, (..., k + 1)."""
+        """Returns the family's numbers for solved parameters and parameter, (..., k + 1)."""
         return values[..., :-1] if self.over_target else values
 
     def local(self, u: Array) -> Local:
-        """The equations about a point; see `Problem`."""
+        """Returns the equations about a point; see `Problem`."""
         state, values = self.read(u)
         charts = self._charts(state, values)
         local, slides = self._local(charts, values)
-        if slides is not None:  # the section's toes land otherwise than they are here
+        if slides is not None:  # the section's toes slide differently after landing
             local, _ = self._local(self._charts(state, values, slides), values)
         return local
 
     def _local(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Local, NDArray[np.bool_] | None]:
-        """The equations about a chart's origin, and which toes slide after the cycle, if those are others."""
+        """Returns the equations about a chart's origin, and which toes slide after the cycle, if these are others."""
         d, directions = charts.dimension, self._directions(charts, values)
         residual, jacobian, cycle = self._exact(charts, values, directions) or self._differenced(charts, values)
         durations = {phase: float(seconds[0]) for phase, seconds in cycle.durations.items()}
@@ -95,7 +96,7 @@ class Gaits:
     def _exact(
         self, charts: Charts | SpatialCharts, values: Array, directions: Array
     ) -> tuple[Array, Array, Cycles] | None:
-        """F, its exact Jacobian and the cycle about a chart's origin, None where no derivatives are known."""
+        """Returns F, its exact Jacobian and the cycle about a chart's origin; None where no derivatives are known."""
         exact, d = self.family.exact, charts.dimension
         if exact is None or not isinstance(charts, Charts):
             return None
@@ -116,7 +117,7 @@ class Gaits:
         return residual, np.concatenate([charts.changes((ends @ along - moves)[None])[0], rows]), cycle
 
     def _differenced(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Cycles]:
-        """The same by differences."""
+        """Returns F, its Jacobian by differences and the cycle about a chart's origin."""
         d, seen = charts.dimension, list[Cycles]()
 
         def around(points: Array) -> tuple[Array, list[str], list[Order]]:
@@ -128,7 +129,7 @@ class Gaits:
         return residual, jacobian, seen[0]
 
     def glance(self, u: Array) -> tuple[Array, Order]:
-        """F at a point, and the order of events; see `Problem`."""
+        """Returns F at a point, and the order of events; see `Problem`."""
         state, values = self.read(u)
         charts = self._charts(state, values)
         found, cycles = self._residuals(charts, np.zeros((1, charts.dimension)), values[None])
@@ -137,7 +138,7 @@ class Gaits:
         return found[0], cycles.orders[0]
 
     def moved(self, local: Local, step: Array) -> Array:
-        """The point that local coordinates lead to; see `Problem`."""
+        """Returns the point that local coordinates lead to; see `Problem`."""
         _, values = self.read(local.u)
         charts = local.more.charts
         values = values + step[charts.dimension :] * self.scale
@@ -145,7 +146,7 @@ class Gaits:
         return self.point((q[0], v[0]), values)
 
     def _charts(self, state: State, values: Array, slides: NDArray[np.bool_] | None = None) -> Charts | SpatialCharts:
-        """The chart around a state, in which the toes slide that do there, or others, (ntoes,)."""
+        """Returns the chart around a state, with the toes that slide there, or with other sliding toes, (ntoes,)."""
         if not all(np.isfinite(part).all() for part in state):
             raise NoValue("not_finite")
         system = self.family.member(self.numbers(values).tolist())
@@ -155,14 +156,14 @@ class Gaits:
         return section(system).charts(q[None], v[None], slides)
 
     def _on(self, charts: Charts | SpatialCharts, values: Array) -> Charts | SpatialCharts:
-        """Charts with the same directions, of the sections with values of the solved ones and the parameter."""
+        """Returns charts with the same directions for the sections with values of solved parameters and parameter."""
         numbers = self.numbers(values)
         if self.family.of_robot and isinstance(charts, Charts):
             return replace(charts, section=section(self.family.member(numbers[0].tolist())))
         return charts.on(dict(zip(self.family.names, numbers.T, strict=True)))
 
     def _placed(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Array, Array]:
-        """States of lanes on the section, with coordinates ξ and values of solved ones and parameter; their own ξ."""
+        """Places lanes on the section by coordinates ξ and values of the parameters; returns states and their ξ."""
         robot = self.family.system.robot
         begins, q, v = np.empty_like(xi), np.empty((len(xi), robot.nq)), np.empty((len(xi), robot.nv))
         last = values[:, -1] if self.family.of_robot else np.zeros(len(xi))
@@ -174,14 +175,14 @@ class Gaits:
         return q, v, begins
 
     def _residuals(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Cycles]:
-        """F of lanes with coordinates ξ and values of the solved ones and the parameter."""
+        """Returns F of lanes with coordinates ξ and values of the solved parameters and the parameter."""
         q, v, begins = self._placed(charts, xi, values)
         return self._compared(charts, begins, values, self.family.run(q, v, self.numbers(values)))
 
     def _compared(
         self, charts: Charts | SpatialCharts, begins: Array, values: Array, after: Cycles
     ) -> tuple[Array, Cycles]:
-        """F of cycles that were run, from coordinates ξ; the reason with them says also what is no gait's cycle."""
+        """Returns F of cycles that began at coordinates ξ, with a reason that also names cycles that no gait has."""
         whole = charts.take(np.zeros(len(begins), dtype=np.int64))
         ends = whole.coordinates(after.q, after.v)
         wanted = np.broadcast_to(self.wanted, (len(begins), len(self.wanted)))
@@ -194,7 +195,7 @@ class Gaits:
         return found, replace(after, reason=reason)
 
     def _directions(self, charts: Charts | SpatialCharts, values: Array) -> Array:
-        """How a point moves with ξ, the solved ones and the parameter: it stays on the section."""
+        """Returns how a point moves on the section with ξ, the solved parameters and the parameter."""
         d = charts.dimension
         offsets = stencil(d + len(values))
         q, v, _ = self._placed(charts, offsets[:, :d], values + offsets[:, d:] * self.scale)

@@ -1,7 +1,8 @@
-"""What is continued: equations in unknowns and one parameter, as continuation asks for them.
+"""What continuation needs: equations in unknowns and one parameter.
 
-Unknowns are points u of a manifold embedded in N numbers, each scaled so that 1 is a long way, the parameter last.
-About a point there are n + 1 local coordinates, for n equations; of plain equations they are the numbers themselves.
+Unknowns are points u of a manifold embedded in N numbers. Each number is scaled to order one, and the parameter is the
+last. About a point there are n + 1 local coordinates for n equations. Plain equations have the numbers themselves as
+local coordinates.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ class Local:
 
     Attributes:
         u: the point, (N,).
-        residual: F there, (n,).
+        residual: F at the point, (n,).
         jacobian: dF/dc over the local coordinates, (n, n + 1).
         directions: du/dc, (N, n + 1).
         multipliers: Floquet multipliers, by decreasing modulus, (d,).
         order: the order of events.
-        more: what else is known of the cycle.
+        more: what else is known about the cycle.
     """
 
     u: Array
@@ -39,20 +40,20 @@ class Local:
     more: Any = field(default=None, compare=False)
 
     def like(self, other: Local) -> bool:
-        """Whether the order of events is that of another, and there are as many multipliers."""
+        """Tells whether another point has the same order of events and as many multipliers."""
         return self.order == other.order and len(self.multipliers) == len(other.multipliers)
 
     def coordinates(self, direction: Array) -> Array:
-        """Local coordinates, (n + 1,), of the direction nearest to one, (N,)."""
+        """Returns the local coordinates, (n + 1,), of the direction nearest to a given direction, (N,)."""
         return np.linalg.lstsq(self.directions, direction, rcond=None)[0].astype(np.float64)
 
 
 class NoValue(Exception):
-    """The equations have no value at a point, or no derivative.
+    """Raised where the equations have no value at a point, or no derivative.
 
     Attributes:
         reason: why, in a word.
-        order: of the events there, as far as it is known.
+        order: order of the events there, as far as it is known.
     """
 
     def __init__(self, reason: str, order: Order = ()) -> None:
@@ -64,18 +65,18 @@ class Problem(Protocol):
     """Equations that can be continued."""
 
     def local(self, u: Array) -> Local:
-        """The equations about a point.
+        """Returns the equations about a point.
 
         Raises:
-            NoValue: they have none there.
+            NoValue: the equations have no value there.
         """
 
     def glance(self, u: Array) -> tuple[Array, Order]:
-        """F at a point, (n,), and the order of events, without derivatives.
+        """Returns F at a point, (n,), and the order of events, without derivatives.
 
         Raises:
-            NoValue: there is none.
+            NoValue: there is no value there.
         """
 
     def moved(self, local: Local, step: Array) -> Array:
-        """The point that local coordinates, (n + 1,), lead to from another."""
+        """Returns the point that local coordinates, (n + 1,), lead to from another point."""

@@ -1,4 +1,4 @@
-"""Bifurcations of fixed points in one parameter: functions that change sign there, and where along the arc they do."""
+"""Bifurcations of fixed points in one parameter: functions that change sign there, and where on the arc they do."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ Multipliers = NDArray[np.complex128]
 FOLD, FLIP, TORUS = "fold", "flip", "neimark_sacker"
 SADDLE, CROSSING, KINK = "neutral_saddle", "unit_multiplier", "kink"
 EXACT = 1e-9  # of the arc length
-SAME = 1e-3  # of a step: what is closer together is one
+SAME = 1e-3  # share of a step: closer special points are one
 BLUR = (5e-5, 2e-4)  # arc lengths: farther than differences reach, and four times that
-BENT = 10.0  # lengths of these: how far a branch with a kink may lie from its tangent
+BENT = 10.0  # lengths of these: a branch with a kink may be this far from its tangent
 NOTHING = 1e-3  # change of a test function that is none
-SMALL = 1e-3  # of its larger value beside: a test function that is no smaller where it changes sign jumps there
+SMALL = 1e-3  # relative to nearby values: a test function that is larger at its sign change jumps
 NONE: Multipliers = np.empty(0, dtype=np.complex128)
 
 
 @dataclass(frozen=True)
 class Special:
-    """A point of a branch where something happens to its multipliers.
+    """A point of a branch where a multiplier meets the unit circle, or where multipliers or the tangent jump.
 
     Attributes:
         kind: `FOLD` (the parameter turns), `FLIP` (a multiplier is -1: the period doubles), `TORUS` (a complex pair is
-            on the unit circle), `SADDLE` (two real ones have the product 1, which changes nothing), `CROSSING` (a
-            multiplier is 1 where the parameter does not turn), `KINK` (multipliers or the tangent jump, though the
-            order of events is the same on both sides).
+            on the unit circle), `SADDLE` (two real multipliers have the product 1, which does not change stability),
+            `CROSSING` (a multiplier is 1 where the parameter does not turn), `KINK` (multipliers or the tangent jump,
+            though the order of events is the same on both sides).
         point: the point.
-        critical: the multipliers that are there, (1,) or (2,); of a kink none.
+        critical: the multipliers concerned, (1,) or (2,); empty for a kink.
     """
 
     kind: str
@@ -59,7 +59,7 @@ def _pair(point: Point) -> float:
 
 
 def _products(multipliers: Multipliers) -> Multipliers:
-    """Products of two of them each."""
+    """Returns the products of all pairs of multipliers."""
     i, j = np.triu_indices(len(multipliers), 1)
     return np.asarray(multipliers[i] * multipliers[j])
 
@@ -68,13 +68,13 @@ TESTS: tuple[Callable[[Point], float], ...] = (_turn, _one, _minus_one, _pair)
 
 
 def specials(problem: Problem, base: Point, end: Point, length: float) -> list[Special]:
-    """What happens between two points of the same order of events, in the order along the arc.
+    """Finds the special points between two points with the same order of events, in the order of the arc.
 
     Args:
         problem: the equations.
         base: the first point.
-        end: the point stepped to from there.
-        length: of the step.
+        end: the point that the step from `base` leads to.
+        length: length of the step.
     """
     found: list[tuple[float, Special]] = []
     for test in TESTS:
@@ -89,7 +89,7 @@ def specials(problem: Problem, base: Point, end: Point, length: float) -> list[S
 def _said(
     before: list[tuple[float, Special]], every: list[tuple[float, Special]], at: float, special: Special, length: float
 ) -> bool:
-    """Whether something else says it: a fold that a multiplier is 1 there, or another function that there is a kink."""
+    """Tells whether another special point says the same: a fold a multiplier at 1, or another function a kink."""
     others = {CROSSING: (FOLD, every), KINK: (KINK, before)}
     if special.kind not in others:
         return False
@@ -98,7 +98,7 @@ def _said(
 
 
 def _jumps(problem: Problem, point: Point, test: Callable[[Point], float]) -> bool:
-    """Whether a function changes as much close to a point as farther off: differences blur what jumps there."""
+    """Tells whether a function changes as much close to a point as farther off; differences blur a jump there."""
     try:
         sides = [[test(stepped(problem, point, side * far, BENT)) for side in (-1.0, 1.0)] for far in BLUR]
     except NoValue:
@@ -110,14 +110,14 @@ def _jumps(problem: Problem, point: Point, test: Callable[[Point], float]) -> bo
 def located(
     problem: Problem, base: Point, end: Point, length: float, test: Callable[[Point], float]
 ) -> tuple[float, Point]:
-    """Where a function that changes sign on a step is zero, and the point there.
+    """Finds where a function that changes sign on a step is zero, and the point there.
 
     Args:
         problem: the equations.
         base: the first point.
-        end: the point stepped to from there.
-        length: of the step.
-        test: the function.
+        end: the point that the step from `base` leads to.
+        length: length of the step.
+        test: the function whose zero is found.
     """
     seen = {0.0: base, length: end}
 

@@ -1,4 +1,4 @@
-"""Points of a branch with their tangents, and the way from one to the next: predicted along the tangent, corrected."""
+"""Points of a branch with their tangents, and the step to the next point: prediction along the tangent, correction."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
 
 TOLERANCE = 1e-10  # of the equations
 ITERATIONS = 8  # of Newton's method
-FARTHEST = 0.5  # of the step: a correction farther than that leads to another branch
+FARTHEST = 0.5  # share of the step: a larger correction leads to another branch
 NOISE = 20.0  # tolerances: a residual that no longer falls is as small as rounding allows
 FAR, NO_CONVERGENCE, SINGULAR = "far", "no_convergence", "singular"
 
@@ -30,15 +30,15 @@ class Point:
 
     @property
     def slope(self) -> float:
-        """The parameter's part of the tangent: it changes sign at a fold."""
+        """The parameter's component of the tangent, which changes sign at a fold."""
         return float(self.tangent[-1])
 
 
 def along(local: Local, before: Array) -> Array:
-    """The unit tangent at a solution, (N,), on the side of another direction.
+    """Returns the unit tangent at a solution, (N,), on the side of another direction.
 
     Raises:
-        NoValue: there is no single one.
+        NoValue: there is no unique tangent.
     """
     _, sizes, rows = np.linalg.svd(local.jacobian)
     if not np.isfinite(sizes).all():
@@ -48,21 +48,21 @@ def along(local: Local, before: Array) -> Array:
 
 
 def placed(local: Local, before: Array) -> Point:
-    """A solution with its tangent on the side of another direction."""
+    """Returns a solution with its tangent on the side of another direction."""
     return Point(local, along(local, before))
 
 
 def stepped(problem: Problem, base: Point, length: float, reach: float = FARTHEST) -> Point:
-    """The point of the branch at an arc length from another, negative ones backward.
+    """Finds the point of the branch at an arc length from another point; a negative length goes backward.
 
     Args:
         problem: the equations.
         base: where the step begins.
-        length: of the step along the tangent.
+        length: length of the step along the tangent.
         reach: how far the correction may lead, in lengths of the step.
 
     Raises:
-        NoValue: there is none; the reason says why.
+        NoValue: there is no such point; the reason says why.
     """
     row = base.tangent
     start = ahead(problem, base, row, length)
@@ -71,15 +71,15 @@ def stepped(problem: Problem, base: Point, length: float, reach: float = FARTHES
 
 
 def ahead(problem: Problem, base: Point, direction: Array, length: float) -> Array:
-    """Where a direction leads from a point."""
+    """Returns the point that a direction leads to from another point."""
     return problem.moved(base.local, length * base.local.coordinates(direction))
 
 
 def landed(problem: Problem, base: Point, parameter: float) -> Point:
-    """The point of the branch beside another at a value of the (scaled) parameter.
+    """Finds the point of the branch near another point at a value of the (scaled) parameter.
 
     Raises:
-        NoValue: there is none.
+        NoValue: there is no such point.
     """
     row = np.zeros_like(base.tangent)
     row[-1] = 1.0
@@ -90,17 +90,17 @@ def landed(problem: Problem, base: Point, parameter: float) -> Point:
 
 
 def corrected(problem: Problem, start: Array, row: Array, value: float, reach: float) -> Local:
-    """The solution beside a point, by Newton's method, on the plane where row · u has a value.
+    """Finds the solution near a point by Newton's method, on the plane where row · u has a given value.
 
     Args:
         problem: the equations.
-        start: the point, (N,).
+        start: the point at which Newton's method starts, (N,).
         row: normal of the plane, (N,).
-        value: of row · u on it.
-        reach: how far from the point it may be.
+        value: value of row · u on the plane.
+        reach: largest distance of the solution from the point.
 
     Raises:
-        NoValue: there is none; the reason says why.
+        NoValue: there is no such solution; the reason says why.
     """
     u, last = start, np.inf
     for _ in range(ITERATIONS):

@@ -1,1 +1,1 @@
-"""Gaits of quadrupeds in space by collocation, as footfalls: which feet bear, in order."""
+"""Gaits of quadrupeds in space by collocation, from footfalls: the order in which feet are on the ground."""

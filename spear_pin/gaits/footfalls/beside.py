@@ -1,4 +1,4 @@
-"""From a collocated gait's law and state to the orbit of the event-exact simulation beside it."""
+"""From a collocated gait's law and state to the nearby orbit of the event-exact simulation."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
 
 SPEED_BY, LANDS_AT = "posterior_hip_torque", "anterior_leg_touchdown"
-APART = (0.0, 0.004, -0.004)  # rad: by how much fore legs may land more ahead, so that a group does not land at once
+APART = (0.0, 0.004, -0.004)  # rad: changes of the fore legs' landing angle, against kinks
 
 
 def laws_of(gait: CollocatedGait, among: Sequence[Footfalls], called: str) -> tuple[StanceLaw, SwingLaw]:
-    """The laws on the ground and in the air of a gait of some footfalls, on any mesh.
+    """Returns the laws on the ground and in the air of a gait with one of some footfalls, on any mesh.
 
     Raises:
-        BadValue: it has other footfalls, or no such laws.
+        BadValue: the gait has other footfalls, or no such laws.
     """
     law, swing, own = gait.request.law, gait.request.swing, gait.request.footfalls
     known = any((each.phases, each.mirrored) == (own.phases, own.mirrored) for each in among)
@@ -36,7 +36,7 @@ def laws_of(gait: CollocatedGait, among: Sequence[Footfalls], called: str) -> tu
 
 
 def shape(swing: Swing) -> tuple[tuple[float, ...], ...]:
-    """Coefficients from the third on."""
+    """Returns a leg's Bézier coefficients from the third on."""
     return tuple(tuple(row) for row in swing.alpha[:, 2:].tolist())
 
 
@@ -47,21 +47,21 @@ def orbit_beside(
     apart: Sequence[float],
     after: Callable[[HybridSystem, Run], State],
 ) -> Gait:
-    """The fixed point beside a state, at a speed, after a cycle that puts legs in the air on their polynomials.
+    """Finds the fixed point near a state, at a speed, after a cycle that puts legs in the air on their polynomials.
 
-    Where feet of a group land at once the return map has a kink, in which of them is first. Where Newton's method
-    stalls there, the angle at which the fore legs land is changed.
+    Where feet of a group land at once, the return map has a kink, because either foot may be first. If Newton's method
+    stalls there, the function changes the angle at which the fore legs land.
 
     Args:
-        system: with the law of the collocated gait.
-        state: headed, before its touchdown.
-        speed: wanted, in m/s.
-        apart: changes of that angle to try in turn, in rad.
-        after: the state after a cycle that Newton's method begins at.
+        system: a system with the law of the collocated gait.
+        state: headed state just before the touchdown.
+        speed: wanted speed, in m/s.
+        apart: changes of that angle, in rad, which are tried in turn.
+        after: returns the state after a cycle, at which Newton's method begins.
 
     Raises:
-        BadValue: there is no change to try.
-        NoGait: there is none beside it.
+        BadValue: `apart` is empty.
+        NoGait: there is no fixed point nearby.
     """
     origin = np.zeros(2 * system.robot.nv - 4)
     on_section: State = chart(system, state).state(origin)
@@ -82,15 +82,15 @@ def orbit_beside(
 
 
 def nearby(system: HybridSystem, state: State, speed: float) -> Gait:
-    """The fixed point by Newton's method from a state that all but is one, at a speed; feedback compares with it.
+    """Finds the fixed point by Newton's method from a nearby state, at a speed; feedback compares with the fixed point.
 
     Args:
-        system: as of `orbit_beside`.
-        state: on its section.
-        speed: wanted, in m/s.
+        system: a system with the law of the collocated gait.
+        state: state on its section.
+        speed: wanted speed, in m/s.
 
     Raises:
-        NoGait: Newton's method does not end in one.
+        NoGait: Newton's method does not converge to a fixed point.
     """
     found = gait_beside(system, state, (SPEED_BY,), {"mean_speed": speed})
     q, v = found.state

@@ -1,4 +1,4 @@
-"""How well a collocated gait obeys mechanics between its nodes, by Pinocchio, which the programme does not share."""
+"""How well a collocated gait obeys mechanics between its nodes, by Pinocchio, which the optimisation does not use."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class Violations:
     """Largest violations between the nodes of a collocated gait.
 
     Attributes:
-        motion: force that the torso's motion lacks, over the weight.
-        turning: torque that it lacks, over weight times leg length.
-        velocity: rate of a joint that is none of its angle, in rad/s.
-        slip: how far a foot on the ground gets from where it landed, in m.
-        depth: of a foot in the air below the ground, in m.
-        friction: the coefficient of friction that is used beyond the one allowed.
-        torque: of a motor beyond its limit, in N·m.
+        motion: missing force of the torso's motion, over the weight.
+        turning: missing torque on the torso, over weight times leg length.
+        velocity: largest difference between a joint's velocity and the rate of its angle, in rad/s.
+        slip: largest distance of a foot on the ground from where it landed, in m.
+        depth: largest depth of a foot in the air below the ground, in m.
+        friction: largest excess of the used coefficient of friction over the allowed one.
+        torque: largest excess of a motor's torque over its limit, in N·m.
     """
 
     motion: float
@@ -40,10 +40,10 @@ class Violations:
 
 
 def violations(gait: CollocatedGait, finer: int = FINER) -> Violations:
-    """Largest violations on a grid that is so many times finer than the intervals.
+    """Returns the largest violations on a grid that is `finer` times finer than the intervals.
 
-    In an interval forces and accelerations are parabolas through its nodes, and velocities and configurations cubics,
-    as Hermite-Simpson collocation has them.
+    In an interval forces and accelerations are parabolas through its nodes, and velocities and configurations are
+    cubics, as in Hermite-Simpson collocation.
     """
     robot, limbs = gait.robot, legs_of(gait.robot)
     weight = robot.weight
@@ -75,7 +75,7 @@ def _grow(worst: dict[str, float], name: str, value: float) -> None:
 
 
 def _between(stretch: Stretch, finer: int) -> Iterator[tuple[Array, Array, Array, Array, Array, dict[str, Array]]]:
-    """Configuration, its rate, velocity, acceleration, torques and forces at parts of each interval."""
+    """Returns configuration, its rate, velocity, acceleration, torques and forces at parts of each interval."""
     step = stretch.duration / ((len(stretch.t) - 1) // 2)
     for k in range(0, len(stretch.t) - 2, 2):
         for part in np.arange(finer + 1) / finer:
@@ -88,14 +88,14 @@ def _between(stretch: Stretch, finer: int) -> Iterator[tuple[Array, Array, Array
 
 
 def _parabola(values: Array, s: float) -> Array:
-    """Through values at 0, 1/2 and 1."""
+    """Returns the parabola through values at 0, 1/2 and 1."""
     first, middle, last = values
     found: Array = first + s * (-3.0 * first + 4.0 * middle - last) + 2.0 * s * s * (first - 2.0 * middle + last)
     return found
 
 
 def _integral(values: Array, s: float) -> Array:
-    """Of that parabola, from 0."""
+    """Returns the integral of that parabola from 0."""
     first, middle, last = values
     square = 0.5 * s * s * (-3.0 * first + 4.0 * middle - last)
     found: Array = s * first + square + 2.0 / 3.0 * s**3 * (first - 2.0 * middle + last)

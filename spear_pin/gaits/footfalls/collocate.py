@@ -1,4 +1,4 @@
-"""Gaits of given footfalls by collocation, from cold or from another one."""
+"""Gaits with given footfalls by collocation, from a rough initial guess or from another gait."""
 
 from __future__ import annotations
 
@@ -37,21 +37,21 @@ def collocated(
     iterations: int = PATIENCE,
     on_iteration: Progress | None = None,
 ) -> CollocatedGait:
-    """A gait that meets a request, of locally least effort.
+    """Finds a gait that meets a request with locally least effort.
 
     Args:
-        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, or another whose legs have
+        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, or another robot whose legs have
             adduction, hip and knee.
-        request: what is asked.
-        start: the solution of another request to start from; by default a rough motion of the same footfalls, and of
-            a law in the air the gait without it.
-        meshes: how many times the intervals of the footfalls each of several solves has, one after another.
-        iterations: at most, of each.
+        request: the request for the gait.
+        start: solution of another request as the initial guess. By default the search starts from a rough motion with
+            the same footfalls; if the request has a law in the air, it first finds the gait without that law.
+        meshes: factors by which the intervals of the footfalls are multiplied, one for each of several solves in turn.
+        iterations: largest number of iterations of each solve.
         on_iteration: called with the optimiser's iteration, objective and largest violation.
 
     Raises:
-        NoGait: the optimiser found none.
-        BadValue: the robot is no such quadruped.
+        NoGait: the optimiser found no gait.
+        BadValue: the robot is not such a quadruped.
         MissingExtra: CasADi is not installed.
 
     Example:
@@ -78,7 +78,7 @@ def collocated(
 
 
 def _stages(request: FootfallRequest, meshes: Sequence[int], *, cold: bool) -> list[FootfallRequest]:
-    """Requests one after another: from cold the law in the air comes last, and each mesh after the coarser one."""
+    """Lists requests to solve in turn: without a start the law in the air is last; each mesh follows a coarser one."""
     first = replace(request, footfalls=request.footfalls.finer(meshes[0]), swing=None)
     wanted = [replace(request, footfalls=request.footfalls.finer(times)) for times in meshes]
     return [first, *wanted] if cold and request.swing is not None else wanted

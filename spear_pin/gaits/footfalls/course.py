@@ -1,4 +1,4 @@
-"""A collocated gait: what the optimiser found at the nodes, as numbers."""
+"""A collocated gait: the optimiser's solution at the nodes, as numbers."""
 
 from __future__ import annotations
 
@@ -15,13 +15,14 @@ from spear_pin.model.robot import Robot
 
 @dataclass(frozen=True)
 class Swing:
-    """What the law does with a leg in the air in a phase.
+    """The law for one leg in the air in a phase.
 
     Attributes:
         alpha: Bézier coefficients of leg angle and knee, of the convention, (2, 6), in rad.
-        origin: of the phase variable: the mean leg angle of the legs on the ground, in rad, or the torso's x, in m.
-        span: change of it from s = 0 to s = 1.
-        adduction: angle to which the adduction is brought, in rad.
+        origin: origin of the phase variable: the mean leg angle of the legs on the ground, in rad, or the torso's x, in
+            m.
+        span: change of that quantity from s = 0 to s = 1.
+        adduction: target angle of the adduction, in rad.
     """
 
     alpha: Array
@@ -32,20 +33,21 @@ class Swing:
 
 @dataclass(frozen=True)
 class Stretch:
-    """A phase of a collocated gait. Of n intervals it has 2 n + 1 nodes, their ends and middles.
+    """A phase of a collocated gait. A phase with n intervals has 2 n + 1 nodes, at their ends and middles.
 
     Attributes:
         bearing: names of the legs on the ground.
         t: times of the nodes since the stride began, (nodes,), in s.
         q: configurations, (nodes, nv).
-        v: velocities, (nodes, nv); at the first node just after what the phase begins with, at the last just before.
+        v: velocities, (nodes, nv); at the first node just after the events at the phase's beginning, at the last node
+            just before the next events.
         a: accelerations, (nodes, nv).
         u: torques of the motors, in the order of the coordinates, (nodes, nv - 6), in N·m.
-        needed: torques of the joints with those of the knee springs, (nodes, nv - 6), in N·m.
-        forces: of the ground on the foot of each leg on it, x, y and z of the world, (nodes, 3), in N.
-        evolutions: of the swing law if one was asked for, of each leg in the air.
-        impulses: on the feet of the legs on the ground, of the impact that the phase begins with, (3,), in N·s; of the
-            first phase where the stride closes, mirrored and turned as the gait then is.
+        needed: torques of the joints including those of the knee springs, (nodes, nv - 6), in N·m.
+        forces: forces of the ground on the foot of each leg on the ground, x, y and z of the world, (nodes, 3), in N.
+        evolutions: swing law of each leg in the air, if the request has one.
+        impulses: impulses on the feet of the legs on the ground, of the impact at the phase's beginning, (3,), in N·s;
+            those of the first phase act where the stride closes, mirrored and turned as the gait then is.
     """
 
     bearing: tuple[str, ...]
@@ -61,23 +63,23 @@ class Stretch:
 
     @property
     def duration(self) -> float:
-        """In s."""
+        """Duration in s."""
         return float(self.t[-1] - self.t[0])
 
 
 @dataclass(frozen=True)
 class CollocatedGait:
-    """A gait as collocation found it: a start for a law, no orbit of the event-exact simulation.
+    """A gait found by collocation: a start for a law, not an orbit of the event-exact simulation.
 
     Attributes:
-        robot: whose it is.
-        request: what was asked.
-        stretches: its phases; of mirrored footfalls those of half a stride.
-        constants: of the stance law if one was asked for, of each leg: hip, knee and adduction, in N·m.
+        robot: robot of the gait.
+        request: request that the gait meets.
+        stretches: phases of the gait; with mirrored footfalls those of half a stride.
+        constants: constants of the stance law for each leg, if the request has one: hip, knee and adduction, in N·m.
         effort_per_distance: integral of the squared torques of all motors over the distance, in N²·m·s.
-        solution: the optimiser's, to start another search from.
-        iterations: of all the programmes solved on the way.
-        seconds: that building and solving the programmes took, of CPU.
+        solution: solution of the optimiser, to start another search from.
+        iterations: number of iterations of all the solves.
+        seconds: CPU time in s for building and solving the programmes.
     """
 
     robot: Robot

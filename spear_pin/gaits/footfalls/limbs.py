@@ -1,4 +1,4 @@
-"""The legs of a quadruped in space by their names, and angles with which they reach a point."""
+"""Legs of a quadruped in space by their names, and the angles with which they reach a point."""
 
 from __future__ import annotations
 
@@ -10,32 +10,32 @@ from spear_pin.gaits.spatial.legs import Leg, pairs_of
 from spear_pin.model.legs import lean
 from spear_pin.model.robot import Robot
 
-SPARE = 1e-3  # m: within which no leg is straight or folded
+SPARE = 1e-3  # m: least distance of a leg from being straight or folded
 
 
 def legs_of(robot: Robot) -> dict[str, Leg]:
-    """The four legs of a quadruped by their names in `LEGS`, whatever the robot calls them.
+    """Returns the four legs of a quadruped by their names in `LEGS`, whatever the robot calls them.
 
     Raises:
-        UnknownName, BadValue: as of `pairs_of`.
+        UnknownName, BadValue: the robot is not such a quadruped; see `pairs_of`.
     """
     return {leg.name: leg for pair in pairs_of(robot) for leg in pair}
 
 
 def hip_heights(robot: Robot) -> dict[str, float]:
-    """Height of each hip above the torso's frame with every joint at zero, in m."""
+    """Returns the height of each hip above the torso's frame with every joint at zero, in m."""
     upright = np.zeros(robot.nq)
     return {name: float(robot.frame_position(upright, leg.above)[2]) for name, leg in legs_of(robot).items()}
 
 
 def length(leg: Leg, flexion: float) -> float:
-    """From hip to toe in the plane, in m, with the knee flexed by an angle in rad."""
+    """Returns the distance from hip to toe in the plane, in m, with the knee flexed by an angle in rad."""
     thigh, shank = leg.lengths
     return math.hypot(shank * math.sin(flexion), thigh + shank * math.cos(flexion))
 
 
 def reaching(leg: Leg, ahead: float, down: float) -> tuple[float, float]:
-    """Own angles of hip and knee with the toe so far ahead of the hip and below it in the torso's plane, in rad."""
+    """Returns the own angles of hip and knee, in rad, that put the toe at a place ahead of and below the hip."""
     thigh, shank = leg.lengths
     distance = min(max(math.hypot(ahead, down), abs(thigh - shank) + SPARE), thigh + shank - SPARE)
     knee = leg.bends * math.acos((distance**2 - thigh**2 - shank**2) / (2.0 * thigh * shank))

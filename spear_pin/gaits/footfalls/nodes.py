@@ -1,4 +1,4 @@
-"""Nodes of the programme in space: their unknowns, what bounds them, and the dynamics at them."""
+"""Nodes of the programme in space: their unknowns, the bounds on these, and the dynamics at the nodes."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ HARDEST, STRONGEST = 2000.0, 4000.0  # m/s² or rad/s², N of Q-SPEAR
 
 @dataclass(frozen=True)
 class Node:
-    """Unknowns at one node, and what follows from them.
+    """Unknowns at one node, and quantities that follow from them.
 
     Attributes:
         q: configuration.
         v: velocity.
         a: acceleration.
-        F: force on each foot that bears, three each.
-        needed: forces along the coordinates that the motion needs, springs and dampers not taken off.
+        F: force on each foot on the ground, three numbers each.
+        needed: forces along the coordinates that the motion needs, including those of springs and dampers.
         toes: position, velocity and acceleration of each leg's toe.
     """
 
@@ -51,12 +51,12 @@ class Node:
 
 @dataclass(frozen=True)
 class Room:
-    """Room that a robot, and what is asked, leave to the unknowns of a node.
+    """Bounds that a robot and a request put on the unknowns of a node.
 
     Attributes:
         robot: a quadruped on a chain.
-        limbs: its legs by name.
-        request: what is asked.
+        limbs: its legs, by name.
+        request: the request for the gait.
         scale: the robot's size.
     """
 
@@ -67,7 +67,7 @@ class Room:
 
     @cached_property
     def units(self) -> tuple[Array, Array]:
-        """What coordinates, and forces along them, are of order one in, (nv,) each."""
+        """Units in which coordinates, and forces along them, are of order one, (nv,) each."""
         joints = self.robot.nv - 3
         q, force = (
             np.array([*3 * (first,), *joints * (second,)])
@@ -93,7 +93,7 @@ class Room:
         return least, most
 
     def joints(self, what: str, without: float) -> Array:
-        """Limits of the joints' "velocity" or "effort", (nv - 6,), where there is none another."""
+        """Returns limits of the joints' "velocity" or "effort", (nv - 6,), and `without` where there is none."""
         limits = (getattr(self.robot.limits[name], what) for name in self.robot.coordinates[BASE:])
         return np.array([WITHIN * limit if 0.0 < limit < UNKNOWN else without for limit in limits])
 
@@ -112,15 +112,15 @@ class Room:
         bearing: Sequence[str],
         push: float,
     ) -> tuple[Any, Any, Any, Mapping[str, Any]]:
-        """Unknowns q, v, a and forces at a node, about a guess.
+        """Adds unknowns q, v, a and forces at a node, about a guess.
 
         Args:
-            programme: that they are added to.
-            phase: its name.
-            fraction: how much of the phase has gone.
-            guess: of configuration and velocity.
+            programme: the programme to which they are added.
+            phase: name of the phase.
+            fraction: fraction of the phase that has passed.
+            guess: guess of configuration and velocity.
             bearing: legs on the ground.
-            push: guess of the force up on each.
+            push: guess of the upward force on each.
         """
 
         def variable(part: str, *arguments: Any) -> Any:
@@ -146,17 +146,17 @@ class Mechanics:
         self._functions: dict[tuple[tuple[str, ...], bool], Any] = {}
 
     def node(self, q: Any, v: Any, a: Any, F: Mapping[str, Any]) -> Node:
-        """A node of these unknowns."""
+        """Returns a node with these unknowns."""
         needed, *toes = self._function(tuple(F), True)(q, v, a, casadi().vertcat(*F.values()))
         return Node(q, v, a, F, needed, self._by_leg(toes))
 
     def struck(self, q: Any, change: Any, impulses: Mapping[str, Any]) -> Any:
-        """Impulses along the coordinates that a change of the velocity needs beside those at the feet, (nv,)."""
+        """Returns impulses along the coordinates that a velocity change needs besides those at the feet, (nv,)."""
         needed, *_ = self._function(tuple(impulses), False)(q, 0.0 * q, change, casadi().vertcat(*impulses.values()))
         return needed
 
     def moving(self, q: Any, v: Any) -> Mapping[str, tuple[Any, Any, Any]]:
-        """Position, velocity and acceleration at v̇ = 0 of each leg's toe."""
+        """Returns position, velocity and acceleration at v̇ = 0 of each leg's toe."""
         _, *toes = self._function((), False)(q, v, 0.0 * q, casadi().SX(0, 1))
         return self._by_leg(toes)
 
@@ -164,7 +164,7 @@ class Mechanics:
         return {leg: (toes[3 * i], toes[3 * i + 1], toes[3 * i + 2]) for i, leg in enumerate(self.limbs)}
 
     def _function(self, bearing: tuple[str, ...], gravity: bool) -> Any:
-        """What a motion of q, v, v̇ and forces on feet needs; position, velocity, acceleration of each toe."""
+        """Makes the function from q, v, v̇ and foot forces to needed forces and each toe's motion."""
         if (bearing, gravity) not in self._functions:
             ca, nv = casadi(), self.spatial.nv
             q, v, a = (ca.SX.sym(name, nv) for name in ("q", "v", "a"))

@@ -1,4 +1,4 @@
-"""A rough motion to begin with: the torso level and even, feet swept on the ground and swung back through the air."""
+"""A rough initial motion: torso level and steady, feet swept on the ground and swung back through the air."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from spear_pin.model.scale import Scale
 X, Y, Z, YAW = (CHAIN.index(name) for name in ("torso_x", "torso_y", "torso_z", "yaw"))
 FLEXED = math.radians(45.0)  # of a knee that bears
 FLIGHT, CONTACTS, SWEEP = 0.06, (0.1, 0.22), 0.4  # s, s and m of Q-SPEAR: a flight, a foot on the ground
-INSTANT = 1e-4  # s: over which velocities are differences
+INSTANT = 1e-4  # s: time step of the differences for velocities
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Plan:
     Attributes:
         limbs: the robot's legs.
         hips: height of each hip above the torso's frame, in m.
-        request: what is asked.
+        request: the request for the gait.
         scale: the robot's size.
         weight: m g, in N.
     """
@@ -42,7 +42,7 @@ class Plan:
 
     @cached_property
     def durations(self) -> tuple[float, ...]:
-        """Of the phases of a whole stride, in s."""
+        """Durations of the phases of a whole stride, in s."""
         whole, shortest, longest = self.request.footfalls.whole, self.request.shortest, self.request.longest
         legs = sum(1 for leg in self.limbs if any(leg in phase for phase in whole))
         phases_of_a_leg = sum(len(phase) for phase in whole) / legs
@@ -60,7 +60,7 @@ class Plan:
 
     @cached_property
     def contacts(self) -> dict[str, tuple[float, float]]:
-        """When each leg lands, and for how long it bears, in s."""
+        """Time at which each leg lands, and how long it stays on the ground, in s."""
         whole, found = self.request.footfalls.whole, {}
         for leg in self.limbs:
             for landing in self.request.footfalls.landings(leg):
@@ -72,17 +72,17 @@ class Plan:
         return found
 
     def begins(self, phase: int) -> float:
-        """When a phase begins, in s."""
+        """Returns the time at which a phase begins, in s."""
         return sum(self.durations[:phase])
 
     def swung(self, leg: str, time: float) -> float:
-        """How much of a leg's way through the air has gone; 0 on the ground."""
+        """Returns the fraction of a leg's way through the air that has passed; 0 on the ground."""
         landing, bearing = self.contacts[leg]
         since = (time - landing) % self.stride - bearing
         return max(since / (self.stride - bearing), 0.0)
 
     def q(self, time: float, nv: int) -> Array:
-        """The configuration, (nv,)."""
+        """Returns the configuration, (nv,)."""
         request = self.request
         height = float(np.mean([length(limb, FLEXED) - self.hips[name] for name, limb in self.limbs.items()]))
         turned = request.turn * time / self.stride
@@ -99,10 +99,10 @@ class Plan:
         return q
 
     def v(self, time: float, nv: int) -> Array:
-        """The velocity, (nv,), rough where a foot lands or lifts off."""
+        """Returns the velocity, (nv,), which is rough where a foot lands or lifts off."""
         return (self.q(time + INSTANT, nv) - self.q(time, nv)) / INSTANT
 
     @property
     def push(self) -> float:
-        """Force up on a foot on the ground, in N."""
+        """Upward force on a foot on the ground, in N."""
         return self.weight * self.stride / sum(bearing for _, bearing in self.contacts.values())

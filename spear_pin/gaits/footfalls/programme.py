@@ -1,4 +1,4 @@
-"""A gait of given footfalls as a nonlinear programme: motion, contact, impacts and closing at the nodes."""
+"""A gait with given footfalls as a nonlinear programme: motion, contact, impacts and closing at the nodes."""
 
 from __future__ import annotations
 
@@ -24,29 +24,29 @@ from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_in_space
 
-CONE = 0.98  # of the friction asked for: what the collocation's error may use up
-OF_EFFORT = 1e-3  # what the effort is multiplied by to be of order ten
-FALLS = 0.1  # m/s of Q-SPEAR: at least, of a foot that lands
+CONE = 0.98  # share of the requested friction; the collocation's error may use the rest
+OF_EFFORT = 1e-3  # factor that brings the effort to order ten
+FALLS = 0.1  # m/s for Q-SPEAR: least speed of a landing foot
 HITS = 30.0  # of 10 N·s of Q-SPEAR: at most
-RISES = 1.0  # m/s² of Q-SPEAR: at least, of one that lifts off
-ROUND = 1e-6  # rad²: about which a spring that pulls only is smooth
+RISES = 1.0  # m/s² for Q-SPEAR: least acceleration of a foot that lifts off
+ROUND = 1e-6  # rad²: smoothing of a spring that only pulls
 CONSTANTS = ("hip", "knee", "adduction")
 
 
 @dataclass
 class Transcription:
-    """The nonlinear programme of a request, and its parts.
+    """The nonlinear programme for a request, and its parts.
 
     Attributes:
-        request: what is asked.
-        programme: to be solved.
+        request: the request for the gait.
+        programme: the programme to be solved.
         scale: the robot's size.
-        names: of the phases among the unknowns.
+        names: names of the phases among the unknowns.
         phases: the nodes of each phase.
-        torques: of the motors at each of them, nv - 6.
-        durations: of the phases.
-        constants: of the stance law, of each leg: hip, knee and adduction.
-        evolutions: of the swing law in each phase, of each leg in the air, and where its adduction lands.
+        torques: motor torques at each node of each phase, nv - 6.
+        durations: durations of the phases.
+        constants: constants of the stance law for each leg: hip, knee and adduction.
+        evolutions: swing law in each phase for each leg in the air, and the angle at which its adduction lands.
     """
 
     request: FootfallRequest
@@ -61,15 +61,15 @@ class Transcription:
 
 
 def transcribe(robot: Robot, request: FootfallRequest, *, start: Guess | None = None) -> Transcription:
-    """The nonlinear programme of a request.
+    """Builds the nonlinear programme for a request.
 
     Args:
         robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`.
-        request: what is asked.
+        request: the request for the gait.
         start: values to start from, by name.
 
     Raises:
-        BadValue: the robot is none of these.
+        BadValue: the robot is not such a quadruped.
         MissingExtra: CasADi is not installed.
     """
     writer = _Writer(robot, request, start)
@@ -82,22 +82,22 @@ def transcribe(robot: Robot, request: FootfallRequest, *, start: Guess | None = 
 
 
 def impulse_name(phase: str, leg: str) -> str:
-    """Name of the impulse on a leg's foot as a phase begins."""
+    """Returns the name of the impulse on a leg's foot as a phase begins."""
     return f"impulse of {leg} into {phase}"
 
 
 def constant_name(leg: str, name: str) -> str:
-    """Name of a constant of the stance law of a leg, one of `CONSTANTS`."""
+    """Returns the name of a constant of a leg's stance law, one of `CONSTANTS`."""
     return f"{leg} {name}"
 
 
 def _named(phase: int, bearing: Sequence[str]) -> str:
-    """Name of a phase, in words."""
+    """Returns the name of a phase in words."""
     return f"phase {phase + 1}, {' and '.join(each.replace('_', ' ') for each in bearing) or 'flight'}"
 
 
 class _Writer:
-    """Writer of the programme, with what its parts share while they are written."""
+    """Writer of the programme; holds what its parts share while they are written."""
 
     def __init__(self, robot: Robot, request: FootfallRequest, start: Guess | None) -> None:
         self.robot, self.request, self.start, self.programme = robot, request, start, Programme(start)
@@ -115,7 +115,7 @@ class _Writer:
     # phases
 
     def add_phase(self, i: int) -> None:
-        """One phase by itself."""
+        """Adds one phase by itself."""
         programme, request, plan, label = self.programme, self.request, self.plan, self.names[i]
         bearing, count = request.footfalls.phases[i], 2 * request.footfalls.intervals[i]
         shortest = request.shortest[0 if bearing else 1]
@@ -144,7 +144,7 @@ class _Writer:
             hermite_simpson(programme, f"motion in {label}", duration, x, f, unit)
 
     def swing(self, i: int, swings: Swings) -> None:
-        """Legs in the air follow the law."""
+        """Makes legs in the air follow the law."""
         phases, nodes = self.request.footfalls.whole, self.result.phases[i]
         landing = tuple(leg for leg in phases[(i + 1) % len(phases)] if leg not in phases[i])
         air, begins, lasts = Air(self.names[i], phases[i], landing, nodes), self.plan.begins(i), self.plan.durations[i]
@@ -158,7 +158,7 @@ class _Writer:
         self.result.evolutions.append({leg: (evolution, aims[leg]) for leg, evolution in found.items()})
 
     def aim(self, leg: str) -> Any:
-        """Angle at which a leg's adduction lands; of mirrored footfalls a right leg's is that of the left one."""
+        """Returns the angle at which a leg's adduction lands; with mirrored footfalls a right leg's is the left's."""
         own = opposite(leg) if self.request.footfalls.mirrored and leg.endswith("right") else leg
         if own not in self.aims:
             most = self.request.adduction
@@ -166,7 +166,7 @@ class _Writer:
         return self.aims[own] if own == leg else -self.aims[own]
 
     def lands(self, leg: str, node: Node) -> None:
-        """A leg begins to bear: its spring is latched, and its law's constants hold from here on."""
+        """Lets a leg land: its spring is latched, and its law's constants hold from here on."""
         self.landed[leg] = node
         law = self.request.law
         if law is None:
@@ -179,7 +179,7 @@ class _Writer:
         self.programme.require(f"knee of {leg} at touchdown", flexion, law.knee_rest, law.knee_rest)
 
     def torques(self, label: str, node: Node, bearing: Bearing) -> Any:
-        """Torques of the motors, (nv - 6,), the torso being moved by nothing; within the limits of the joints."""
+        """Returns the motor torques, (nv - 6,), within the joints' limits; no force acts on the torso itself."""
         ca, programme, most = casadi(), self.programme, self.room.joints("effort", np.inf)
         needed = node.needed + ca.DM(self.robot.model.damping) * node.v
         programme.require(f"motion in {label}", needed[:BASE], 0.0, 0.0, scale=50.0 * self.force[:BASE])
@@ -195,7 +195,7 @@ class _Writer:
         return u
 
     def spring(self, limb: Leg, node: Node) -> Any:
-        """Torque of a knee's spring, which pulls only beyond the angle at touchdown."""
+        """Returns the torque of a knee's spring, which pulls only beyond the angle at touchdown."""
         if self.request.spring is None:
             return 0.0
         deflection = limb.flexion(node.q) - limb.flexion(self.landed[limb.name].q)
@@ -205,7 +205,7 @@ class _Writer:
         return side * (self.request.spring.torque(deflection, ops) + self.request.spring.drag(rate))
 
     def follow(self, label: str, limb: Leg, node: Node, u: Any) -> None:
-        """Torques of a leg on the ground in the form of the law."""
+        """Requires that torques of a leg on the ground have the form of the law."""
         law, (hip, knee, upright) = self.request.law, self.result.constants[limb.name]
         assert law is not None
         total = u[limb.knee - BASE] + self.spring(limb, node)
@@ -219,7 +219,7 @@ class _Writer:
         self.programme.require(f"law in {label}", casadi().vertcat(*missed), 0.0, 0.0, scale=50.0 * self.scale.torque)
 
     def keep(self, label: str, node: Node, bearing: Bearing) -> None:
-        """Feet on the ground stay at rest, pressed into it within the friction cone."""
+        """Requires that feet on the ground rest, pressed into it within the friction cone."""
         programme, scale = self.programme, self.scale
         for leg in bearing:
             _, _, acceleration = node.toes[leg]
@@ -231,9 +231,9 @@ class _Writer:
             )
 
     def clear(self, label: str, node: Node, swinging: Sequence[tuple[str, float]]) -> None:
-        """Feet in the air are above the ground, in the middle of their way at least by the clearance.
+        """Requires that feet in the air are above the ground, and in mid-swing at least by the clearance.
 
-        Nothing is asked where they land and lift off: that they touch the ground there is asked elsewhere.
+        No condition holds where they land and lift off; other constraints put them on the ground there.
         """
         for leg, gone in swinging:
             if 1e-6 < gone < 1.0 - 1e-6:
@@ -242,14 +242,14 @@ class _Writer:
                 self.programme.require(f"clearance in {label}", position[2], height, scale=0.1 * self.scale.length)
 
     def cone(self, label: str, F: Any, unit: float) -> None:
-        """A force or impulse inside the friction cone."""
+        """Requires that a force or impulse lies inside the friction cone."""
         most = CONE * self.request.friction * F[2] / unit
         self.programme.require(label, most * most - (F[0] * F[0] + F[1] * F[1]) / unit**2, 0.0)
 
     # between phases
 
     def join(self, i: int) -> None:
-        """A phase follows another."""
+        """Requires that a phase follows another."""
         last, first, label = self.result.phases[i - 1][-1], self.result.phases[i][0], f"motion in {self.names[i]}"
         before, after = (self.request.footfalls.phases[j] for j in (i - 1, i))
         self.programme.require(label, first.q - last.q, 0.0, 0.0, scale=self.unit)
@@ -259,21 +259,21 @@ class _Writer:
         self.strike(i, last, first.v, after, before)
 
     def lifts(self, label: str, limb: Leg, last: Node, toe: tuple[Any, Any, Any]) -> None:
-        """A foot leaves the ground, rising, by the law as its knee is back."""
+        """Requires that a foot leaves the ground rising, and by the law with its knee back at its rest angle."""
         unit = 10.0 * self.scale.length / self.scale.time**2
         self.programme.require(label, toe[2][2], RISES * 0.1 * unit, scale=unit)
         if (law := self.request.law) is not None:
             self.programme.require(label, limb.flexion(last.q), law.knee_rest, law.knee_rest)
 
     def strike(self, i: int, before: Node, v: Any, bearing: Sequence[str], bore: Sequence[str]) -> None:
-        """Feet land: those that bear then are at rest, by impulses within the cone; where none lands nothing happens.
+        """Requires an impact: feet on the ground rest after it, by impulses within the cone; only if one lands.
 
         Args:
             i: number of the phase that begins.
             before: the last node before it.
-            v: velocity after it.
-            bearing: the legs on the ground then.
-            bore: those that were.
+            v: velocity after the impact.
+            bearing: the legs on the ground after the impact.
+            bore: the legs on the ground before it.
         """
         programme, scale, label = self.programme, self.scale, f"touchdown into {self.names[i]}"
         landing = [leg for leg in bearing if leg not in bore]
@@ -300,7 +300,7 @@ class _Writer:
     # the whole
 
     def close(self) -> None:
-        """The last state is the first one, moved on, turned or mirrored; the speed; what is minimised."""
+        """Requires that the last state is the first one, moved on, turned or mirrored; sets speed and objective."""
         programme, request, scale, result = self.programme, self.request, self.scale, self.result
         first, last, mirrored = result.phases[0][0], result.phases[-1][-1], request.footfalls.mirrored
         period, half_turn = sum(result.durations), 0.5 * request.turn
@@ -329,7 +329,7 @@ class _Writer:
         programme.objective = OF_EFFORT * effort / (request.speed * period * unit)
 
     def image(self, vector: Any) -> Any:
-        """A configuration or velocity of the first node where the stride closes, mirrored if it is then."""
+        """Returns a vector of the first node as it is where the stride closes: mirrored if the gait is mirrored."""
         if not self.request.footfalls.mirrored:
             return +vector
         seen = casadi().SX(vector)
@@ -338,7 +338,7 @@ class _Writer:
         return seen
 
     def turned(self, v: Any) -> Any:
-        """A velocity turned by the turn of a stride."""
+        """Returns a velocity turned by the turn of a stride."""
         cosine, sine, seen = math.cos(self.request.turn), math.sin(self.request.turn), +v
         seen[X], seen[Y] = cosine * v[X] - sine * v[Y], sine * v[X] + cosine * v[Y]
         return seen

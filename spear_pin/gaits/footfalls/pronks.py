@@ -17,21 +17,21 @@ from spear_pin.gaits.spatial.pronking import pronking
 from spear_pin.hybrid.symmetry import headed
 from spear_pin.kinds import typed
 
-NOTHING = ((0.0,) * 4,) * 2  # coefficients of what no leg of a pronk does
-NO_SPAN = -0.4  # rad: of a stance over which none swings
+NOTHING = ((0.0,) * 4,) * 2  # coefficients of motions that no leg of a pronk makes
+NO_SPAN = -0.4  # rad: span of a stance, over which no leg swings
 
 
 @typed
 def pronk_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gait:
-    """The pronk of the event-exact simulation beside a collocated one, at the speed that was asked for.
+    """Finds the pronk of the event-exact simulation near a collocated one, at the requested speed.
 
     Args:
         gait: a pronk with a law on the ground and in the air.
-        apart: as of `spear_pin.gaits.footfalls.trots.trot_beside`.
+        apart: changes, in rad, of the angle at which the fore legs land; they are tried in turn.
 
     Raises:
-        BadValue: it is another, or there is no change to try.
-        NoGait: there is none beside it.
+        BadValue: the gait is not such a pronk, or `apart` is empty.
+        NoGait: there is no fixed point nearby.
 
     Example:
         >>> from spear_pin import load
@@ -50,10 +50,10 @@ def pronk_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gai
 
 
 def law_of_pronk(gait: CollocatedGait) -> SpatialLaw:
-    """The law of a collocated pronk: what its left legs do, from which the right ones hardly differ.
+    """Returns the law of a collocated pronk: that of its left legs, from which the right legs hardly differ.
 
     Raises:
-        BadValue: it is no pronk with a law on the ground and in the air.
+        BadValue: the gait is not a pronk with a law on the ground and in the air.
     """
     law, swing = laws_of(gait, (FOOTFALLS["pronk"],), "pronk")
     _, flight = gait.stretches

@@ -1,4 +1,4 @@
-"""What is asked of a gait of given footfalls."""
+"""Requests for gaits with given footfalls."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ Made = TypeVar("Made", "StanceLaw", "SwingLaw", "FootfallRequest")
 @typed
 @dataclass(frozen=True)
 class StanceLaw:
-    """Torques that a leg has on the ground, in the form of `SpatialLaw`: constants are left free.
+    """Law for the torques of a leg on the ground, in the form of `SpatialLaw`; its constants are free.
 
-    The hip's is constant. The knee's, the spring's share in it, is -side (constant + k flexed), where `flexed` counts
-    from the rest angle, at which it also lands and lifts off. The adduction's is a constant, and a stiffness and a
-    damping about the angle of touchdown.
+    The hip's torque is constant. The knee's, including the spring's share, is -side (constant + k flexed). `flexed`
+    counts from the rest angle, at which the knee also lands and lifts off. The adduction's torque is a constant plus a
+    stiffness and a damping about the angle of touchdown.
 
     Attributes:
         stiffness: k of a knee, in N·m/rad: half of `BoundingLaw.virtual_stiffness`.
         knee_rest: flexion at touchdown and at lift-off, in rad.
-        adduction_stiffness: in N·m/rad.
-        adduction_damping: in N·m·s/rad.
+        adduction_stiffness: stiffness of the adduction, in N·m/rad.
+        adduction_damping: damping of the adduction, in N·m·s/rad.
         most: largest constant of hip and knee, in N·m.
     """
 
@@ -46,11 +46,11 @@ class StanceLaw:
     @classmethod
     @typed
     def scaled(cls, robot: Robot, **values: float) -> StanceLaw:
-        """Q-SPEAR's for a robot of another size: torques and stiffnesses go by m g l, damping by that times √(l/g).
+        """Scales Q-SPEAR's law to another robot: torques and stiffnesses by m g l, damping also by √(l/g).
 
         Args:
             robot: a quadruped on a chain.
-            **values: fields that are to have others, in SI units.
+            **values: fields with values of their own, in SI units.
 
         Raises:
             UnknownName: there is no such field.
@@ -72,7 +72,7 @@ class StanceLaw:
         return _changed(one, numbers, values)
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         for name in ("stiffness", "adduction_stiffness", "adduction_damping"):
             require(f"StanceLaw.{name}", getattr(self, name), lambda number: number >= 0, "a number >= 0")
         require("StanceLaw.knee_rest", self.knee_rest, lambda angle: 0 < angle < math.pi, "between 0 and π rad")
@@ -82,16 +82,17 @@ class StanceLaw:
 @typed
 @dataclass(frozen=True)
 class SwingLaw:
-    """What legs do in the air, in the form of `SpatialLaw`: coefficients are left free.
+    """Law for legs in the air, in the form of `SpatialLaw`; its coefficients are free.
 
-    In each phase leg angle and knee follow Bézier polynomials over a phase variable, which begin as the leg is, (5.22):
-    the mean leg angle of the legs on the ground, or the travel of the torso where there are none. The last three
-    coefficients of a leg that is about to land are where it does. Adductions come to the angle at which they land.
+    In each phase leg angle and knee follow Bézier polynomials over a phase variable, and begin in the leg's own state,
+    (5.22). The phase variable is the mean leg angle of the legs on the ground, or the travel of the torso in a flight.
+    The last three coefficients of a leg that is about to land equal its angles at touchdown. Adductions move to the
+    angle at which they land.
 
     Attributes:
         adduction_epsilon: ε of the adduction, in s.
-        epsilon: ε of (5.16), in s, of leg angle and knee: what the simulation makes up for; a collocated gait has no
-            error of them.
+        epsilon: ε of (5.16), in s, for leg angle and knee: the simulation corrects errors with it; a collocated gait
+            has no such errors.
     """
 
     adduction_epsilon: float = 0.04
@@ -100,12 +101,12 @@ class SwingLaw:
     @classmethod
     @typed
     def scaled(cls, robot: Robot, **values: float) -> SwingLaw:
-        """Q-SPEAR's for a robot of another size: times go by √(l/g); arguments as of `StanceLaw.scaled`."""
+        """Scales Q-SPEAR's law to another robot: times by √(l/g); see `StanceLaw.scaled` for the arguments."""
         one, scale = cls(), scale_in_space(robot)
         return _changed(one, {name: time * scale.time for name, time in vars(one).items()}, values)
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         for name, time in vars(self).items():
             require(f"SwingLaw.{name}", time, lambda e: e > 0, "a number > 0, in s")
 
@@ -116,20 +117,21 @@ class FootfallRequest:
     """Request for a gait in space. Defaults are for Q-SPEAR; for another robot see `scaled`.
 
     Attributes:
-        footfalls: which legs bear, and how many intervals of collocation each phase has.
-        speed: along the path, in m/s.
-        turn: to the left in a stride, in rad, of footfalls that are not mirrored.
+        footfalls: which legs are on the ground, and how many intervals of collocation each phase has.
+        speed: speed along the path, in m/s.
+        turn: turn to the left in a stride, in rad, for footfalls that are not mirrored.
         friction: coefficient of friction that forces and impulses may use.
         minimum_force: least normal force on a foot on the ground, in N.
-        clearance: height that a foot has at least in the middle of its way through the air, in m.
-        adduction: largest angle of the adduction joints, in rad: nothing else keeps them from their limits in the air.
+        clearance: least height of a foot in the middle of its way through the air, in m.
+        adduction: largest angle of the adduction joints, in rad; no other bound keeps them from their limits in the
+            air.
         tilt: largest pitch and roll of the torso, in rad.
         shortest: least durations of a phase on the ground and of a flight, in s.
-        longest: of any phase, in s.
-        longest_stride: of the stride, in s; of least effort is often the longest one.
-        spring: of each knee, engaged from touchdown to lift-off; None: there is none.
-        law: what torques are on the ground; None: whatever they have to be.
-        swing: what legs do in the air, where there is a law on the ground; None: whatever they have to.
+        longest: longest duration of any phase, in s.
+        longest_stride: longest duration of the stride, in s; the least effort is often at the longest stride.
+        spring: spring of each knee, engaged from touchdown to lift-off; None: there is no spring.
+        law: law for the torques on the ground; None: torques are free.
+        swing: law for legs in the air, where there is a law on the ground; None: their motion is free.
 
     Example:
         >>> from spear_pin.gaits.footfalls.request import FootfallRequest
@@ -155,11 +157,11 @@ class FootfallRequest:
     @classmethod
     @typed
     def scaled(cls, robot: Robot, **values: Any) -> FootfallRequest:
-        """Q-SPEAR's request for a robot of another size: forces go by m g, times by √(l/g), speeds by √(g l).
+        """Scales Q-SPEAR's request to another robot: forces by m g, times by √(l/g), speeds by √(g l).
 
         Args:
             robot: a quadruped on a chain.
-            **values: fields that are to have others, in SI units, such as `law=StanceLaw.scaled(robot)`.
+            **values: fields with values of their own, in SI units, such as `law=StanceLaw.scaled(robot)`.
 
         Raises:
             UnknownName: there is no such field.
@@ -178,7 +180,7 @@ class FootfallRequest:
         return _changed(one, numbers, values)
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         require("speed", self.speed, lambda v: v > 0, "a number > 0, in m/s")
         require("turn", self.turn, lambda angle: abs(angle) <= SHARPEST, f"within ±{SHARPEST:g} rad a stride")
         if self.turn and self.footfalls.mirrored:
@@ -198,10 +200,10 @@ class FootfallRequest:
 
 
 def _changed(one: Made, numbers: Mapping[str, Any], values: Mapping[str, Any]) -> Made:
-    """A request, or a law in it, with other numbers, and those that were named.
+    """Returns a request, or a law in it, with changed numbers and the named values.
 
     Raises:
-        UnknownName: one is no field's.
+        UnknownName: a name is not a field's.
     """
     if unknown := values.keys() - vars(one).keys():
         raise UnknownName(f"field of {type(one).__name__}", min(unknown), vars(one))

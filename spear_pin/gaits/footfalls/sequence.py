@@ -1,4 +1,4 @@
-"""Footfalls: which legs bear in the phases of a gait, in their order, and how a stride closes."""
+"""Footfalls: which legs are on the ground in the phases of a gait, in order, and how a stride closes."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ Bearing = tuple[str, ...]
 @typed
 @dataclass(frozen=True)
 class Footfalls:
-    """Phases of a stride, or of the half of one whose other half is its mirror image.
+    """Phases of a stride, or of half a stride whose other half is its mirror image.
 
     Attributes:
-        phases: the legs that bear in each, by their names in `LEGS`; () is a flight. All legs of the first land as it
-            begins.
-        intervals: of collocation in each, at least 1.
-        mirrored: whether this is half a stride, after which left and right have changed places.
+        phases: the legs on the ground in each phase, by their names in `LEGS`; () is a flight. All legs of the first
+            phase land as it begins.
+        intervals: number of intervals of collocation in each phase, at least 1.
+        mirrored: whether this is half a stride, after which left and right change places.
 
     Raises:
-        BadValue: a name is no leg's, two phases in a row have the same legs, or a leg lands twice.
+        BadValue: a name is not a leg's, two phases in a row have the same legs, or a leg lands twice.
 
     Example:
         >>> from spear_pin.gaits.footfalls.sequence import FOOTFALLS
@@ -38,7 +38,7 @@ class Footfalls:
     mirrored: bool = False
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         expected = (
             f"phases with legs among {', '.join(LEGS)}, each other ones than before, the first landing as it begins"
         )
@@ -66,22 +66,22 @@ class Footfalls:
         return Footfalls(self.whole, self.intervals * (2 if self.mirrored else 1)) if self.mirrored else self
 
     def landings(self, leg: str) -> list[int]:
-        """Numbers of the phases of a whole stride that begin as a leg lands."""
+        """Returns the numbers of the phases of a whole stride that begin as a leg lands."""
         return [i for i, phase in enumerate(self.whole) if leg in phase and leg not in self.whole[i - 1]]
 
     def finer(self, times: int) -> Footfalls:
-        """The same footfalls with so many times the intervals."""
+        """Returns the same footfalls with `times` times the intervals."""
         return Footfalls(self.phases, tuple(times * count for count in self.intervals), self.mirrored)
 
 
 def opposite(leg: str) -> str:
-    """The leg on the other side."""
+    """Returns the leg on the other side."""
     pair, _, side = leg.rpartition("_")
     return f"{pair}_{OPPOSITE[side]}"
 
 
 def _of(intervals: Sequence[int], *phases: str, mirrored: bool = False) -> Footfalls:
-    """Footfalls of letters: "pl ar" are the posterior left and the anterior right leg."""
+    """Makes footfalls from letters: "pl ar" are the posterior left and the anterior right leg."""
     short = {"".join(part[0] for part in name.split("_")): name for name in LEGS}
     return Footfalls(
         tuple(tuple(short[each] for each in phase.split()) for phase in phases), tuple(intervals), mirrored

@@ -1,4 +1,4 @@
-"""Legs in the air in the form of the law: leg angles and knees along Bézier polynomials, adductions to an angle."""
+"""Legs in the air in the form of the law: leg angles and knees follow Bézier polynomials, adductions an angle."""
 
 from __future__ import annotations
 
@@ -34,20 +34,20 @@ END = {
     False: 1.02,
 }  # s at the end of a phase with legs on the ground, where it is not to run out, and of a flight
 FREE, SAMPLES = 4, 13  # coefficients from the third on; points that their guess is fitted to
-STEEPEST, FLEXED = 1.3, 2.4  # rad: of coefficients of leg angles and knees
-SWEEP = (-1.5, -0.05)  # rad: of the bearing legs' mean angle in a phase
+STEEPEST, FLEXED = 1.3, 2.4  # rad: limits of the coefficients of leg angles and knees
+SWEEP = (-1.5, -0.05)  # rad: limits of the change of the supporting legs' mean angle in a phase
 SLOWEST, FASTEST = 0.3, 30.0  # rad/s of Q-SPEAR: of it
 
 
 @dataclass(frozen=True)
 class Air:
-    """A phase for the legs in the air in it.
+    """A phase and the legs in the air in it.
 
     Attributes:
-        label: of the phase.
+        label: label of the phase.
         bearing: legs on the ground.
         landing: legs that land as it ends.
-        nodes: of the phase.
+        nodes: nodes of the phase.
     """
 
     label: str
@@ -57,7 +57,7 @@ class Air:
 
 
 class Swings:
-    """Writer of what the law does with legs in the air."""
+    """Writer of the law for legs in the air."""
 
     def __init__(
         self, programme: Programme, limbs: Mapping[str, Leg], law: SwingLaw, scale: Scale, knee: float
@@ -65,12 +65,12 @@ class Swings:
         self.programme, self.limbs, self.law, self.scale, self.knee = programme, limbs, law, scale, knee
 
     def follow(self, air: Air, guess: Callable[[float], Array], adductions: Mapping[str, Any]) -> dict[str, Evolution]:
-        """The legs in the air of a phase follow evolutions that begin as they are; their coefficients.
+        """Makes the legs in the air follow evolutions that begin in their own state; returns the coefficients.
 
         Args:
             air: the phase.
-            guess: of the configuration, by how much of the phase has gone.
-            adductions: angle to which each leg's adduction is brought, in rad.
+            guess: guess of the configuration, by the fraction of the phase that has passed.
+            adductions: target angle of each leg's adduction, in rad.
         """
         ca, programme, time = casadi(), self.programme, self.scale.time
         bears = bool(air.bearing)
@@ -97,7 +97,7 @@ class Swings:
         return found
 
     def _follow(self, label: str, outputs: Outputs, begun: Evolution, node: Node) -> None:
-        """ÿ = 0."""
+        """Requires ÿ = 0."""
         ca, ahead, unit = casadi(), gradient(outputs.phase, node.q, casadi()), 1.0 / self.scale.time**2
         rate = dot(ahead, node.v) / begun.span
         second = (dot(ahead, node.a) + drift(outputs.phase, node.q, node.v, ca)) / begun.span
@@ -108,7 +108,7 @@ class Swings:
             self.programme.require(f"law in {label}", missed, 0.0, 0.0, scale=50.0, unit=unit)
 
     def _bring(self, label: str, limb: Leg, node: Node, angle: Any) -> None:
-        """The adduction comes to an angle."""
+        """Requires that the adduction comes to an angle."""
         i, epsilon = limb.adduction, self.law.adduction_epsilon
         wanted = -((node.q[i] - angle) / epsilon + 2.0 * node.v[i]) / epsilon
         self.programme.require(
@@ -116,7 +116,7 @@ class Swings:
         )
 
     def _shapes(self, air: Air, limb: Leg, guess: Callable[[float], Array]) -> tuple[tuple[Any, ...], ...]:
-        """Coefficients from the third on; of a leg that lands the last three are where it does."""
+        """Returns coefficients from the third on; the last three of a leg that lands are its angles at touchdown."""
         lands, name = limb.name in air.landing, f"{air.label}, {limb.name}"
         gone = np.linspace(0.0, 1.0, SAMPLES)
         rough = [guess(s).tolist() for s in gone]
@@ -132,7 +132,7 @@ class Swings:
 
 
 def _fitted(s: Array, values: Sequence[float]) -> Array:
-    """Bézier coefficients from the third on of a polynomial through values, nearly."""
+    """Fits a polynomial to values; returns its Bézier coefficients from the third on."""
     count = FREE + 2
     basis = np.transpose([bezier(unit, s)[0] for unit in np.eye(count).tolist()])
     found: Array = np.linalg.lstsq(basis, np.array(values), rcond=None)[0][2:]

@@ -19,19 +19,19 @@ from spear_pin.kinds import typed
 
 @typed
 def trot_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gait:
-    """The trot, or pace, of the event-exact simulation beside a collocated one, at the speed that was asked for.
+    """Finds the trot, or pace, of the event-exact simulation near a collocated one, at the requested speed.
 
-    Where both feet of a pair land at once the return map has a kink, in which of them is first. Where Newton's method
-    stalls there, the angle at which the fore legs land is changed. Of a robot whose left and right differ the gait of
-    the one with mean inertias, half a stride long, is found first, and that of the robot from there.
+    Where both feet of a pair land at once, the return map has a kink, because either foot may be first. If Newton's
+    method stalls there, the function changes the angle at which the fore legs land. For a robot whose left and right
+    differ, it first finds the gait of a robot with mean inertias, which is half a stride long, and starts from there.
 
     Args:
         gait: a mirrored trot or pace with a law on the ground and in the air.
-        apart: changes of that angle to try in turn, in rad.
+        apart: changes of that angle, in rad, which are tried in turn.
 
     Raises:
-        BadValue: it is another, or there is no change to try.
-        NoGait: there is none beside it.
+        BadValue: the gait is not such a trot or pace, or `apart` is empty.
+        NoGait: there is no fixed point nearby.
 
     Example:
         >>> from spear_pin import load
@@ -53,10 +53,10 @@ def trot_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gait
 
 
 def law_of_trot(gait: CollocatedGait) -> TrotLaw:
-    """The law of a collocated trot or pace.
+    """Returns the law of a collocated trot or pace.
 
     Raises:
-        BadValue: it is no mirrored one with a law on the ground and in the air.
+        BadValue: the gait is not a mirrored trot or pace with a law on the ground and in the air.
     """
     law, swing = laws_of(gait, (FOOTFALLS["trot"], FOOTFALLS["pace"]), "mirrored trot or pace")
     stance, flight = gait.stretches

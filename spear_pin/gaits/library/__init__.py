@@ -1,4 +1,4 @@
-"""Solved gaits, as JSON, each with its parameters, residual and multipliers."""
+"""Shipped gaits, as JSON files, each with its parameters, residual and multipliers."""
 
 from __future__ import annotations
 
@@ -34,16 +34,16 @@ IN_SPACE = ("trot", "pace", "pronk", "gallop", *TURNS)
 
 
 def names() -> tuple[str, ...]:
-    """Names of the gaits of the plane that ship; those of `IN_SPACE` do, too."""
+    """Returns the names of the planar gaits that ship; `IN_SPACE` lists those in space."""
     stems = (entry.name.removesuffix(".json") for entry in files(__name__).iterdir() if entry.name.endswith(".json"))
     return tuple(sorted(stem for stem in stems if stem not in IN_SPACE))
 
 
 def path(name: str) -> Path:
-    """Path of a shipped gait.
+    """Returns the path of a shipped gait.
 
     Raises:
-        UnknownName: there is none of that name.
+        UnknownName: no shipped gait has that name.
     """
     if name not in (*names(), *IN_SPACE):
         raise UnknownName("gait", name, [*names(), *IN_SPACE], "the path of a saved gait")
@@ -51,5 +51,5 @@ def path(name: str) -> Path:
 
 
 def written() -> dict[str, dict[str, Any]]:
-    """Contents of each shipped gait's file, as `Gait.save` wrote it, by name."""
+    """Returns the contents of each shipped gait's file, as `Gait.save` wrote it, by name."""
     return {name: json.loads(path(name).read_text(encoding="utf-8")) for name in names()}

@@ -1,1 +1,1 @@
-"""Measures of a cycle: what each name means, in one table, and their values from the samples of a motion."""
+"""Measures of a cycle: the meaning of each name in one table, and values from the samples of a motion."""

@@ -1,8 +1,8 @@
-"""What each measure of a cycle is: one table of names, units and sentences, for samples, derivatives and pages alike.
+"""The measures of a cycle: one table of names, units and sentences, for samples, derivatives and pages alike.
 
-Torques are those of one motor: in the sagittal plane a joint stands for two legs, and its torque is shared by two
-motors. Work, energies and the effort are those of all motors of the robot. Forces are those on a toe of the model, in
-the sagittal plane on both feet of a pair. A name without its joint or toe is the largest of them.
+Torques are those of one motor: in the sagittal plane a joint stands for two legs, and two motors share its torque.
+Work, energies and the effort are those of all motors of the robot. Forces act on a toe of the model; in the sagittal
+plane that is on both feet of a pair. A name without its joint or toe is the largest value.
 """
 
 from __future__ import annotations
@@ -12,17 +12,17 @@ from typing import NamedTuple
 
 from spear_pin.errors import UnknownName
 
-PRESSED = 0.02  # of a toe's even share of the weight: less is no load that friction is counted under
-LEAST_STRIDE = 1e-3  # m: over a shorter one nothing is transported
+PRESSED = 0.02  # share of a toe's even share of the weight above which friction counts
+LEAST_STRIDE = 1e-3  # m: a shorter stride transports nothing
 
 
 class Named(NamedTuple):
-    """A measure, or those of one kind for joints, toes, phases or events.
+    """A measure, or measures of one kind for joints, toes, phases or events.
 
     Attributes:
-        pattern: of its names.
-        unit: its unit, "1" without one.
-        text: what it is, in a sentence.
+        pattern: pattern of the names.
+        unit: unit of the measure, "1" without one.
+        text: meaning of the measure, in a sentence.
     """
 
     pattern: str
@@ -70,10 +70,10 @@ PLACES = re.compile(r"[A-Z]{2,}|(?<=_)N$")
 
 
 def described(name: str) -> Named:
-    """What a measure is, by its name.
+    """Returns what a measure means, by its name.
 
     Raises:
-        UnknownName: the table has none that is called so.
+        UnknownName: the table has no measure with that name.
     """
     for each in CATALOGUE:
         if re.fullmatch(PLACES.sub("\\\\w+", each.pattern), name):

@@ -1,4 +1,4 @@
-"""Integrals and peaks of samples: quintic splines between events, so that they do not depend on where samples are."""
+"""Integrals and peaks of samples by quintic splines between events, so that they do not depend on the sampling."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ GAUSS = np.polynomial.legendre.leggauss(6)
 
 @dataclass(frozen=True)
 class Curves:
-    """Times of samples, between whose events signals are smooth.
+    """Sample times; signals are smooth between the events.
 
     Attributes:
-        t: times, in s, (n,); where an event is there are two equal ones.
+        t: times, in s, (n,); two times are equal at an event.
         chosen: which samples count, (n,).
     """
 
@@ -34,7 +34,7 @@ class Curves:
 
     @classmethod
     def of(cls, t: Array) -> Curves:
-        """Curves of all samples, at times in s, (n,)."""
+        """Returns curves of all samples, at times in s, (n,)."""
         return cls(t, np.ones(len(t), dtype=bool))
 
     @cached_property
@@ -45,7 +45,7 @@ class Curves:
         return tuple(run for run in np.split(rows, np.flatnonzero(apart) + 1) if len(run) > 1)
 
     def among(self, chosen: Mask) -> Curves:
-        """Those of the samples that are chosen, (n,)."""
+        """Returns curves of the chosen samples, (n,)."""
         return Curves(self.t, self.chosen & chosen)
 
     @property
@@ -54,11 +54,11 @@ class Curves:
         return float(sum(self.t[run[-1]] - self.t[run[0]] for run in self.runs))
 
     def integral(self, values: Array, where: Array | None = None) -> float:
-        """∫ of a signal over time.
+        """Returns ∫ of a signal over time.
 
         Args:
-            values: at the samples, (n,).
-            where: a signal, (n,), that is positive where time counts; always.
+            values: signal at the samples, (n,).
+            where: a signal, (n,), that is positive where time counts; by default always.
         """
         total = 0.0
         for run in self.runs:
@@ -74,20 +74,20 @@ class Curves:
         return total
 
     def positive(self, values: Array) -> float:
-        """∫ of the positive part of a signal, (n,)."""
+        """Returns ∫ of the positive part of a signal, (n,)."""
         return self.integral(values, where=values)
 
     def absolute(self, values: Array) -> float:
-        """∫ of a signal's amount, (n,)."""
+        """Returns ∫ of a signal's modulus, (n,)."""
         return self.positive(values) + self.positive(-values)
 
     def halves(self, power: Callable[[Array, Array], Array], torque: Array, speed: Array) -> tuple[float, float]:
-        """∫ of the positive and of the negative part of a power, both >= 0, that torque and speed give.
+        """Returns ∫ of the positive and of the negative part of a power, both >= 0, from torque and speed.
 
         Args:
-            power: of torques and speeds, (k,) each; where either changes its sign it may jump.
-            torque: at the samples, (n,).
-            speed: like it.
+            power: returns the power for torques and speeds, (k,) each; it may jump where either changes its sign.
+            torque: torque at the samples, (n,).
+            speed: speed at the samples, (n,).
         """
         nodes, weights = GAUSS
         positive = negative = 0.0
@@ -105,7 +105,7 @@ class Curves:
         return positive, negative
 
     def peak(self, values: Array) -> float:
-        """The largest value of a signal, (n,); -∞ where no sample counts."""
+        """Returns the largest value of a signal, (n,); -∞ where no sample counts."""
         best = float(values[self.chosen].max(initial=-np.inf))
         for run in self.runs:
             if values[run].max() > values[run].min():
@@ -116,15 +116,15 @@ class Curves:
         return best
 
     def amount(self, values: Array) -> float:
-        """The largest amount of a signal, (n,)."""
+        """Returns the largest modulus of a signal, (n,)."""
         return max(self.peak(values), self.peak(-values))
 
     def range(self, values: Array) -> tuple[float, float]:
-        """The least and the largest value of a signal, (n,)."""
+        """Returns the least and the largest value of a signal, (n,)."""
         return -self.peak(-values), self.peak(values)
 
     def ratio(self, above: Array, below: Array, least: float) -> float:
-        """The largest |above / below| where the signal below, (n,), is at least a number > 0; 0 where it never is."""
+        """Returns the largest |above / below| where the signal below, (n,), is at least `least` > 0; else 0."""
         best = 0.0
         for run in self.runs:
             top, bottom = self._spline(run, above), self._spline(run, below)
@@ -153,19 +153,19 @@ class Curves:
 
 
 def _roots(spline: Any, level: float = 0.0) -> Array:
-    """Find where a spline crosses a level, in order of time."""
+    """Finds where a spline crosses a level, in order of time."""
     found = scipy.interpolate.PPoly.from_spline(spline).solve(level, discontinuity=False, extrapolate=False)
     return np.asarray(np.sort(found[np.isfinite(found)]), np.float64)
 
 
 def _resolved(times: Array, values: Array, t: Array, samples: Array) -> Mask:
-    """Tell at which times samples resolve a signal, so that its spline does not swing there as about a jump or a kink.
+    """Tells at which times samples resolve a signal, so that its spline does not oscillate as about a jump or a kink.
 
-    There the cubic through the four nearest samples agrees with it, better than the cubic does with a straight line.
+    There the cubic through the four nearest samples agrees with the spline better than with a straight line.
 
     Args:
-        times: between the samples, (k,).
-        values: of the spline, (k,).
+        times: times between the samples, (k,).
+        values: values of the spline, (k,).
         t: times of the samples, (n,).
         samples: the signal, (n,).
     """
@@ -184,7 +184,7 @@ def _resolved(times: Array, values: Array, t: Array, samples: Array) -> Mask:
 
 
 def _changes(at: Callable[[Array], Array], marks: Array) -> Array:
-    """Where a function changes its sign between marks, a little inside of which it is continuous."""
+    """Finds where a function changes its sign between marks; it is continuous a little inside of them."""
     inside = 1e-9 * np.diff(marks)
     begins, ends = marks[:-1] + inside, marks[1:] - inside
     changes = np.flatnonzero(at(begins) * at(ends) < 0.0)

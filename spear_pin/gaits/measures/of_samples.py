@@ -19,13 +19,13 @@ from spear_pin.model.robot import Robot
 
 @dataclass(frozen=True)
 class Sampled:
-    """Measures of cycles of a motion: integrals are the mean of the cycles, peaks the largest of all.
+    """Measures of cycles of a motion: integrals are the mean over the cycles, peaks the largest of all.
 
     Attributes:
-        robot: that moves.
-        trajectory: its motion.
-        cycles: numbers of whole cycles that follow each other; none: all samples, as if they were one. Of a gait that
-            closes in the mirror two make a stride, in which each leg does what the other does.
+        robot: the robot that moves.
+        trajectory: the robot's motion.
+        cycles: numbers of whole cycles that follow each other; empty: all samples count as one cycle. If a gait closes
+            in the mirror, two cycles make a stride, in which each leg does what the other does.
     """
 
     robot: Robot
@@ -39,11 +39,11 @@ class Sampled:
         return Curves(self.trajectory.t, np.isin(there, self.cycles) if len(self.cycles) else np.ones_like(there, bool))
 
     def values(self) -> dict[str, float]:
-        """All of them by the names of the catalogue."""
+        """Returns all measures by the names of the catalogue."""
         return {**self.times(), **self.works(), **self.torques(), **self.forces()}
 
     def times(self) -> dict[str, float]:
-        """Period, and where there is a way forward, stride and mean speed."""
+        """Returns the period; with forward motion also stride and mean speed."""
         stride = self.stride
         return {"period": self.period} | (
             {} if stride is None else {"stride": stride, "mean_speed": stride / self.period}
@@ -56,12 +56,12 @@ class Sampled:
 
     @property
     def count(self) -> int:
-        """Of the cycles; 1 of what is none."""
+        """Number of cycles; 1 if there are no whole cycles."""
         return max(1, len(self.cycles))
 
     @cached_property
     def stride(self) -> float | None:
-        """Way of a cycle, in m: along x in the plane, in space straight from one section to the next; None: none."""
+        """Distance of a cycle, in m: along x in the plane, straight from section to section in space; or None."""
         one, chosen = self.trajectory, self.curves.chosen
         x, y = (
             next((i for i, name in enumerate(one.coordinates) if name.endswith(axis)), None) for axis in ("_x", "_y")
@@ -75,7 +75,7 @@ class Sampled:
         return float(np.linalg.norm(np.diff(one.q[ends][:, [x, y]], axis=0), axis=1).sum()) / self.count
 
     def works(self) -> dict[str, float]:
-        """Work of all motors, and what it takes to go forward."""
+        """Returns the work of all motors, and the work per distance."""
         rates = self.rates
         found = {"work": 0.0, "positive_work": 0.0, "absolute_work": 0.0}
         for i in range(len(self.trajectory.actuated)):
@@ -93,7 +93,7 @@ class Sampled:
         }
 
     def torques(self) -> dict[str, float]:
-        """Torques of one motor, and the effort of all."""
+        """Returns the torques of one motor, and the effort of all motors."""
         found, effort = dict[str, float](), 0.0
         for i, joint in enumerate(self.trajectory.actuated):
             motors = motors_at(joint)
@@ -112,7 +112,7 @@ class Sampled:
         return found
 
     def forces(self) -> dict[str, float]:
-        """What the toes bear."""
+        """Returns the forces on the toes."""
         found = dict[str, float]()
         for i, toe in enumerate(self.trajectory.toes):
             found[f"peak_force_{toe}"] = self.curves.peak(self.trajectory.force[:, i, -1])
@@ -120,13 +120,13 @@ class Sampled:
         return found
 
     def of(self, kind: str) -> dict[str, float]:
-        """Those of one kind, such as "peak_torque", by joint or toe."""
+        """Returns the measures of one kind, such as "peak_torque", by joint or toe."""
         there = (*self.trajectory.actuated, *self.trajectory.toes)
         found = {**self.torques(), **self.forces()}
         return {name: found[f"{kind}_{name}"] for name in there if f"{kind}_{name}" in found}
 
     def friction_used(self, toe: int) -> float:
-        """Largest share of its normal force that a toe, by its number, takes along the ground where it is loaded."""
+        """Returns the largest ratio of tangential to normal force on a toe, by its number, where it is loaded."""
         force = self.trajectory.force[:, toe]
         along = force[:, 0] if force.shape[1] == 2 else np.hypot(force[:, 0], force[:, 1])
         return self.curves.ratio(along, force[:, -1], pressed(self.robot))
@@ -139,5 +139,5 @@ class Sampled:
 
 
 def pressed(robot: Robot) -> float:
-    """Normal force from which on a toe of a robot is loaded enough for friction to count, in N."""
+    """Returns the normal force above which a robot's toe is loaded enough for friction to count, in N."""
     return PRESSED * robot.weight / len(robot.toes)

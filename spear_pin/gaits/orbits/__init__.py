@@ -1,1 +1,1 @@
-"""Orbits in space: gaits of the plane put there, kept in balance, and turning."""
+"""Orbits in space: planar gaits put into space, balanced by feedback, and turning."""

@@ -1,8 +1,8 @@
-"""Balance: what keeps a symmetric gait in space upright, on its speed and on its heading, by feedback once a stride.
+"""Balance: feedback once a stride that keeps a symmetric gait in space upright, on its speed and on its heading.
 
-By the mirror a symmetric gait's return map is block diagonal to first order: what is symmetric, the plane's motion, and
-what is antisymmetric, with the heading, are systems of their own, with inputs of their own. A trot's, half a stride
-seen in the mirror, is one system, and so is that of a gait that is not symmetric.
+By mirror symmetry, a symmetric gait's return map is block diagonal to first order. Symmetric motion, which is planar,
+and antisymmetric motion, with the heading, are two systems with inputs of their own. A trot's half stride seen in the
+mirror is one system. A gait that is not symmetric is one system, too.
 """
 
 from __future__ import annotations
@@ -45,19 +45,19 @@ SCALES = {
     "spread": 0.05,
 }
 """What counts as one of an input of Q-SPEAR, by how its name ends, in N·m and rad; of a pair's torque twice a leg's."""
-SYMMETRIC, NEARLY = 1e-9, 0.25  # by `asymmetry`: exactly, and so nearly that either parity is a system of its own
+SYMMETRIC, NEARLY = 1e-9, 0.25  # limits of `asymmetry`: exact, and near enough for separate parities
 
 
 @dataclass(frozen=True)
 class Linear:
-    """First-order motion: a⁺ = A a + B w over coordinates of one parity or all, the heading, if it is one, last.
+    """First-order motion a⁺ = A a + B w over coordinates of one parity or all; the heading, if included, is the last.
 
     Attributes:
         A: (n, n).
         B: (n, k).
         inputs: names of the k inputs.
-        coordinates: of a state (q, v), headed, the n coordinates, (n, 2 nv).
-        scales: what counts as one of each input, (k,).
+        coordinates: rows that give the n coordinates of a state (q, v), headed, (n, 2 nv).
+        scales: unit of each input, (k,).
     """
 
     A: Array
@@ -69,13 +69,13 @@ class Linear:
 
 @dataclass(frozen=True)
 class Balance:
-    """A gait with feedback, and all multipliers of its section without it and with it.
+    """A gait with feedback, and all multipliers of its section without and with feedback.
 
     Attributes:
-        gait: with feedback.
-        without: multipliers of the gait without feedback; the heading, which nothing depends on, is left out.
-        held: those with feedback. The heading's is among them where it is kept and the gait is exactly symmetric; of a
-            gait that is only nearly symmetric it is left out.
+        gait: the gait with feedback.
+        without: multipliers of the gait without feedback; the heading's is left out, because nothing depends on it.
+        held: multipliers with feedback. The heading's is among them where it is regulated and the gait is exactly
+            symmetric; it is left out if the gait is only nearly symmetric.
     """
 
     gait: Gait
@@ -85,16 +85,16 @@ class Balance:
 
 @typed
 def across(gait: Gait, inputs: Sequence[str] = ACROSS, *, heading: bool = False, rtol: float = 1e-10) -> Linear:
-    """A and B of antisymmetric motion, by a stride for each column: P(M x) = M P(x) tells the other side.
+    """Returns A and B of antisymmetric motion from one stride per column; P(M x) = M P(x) gives the other side.
 
     Args:
-        gait: in space, symmetric; or nearly so, which takes two strides for each column.
-        inputs: among `spear_pin.gaits.spatial.law.ACROSS`.
+        gait: a symmetric gait in space, or a nearly symmetric one, which takes two strides per column.
+        inputs: names among `spear_pin.gaits.spatial.law.ACROSS`.
         heading: whether the yaw is a coordinate.
-        rtol: of the integrator.
+        rtol: relative tolerance of the integrator.
 
     Raises:
-        UnknownName: an input is not among these.
+        UnknownName: an input is not among those names.
         BadValue: the gait is not in space, or not symmetric.
         NoGait: a perturbed stride does not close.
     """
@@ -106,16 +106,16 @@ def across(gait: Gait, inputs: Sequence[str] = ACROSS, *, heading: bool = False,
 
 @typed
 def along(gait: Gait, inputs: Sequence[str] = INPUTS[len(ACROSS) :], *, rtol: float = 1e-10) -> Linear:
-    """A and B of symmetric motion, that of the plane, by central differences; arguments as of `across`."""
+    """Returns A and B of symmetric motion, which is planar, by central differences; see `across` for the arguments."""
     return _linear(gait, inputs, INPUTS[len(ACROSS) :], True, rtol)
 
 
 @typed
 def entire(gait: Gait, inputs: Sequence[str], *, rtol: float = 1e-10) -> Linear:
-    """A and B of all motion without the heading, by central differences; arguments as of `across`.
+    """Returns A and B of all motion without the heading, by central differences; see `across` for the arguments.
 
-    Of a trot it is that of half a stride, seen in the mirror, and inputs are among `TROT_INPUTS`; of others among
-    `spear_pin.gaits.spatial.law.INPUTS`.
+    For a trot they describe half a stride, seen in the mirror, and inputs are among `TROT_INPUTS`. For other gaits
+    inputs are among `spear_pin.gaits.spatial.law.INPUTS`.
     """
     return _linear(gait, inputs, _inputs_of(gait), None, rtol)
 
@@ -129,30 +129,31 @@ def balanced(
     weight: float = 0.2,
     rtol: float = 1e-10,
 ) -> Gait:
-    """Add linear-quadratic feedback of the section state to a gait, once a stride; to a trot twice.
+    """Adds linear-quadratic feedback of the section state to a gait, once a stride, or twice for a trot.
 
-    Lateral motion and motion along are regulated apart, each by those of the inputs that act on it: at the section
-    w = -K a is added to them for the stride; K minimises Σ aᵀQ a + weight Σ (w / scale)², scales being `SCALES` and Q 1
-    but for the yaw. A gait that is only nearly symmetric, as its robot is, gets the same feedback. In one that is not
-    symmetric, as a gallop, all motion is regulated at once.
+    Lateral and symmetric motion are regulated separately, each by the inputs that act on it. At the section w = -K a is
+    added to the inputs for the stride. K minimises Σ aᵀQ a + weight Σ (w / scale)²; the scales are `SCALES`, and Q is 1
+    except for the yaw. A gait that is only nearly symmetric, because its robot is, gets the same feedback. In a gait
+    that is not symmetric, such as a gallop, all motion is regulated at once.
 
     Args:
-        gait: in space, without such feedback.
-        inputs: among `spear_pin.gaits.spatial.law.INPUTS`; one of those across suffices for a bound to stay upright, by
-            default "posterior_adduction". Of a gait that is not symmetric by default all; of a trot `TROT_INPUTS`.
-        heading: weight of the yaw, to keep the heading too; 0: it goes on to wherever it was pushed, as a trot, or
-            another that is not symmetric, does.
-        weight: of the inputs; the larger, the gentler.
-        rtol: of the integrator.
+        gait: a gait in space without such feedback.
+        inputs: names among `spear_pin.gaits.spatial.law.INPUTS`. For a bound one lateral input is enough to stay
+            upright, by default "posterior_adduction". For a gait that is not symmetric the default is all inputs, for a
+            trot `TROT_INPUTS`.
+        heading: weight of the yaw, to regulate the heading too; with 0 the robot keeps any heading to which it is
+            pushed. A trot, or another gait that is not symmetric, always does.
+        weight: weight of the inputs; a larger weight gives gentler feedback.
+        rtol: relative tolerance of the integrator.
 
     Returns:
         the gait with feedback; its multipliers are all of the section's, along and lateral, whether feedback acts on
         them or not. The heading's is among them if it is kept and the gait is exactly symmetric, not nearly.
 
     Raises:
-        BadValue: the gait has feedback already, or is not in space, a weight is not valid, or inputs are none or name
+        BadValue: the gait has feedback already or is not in space, a weight is not valid, or `inputs` is empty or names
             one twice.
-        UnknownName: an input is not among these.
+        UnknownName: an input is not among the valid names.
         NoGait: a perturbed stride does not close.
     """
     return balance(gait, inputs, heading=heading, weight=weight, rtol=rtol).gait
@@ -167,7 +168,7 @@ def balance(
     weight: float = 0.2,
     rtol: float = 1e-10,
 ) -> Balance:
-    """Find what `balanced` finds, with the multipliers of the gait without feedback; arguments as of `balanced`."""
+    """Adds feedback as `balanced` does, and returns multipliers without it too; see `balanced` for the arguments."""
     if gait.system.law.feedback:
         raise BadValue("gait", "one with event feedback", "one without")
     require("weight", weight, lambda w: w > 0, "a number > 0")
@@ -185,7 +186,7 @@ def balance(
     if not inputs or len(set(inputs)) < len(inputs):
         raise BadValue("inputs", inputs, "at least one, none of them twice")
     exact = not at_once and off <= SYMMETRIC
-    turns = heading > 0  # then the heading, on which nothing depends, is the last of what is lateral
+    turns = heading > 0  # then the heading, on which nothing depends, is the last lateral coordinate
     linears: dict[bool | None, Linear] = {}  # by whether it is lateral; None: all at once
     if at_once:
         linears[None] = entire(gait, inputs, rtol=rtol)
@@ -220,12 +221,12 @@ def balance(
 
 
 def _all_of(gait: Gait, rtol: float) -> Multipliers:
-    """Multipliers of all motion, each along or lateral by what it moves most."""
+    """Returns the multipliers of all motion, each along or lateral by the motion that it changes most."""
     return parted(entire(gait, (), rtol=rtol).A, _chart(gait)[1])
 
 
 def _chart(gait: Gait) -> tuple[Chart, NDArray[np.bool_]]:
-    """The chart of the section about a gait's state, and which of its coordinates are symmetric.
+    """Returns the chart of the section about a gait's state, and which of its coordinates are symmetric.
 
     Raises:
         BadValue: the gait is not in space.
@@ -241,13 +242,13 @@ def _inputs_of(gait: Gait) -> tuple[str, ...]:
 
 
 def unit_of(name: str, robot: Robot) -> float:
-    """What counts as one of an input, in N·m or rad; torques go by m g l."""
+    """Returns the unit in which an input is counted, in N·m or rad; torques scale with m g l."""
     one = next(scale for end, scale in SCALES.items() if name.endswith(end))
     return one if is_angle(name) else one * scale_in_space(robot).torque
 
 
 def regulated(linear: Linear, Q: Array | None = None, weight: float = 0.2) -> tuple[Array, NDArray[np.complex128]]:
-    """Gains K of w = -K a, (k, n), and multipliers of the closed loop; arguments as of `balanced`, Q 1 by default."""
+    """Returns gains K of w = -K a, (k, n), and multipliers of the closed loop; Q is 1 by default; see `balanced`."""
     R = weight * np.diag([scale**-2 for scale in linear.scales])
     P = scipy.linalg.solve_discrete_are(linear.A, linear.B, np.eye(len(linear.A)) if Q is None else Q, R)
     K = np.linalg.solve(R + linear.B.T @ P @ linear.B, linear.B.T @ P @ linear.A)
@@ -255,7 +256,7 @@ def regulated(linear: Linear, Q: Array | None = None, weight: float = 0.2) -> tu
 
 
 def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool | None, rtol: float) -> Linear:
-    """A and B over the coordinates of one parity, those across with the heading; None: over all, without."""
+    """Returns A and B over coordinates of one parity, with the heading if antisymmetric; None: over all, without it."""
     for name in inputs:
         if name not in valid:
             raise UnknownName("input", name, valid)
@@ -296,12 +297,12 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool 
     size = len(whole)
     A = np.zeros((size, size))
     A[:, :n] = whole[:, :n]
-    A[n:, n:] = 1.0  # the heading, of which nothing depends on where it is
+    A[n:, n:] = 1.0  # nothing depends on the heading
     return Linear(A, whole[:, n:], tuple(inputs), scales, _rows(local, own, size))
 
 
 def _rows(local: Chart, own: NDArray[np.int64], size: int) -> Array:
-    """Rows that tell coordinates of a chart of a state (q, v), (size, 2 nv), the heading's last if it is one."""
+    """Returns rows that give chart coordinates of a state (q, v), (size, 2 nv); the heading's is last if included."""
     nv, dq = len(local.q_basis), local.q_basis.shape[1]
     rows = np.zeros((size, 2 * nv))
     for row, i in enumerate(own):

@@ -1,4 +1,4 @@
-"""Gaits of the plane put into space, where they are orbits of the same motion with more ways to leave it."""
+"""Planar gaits put into space, where the motion is the same and the robot can also fall sideways."""
 
 from __future__ import annotations
 
@@ -28,21 +28,21 @@ EXACT = 1e-9  # residual of what is symmetric as it is
 
 @typed
 def in_space(gait: Gait, law: SpatialLaw | None = None, *, robot: Robot | None = None, rtol: float = 1e-10) -> Gait:
-    """A bounding gait of the plane as one in space: its residual, and multipliers, those of a fall sideways among them.
+    """Puts a planar bounding gait into space: finds its residual and multipliers, with those of a sideways fall.
 
-    Where left and right of the robot are not quite each other's mirror images it is close to a gait, which Newton's
-    method finds with the numbers of the law as they are. Each stride of the some sixty that the multipliers take is
-    about as long as one of the plane: it takes a minute, or some with Newton's method.
+    If left and right of the robot are not quite mirror images, the planar gait is only close to a gait in space.
+    Newton's method then finds the gait, with the numbers of the law unchanged. The multipliers take some sixty strides,
+    each about as long as a stride in the plane. The function takes about a minute, or a few with Newton's method.
 
     Args:
-        gait: of Q-SPEAR in the plane, or of a quadruped that `sagittal` cut, without feedback.
-        law: with other numbers for adduction, its `plane` that of the gait; by default those of `SpatialLaw.scaled`.
-        robot: a quadruped on a chain; by default the one that was cut, or `load("q_spear_full", base="chain")`.
+        gait: a gait of Q-SPEAR in the plane, or of a quadruped that `sagittal` cut, without feedback.
+        law: a law with other numbers for adduction, whose `plane` is the gait's law; by default `SpatialLaw.scaled`.
+        robot: a quadruped on a chain; by default the robot that was cut, or `load("q_spear_full", base="chain")`.
         rtol: relative tolerance of the integrator.
 
     Raises:
-        BadValue: the gait is not of such a robot, has event feedback, hardware or changes; or the law is
-            another gait's.
+        BadValue: the gait's robot is another, the gait has event feedback, hardware or changes, or the law's `plane` is
+            not the gait's.
         NoGait: a perturbed stride does not close, or Newton's method does not end in a gait.
 
     Example:
@@ -63,7 +63,7 @@ def in_space(gait: Gait, law: SpatialLaw | None = None, *, robot: Robot | None =
 
 
 def embedded(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = None) -> tuple[HybridSystem, State]:
-    """The system in space of a gait of the plane, and its state on the section there; arguments as of `in_space`."""
+    """Returns the system in space for a planar gait, and its section state there; see `in_space` for the arguments."""
     plane = gait.system
     if plane.kind != "bounding":
         raise BadValue("gait", gait, "a bounding gait of the plane")
@@ -83,10 +83,10 @@ def embedded(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = No
 
 
 def whole(plane: Robot) -> Robot:
-    """The quadruped on a chain of which a robot is the sagittal plane.
+    """Returns the quadruped on a chain whose sagittal plane a robot is.
 
     Raises:
-        BadValue: it is not Q-SPEAR as it ships, nor cut out of one that a file says.
+        BadValue: the robot is not Q-SPEAR as it ships, and was not cut from a robot that a file describes.
     """
     if plane.cut is None:
         if plane.source != PLANAR or plane.varied:
@@ -103,6 +103,6 @@ def whole(plane: Robot) -> Robot:
 
 
 def of_a_leg(spring: Spring) -> Spring:
-    """The spring of one leg, of that of a pair."""
+    """Returns the spring of one leg, given the spring of a pair of legs."""
     halved = {name: getattr(spring, name) / 2.0 for name in ("stiffness", "damping", "hardening", "preload")}
     return replace(spring, **halved, table=tuple((angle, torque / 2.0) for angle, torque in spring.table))

@@ -1,8 +1,9 @@
-"""From a bound in space to a gallop: the feet of each pair land one after the other.
+"""From a bound in space to a gallop, in which the feet of each pair land one after the other.
 
-The gait goes on step by step, by Gauss and Newton's method: of all inputs those that change least, at the same speed
-and heading. Where feet of a pair land at once the return map has a kink, in which of them is first; derivatives there
-are central differences, which do not see it, and beyond it one-sided ones within the same order of footfalls.
+The gait is continued step by step with the Gauss-Newton method: among all inputs it takes the smallest change, at the
+same speed and heading. Where both feet of a pair land at once, the return map has a kink, because either foot may be
+first. Derivatives there are central differences, which do not see the kink. Beyond it they are one-sided differences
+within the same order of footfalls.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.scale import scale_in_space
 
 FIRST, SHORTEST, LONGEST = 1.0 / 16.0, 1.0 / 256.0, 0.25  # of the way: steps of the continuation
-PATH_RTOL, PATH_TOLERANCE = 1e-9, 1e-6  # of the integrator and of each step's solution
+PATH_RTOL, PATH_TOLERANCE = 1e-9, 1e-6  # for the integrator and for each step's solution
 ITERATIONS, SLOW, FARTHEST, WORSE = 12, 0.5, 0.5, 3.0
 CENTRAL, ONE_SIDED = 1e-5, 1e-6
 KEPT_BY = ("posterior_hip_torque", "posterior_hip_difference")  # speed and heading of the last solution
@@ -33,19 +34,19 @@ KEPT_BY = ("posterior_hip_torque", "posterior_hip_difference")  # speed and head
 
 @typed
 def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> Gait:
-    """The gallop to which a bound in space goes on as feet of a pair land apart.
+    """Continues a bound in space to a gallop, by increasing the time between the landings of each pair's feet.
 
     Args:
-        gait: of `bounding_in_space`, without feedback.
-        landing: time from the touchdown of the left foot to that of the right one, of the posterior and of the anterior
-            pair, in s.
+        gait: a gait of `bounding_in_space`, without feedback.
+        landing: times from the touchdown of the left foot to the touchdown of the right foot, for the posterior and the
+            anterior pair, in s.
         rtol: relative tolerance of the integrator.
 
     Returns:
         the gait, at the speed of the one given, straight ahead.
 
     Raises:
-        BadValue: the gait is another, or these are not two finite times.
+        BadValue: the gait is not of `bounding_in_space` or has feedback, or `landing` is not two finite times.
         NoGait: the continuation gets stuck on the way; the text says where.
 
     Example:
@@ -85,14 +86,14 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
 
 
 class _Path(Strides):
-    """Equations of a gallop."""
+    """Equations whose solutions are gallops."""
 
     def wanted(self, begin: Array, gaps: Sequence[float]) -> Array:
-        """Values of a gallop: it closes, straight ahead, at the speed that it has."""
+        """Returns the values that a gallop has: it closes, straight ahead, at the given speed."""
         return np.array([*np.zeros(self.n + 1), begin[self.n + 1], *(gap / self._second for gap in gaps)])
 
     def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
-        """Derivatives of the values: central, or one-sided from those at x."""
+        """Returns derivatives of the values: central, or one-sided from the values at x."""
         columns = []
         for each in step * np.eye(self.unknowns):
             ahead = self.values(x + each)
@@ -100,7 +101,7 @@ class _Path(Strides):
         return np.array(columns).T
 
     def solved(self, x: Array, J: Array, wanted: Array) -> tuple[Array, Array]:
-        """The unknowns at which the values are as wanted, and derivatives near there, kept up by Broyden's rule."""
+        """Returns the unknowns that give the wanted values, and derivatives near there, updated by Broyden's rule."""
         values, expected, fresh = self.values(x), np.inf, False
         for n in range(ITERATIONS):
             off = values - wanted
@@ -120,7 +121,7 @@ class _Path(Strides):
         raise NoGait("Newton's method did not converge", size)
 
     def _shortened(self, x: Array, step: Array, wanted: Array, size: float) -> tuple[Array, Array]:
-        """A step, halved until the values after it are not much worse, and these."""
+        """Halves a step until the values after it are not much worse; returns the step and the values."""
         for _ in range(3):
             try:
                 after = self.values(x + step)

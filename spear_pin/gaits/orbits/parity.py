@@ -1,7 +1,7 @@
-"""Multipliers of a whole section in space, each along or lateral.
+"""Multipliers of a whole section in space, each with its kind: along or lateral.
 
-Of a symmetric gait what is symmetric, the motion along, and what is antisymmetric, the lateral motion, are systems of
-their own. In one that is nearly symmetric a multiplier is of that kind which has the greater part of its eigenvector.
+In a symmetric gait the symmetric motion (along) and the antisymmetric motion (lateral) are separate systems. In a
+nearly symmetric gait a multiplier has the kind that makes up most of its eigenvector.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ class Multipliers:
     """Multipliers of a section, by decreasing modulus.
 
     Attributes:
-        values: all of them, (n,).
-        kinds: of each "along" or "lateral"; None where the gait does not tell these apart, as a trot does not.
+        values: all multipliers, (n,).
+        kinds: kind of each, "along" or "lateral"; None where the gait does not separate the two, as in a trot.
     """
 
     values: NDArray[np.complex128]
@@ -31,10 +31,10 @@ class Multipliers:
 
 
 def merged(parts: Mapping[bool | None, NDArray[np.complex128]]) -> Multipliers:
-    """Put multipliers of parts together.
+    """Merges the multipliers of parts.
 
     Args:
-        parts: by whether the part is lateral; None: it is both.
+        parts: by whether the part is lateral; None for a part that is both.
     """
     names = {True: LATERAL, False: ALONG, None: None}
     values = np.concatenate([*parts.values()])
@@ -44,10 +44,10 @@ def merged(parts: Mapping[bool | None, NDArray[np.complex128]]) -> Multipliers:
 
 
 def parted(A: Array, symmetric: NDArray[np.bool_]) -> Multipliers:
-    """Find the multipliers of first-order motion, and what each is for the greater part.
+    """Finds the multipliers of first-order motion, and the kind that makes up most of each.
 
     Args:
-        A: of a⁺ = A a, (n, n).
+        A: matrix of a⁺ = A a, (n, n).
         symmetric: whether each coordinate is symmetric, (n,).
     """
     values, vectors = np.linalg.eig(A)
@@ -57,5 +57,5 @@ def parted(A: Array, symmetric: NDArray[np.bool_]) -> Multipliers:
 
 
 def _order(values: NDArray[np.complex128]) -> NDArray[np.int64]:
-    """By decreasing modulus; of a pair the one above the real axis first."""
+    """Returns the order by decreasing modulus; of a pair the multiplier above the real axis comes first."""
     return np.asarray(np.lexsort((-values.imag, -np.round(np.abs(values), 9))))

@@ -1,7 +1,7 @@
-"""A turning gait beside another: of all inputs that turn it as wanted, those that change least.
+"""A turning gait near another: of all changes of the inputs that give the wanted turn, the smallest.
 
-Where both feet of a pair land long after each other, the impact of the second throws the first up. So the time between
-them is kept within bounds by the inputs, too.
+If both feet of a pair land long after each other, the impact of the second foot throws up the first. So the inputs also
+keep the time between the two landings within bounds.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ STEERED_BY = (
     *(f"{pair}_{name}" for pair in ("posterior", "anterior") for name in ("adduction", "adduction_torque")),
     *("posterior_hip_torque", "posterior_leg_touchdown", "anterior_leg_touchdown"),
 )
-GAP = 0.004  # s: at most between both touchdowns of a pair
+GAP = 0.004  # s: longest time between the two touchdowns of a pair
 SECOND = 0.1  # s: what counts as one of that time
 ITERATIONS, SLOW, LONGEST = 14, 0.3, 0.3
 DIFFERENCE = 1e-6
 
 
 def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: float) -> tuple[HybridSystem, State]:
-    """The system and state that turn by an angle in a stride, at a speed, beside those that all but do.
+    """Finds the system and state that turn by an angle in a stride, at a speed, near a system and state that nearly do.
 
-    Gauss and Newton's method on the state and `STEERED_BY`, of all steps the shortest.
+    The Gauss-Newton method varies the state and `STEERED_BY`, and takes the shortest of all steps.
 
     Args:
-        system: in space.
-        state: on its section.
-        turn: of the heading in a stride, to the left, in rad.
+        system: a system in space.
+        state: state on its section.
+        turn: change of the heading in a stride, to the left, in rad.
         speed: along the heading, in m/s.
         rtol: relative tolerance of the integrator.
 
     Raises:
-        NoGait: it does not converge, or a stride does not close.
+        NoGait: the method does not converge, or a stride does not close.
     """
     strides, wanted = Strides(system, state, STEERED_BY, SECOND, rtol), np.array([turn, speed])
     x, least, J = np.zeros(strides.unknowns), np.inf, None
@@ -60,6 +60,6 @@ def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: 
 
 
 def _off(values: Array, wanted: Array) -> Array:
-    """By how much a stride's values miss what is wanted."""
+    """Returns the difference between a stride's values and the wanted values."""
     gaps = values[-2:]
     return np.concatenate([values[:-4], values[-4:-2] - wanted, gaps - np.clip(gaps, -GAP / SECOND, GAP / SECOND)])

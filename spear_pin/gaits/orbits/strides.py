@@ -1,4 +1,4 @@
-"""Strides beside a gait in space: what they lead to, and when feet of a pair land, over state and inputs."""
+"""Strides near a gait in space: their end states and times of landing, as functions of state and inputs."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from spear_pin.hybrid.result import Run, State
 
 
 def footfall_gap(run: Run, pair: str, event: str = "touchdown") -> float:
-    """Time from the first touchdown, or "lift_off", of a pair's left foot in a stride to the right one's, in s."""
+    """Returns the time from the first touchdown, or "lift_off", of a pair's left foot to the right foot's, in s."""
     times = {each.name: each.time for each in reversed(run.events)}
     left, right = (times.get(f"{pair}_{side}_{event}", np.nan) for side in SIDES)
     return float(right - left)
 
 
 class Strides:
-    """Strides over coordinates of the section and scaled changes of inputs.
+    """Strides as functions of section coordinates and scaled changes of inputs.
 
     Attributes:
-        n: coordinates of the section.
-        unknowns: these and the inputs.
+        n: number of coordinates of the section.
+        unknowns: number of these coordinates and the inputs.
     """
 
     def __init__(self, system: HybridSystem, state: State, inputs: Sequence[str], second: float, rtol: float) -> None:
-        """Strides beside a gait.
+        """Prepares strides near a gait.
 
         Args:
-            system: in space.
-            state: on its section.
+            system: a system in space.
+            state: state on its section.
             inputs: names of the law's numbers.
-            second: what counts as one of a time between touchdowns, in s.
+            second: unit in which a time between touchdowns is counted, in s.
             rtol: relative tolerance of the integrator.
         """
         self._system, self._second, self._rtol, self._chart = system, second, rtol, chart(system, state)
@@ -48,16 +48,16 @@ class Strides:
         self.unknowns = self.n + len(inputs)
 
     def system(self, x: Array) -> HybridSystem:
-        """The system with the inputs."""
+        """Returns the system with the changed inputs."""
         changes = zip(self._inputs, x[self.n :].tolist(), strict=True)
         return with_parameters(self._system, {name: value + unit * by for (name, value, unit), by in changes})
 
     def state(self, x: Array) -> State:
-        """On the section."""
+        """Returns the state on the section."""
         return self._chart.state(x[: self.n])
 
     def values(self, x: Array) -> Array:
-        """By how much the state changes in a stride, (n,), the turn, the speed, and times between touchdowns, (2,).
+        """Returns the state's change in a stride, (n,), the turn, the speed, and times between touchdowns, (2,).
 
         Raises:
             NoGait: the stride does not close, or a foot does not land.

@@ -1,4 +1,4 @@
-"""Turns: relative periodic orbits, whose heading advances by the same angle each stride."""
+"""Turns: relative periodic orbits, whose heading advances by the same angle in each stride."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from spear_pin.kinds import typed
 TURNS_BY = ("posterior_adduction", "anterior_adduction")
 STEADIED_BY = tuple(name for name in INPUTS if name.endswith(("hip_torque", "knee_torque", "leg_touchdown")))
 HEADING = 10.0  # weight of the yaw
-RAMP, STRIDES = 20, 120  # strides over which the turn is taken up, and at most
-FIRST, STEP = math.radians(4.0), math.radians(1.0)  # led there by feedback, and then on in steps of at most
-SETTLED = 1e-5  # of the state from stride to stride: Newton's method does the rest
+RAMP, STRIDES = 20, 120  # strides of the ramp, and largest number of strides
+FIRST, STEP = math.radians(4.0), math.radians(1.0)  # first turn by feedback, and largest step after that
+SETTLED = 1e-5  # largest change of the state in a stride before Newton's method
 
 
 @typed
@@ -38,19 +38,20 @@ def turning(
     on_stride: Callable[[int, float], object] = lambda n, change: None,
     on_turn: Callable[[float], object] = lambda angle: None,
 ) -> Gait:
-    """A gait that turns, from a symmetric one: led into a small turn by feedback, whose inputs are then frozen.
+    """Finds a turning gait from a symmetric gait: feedback steers into a small turn, and its inputs are then frozen.
 
-    The heading that feedback steers to advances each stride; as the motion settles, its inputs become constant. With
-    these as parameters and without feedback Newton's method finds the relative periodic orbit, varying the adduction of
-    the posterior pair. From `FIRST` on it goes on turn by turn, at the speed of the straight gait, by the inputs of
-    `spear_pin.gaits.orbits.steering`. It takes some two minutes, and half a minute for each further degree.
+    The heading to which feedback steers advances in each stride. As the motion settles, the inputs of the feedback
+    become constant. With these values as parameters, and without feedback, Newton's method finds the relative periodic
+    orbit; it varies the adduction of the posterior pair. For turns larger than `FIRST` the turn then grows step by
+    step, at the speed of the straight gait, by the inputs of `spear_pin.gaits.orbits.steering`. The function takes some
+    two minutes, and half a minute for each further degree.
 
     Args:
-        gait: in space, symmetric, without feedback.
-        turn: of the heading in a stride, to the left, in rad.
+        gait: a symmetric gait in space without feedback.
+        turn: change of the heading in a stride, to the left, in rad.
         rtol: relative tolerance of the integrator.
         on_stride: called with the number of each stride and the change of the state in it.
-        on_turn: called with each turn that was reached after that, in rad.
+        on_turn: called with each larger turn that is reached after that, in rad.
 
     Raises:
         BadValue: the gait is not in space, not symmetric or has feedback, or the turn is not within ±1 rad.
@@ -74,7 +75,7 @@ def turning(
 def _settled(
     led: Gait, turn: float, rtol: float, on_stride: Callable[[int, float], object]
 ) -> tuple[HybridSystem, State]:
-    """The system with constant inputs, without feedback, and the state that it has come to."""
+    """Returns the system with constant inputs and without feedback, and the state to which it has settled."""
     state, heading, change = led.state, 0.0, np.inf
     for n in range(1, STRIDES + 1):
         heading += turn * min(1.0, n / RAMP)

@@ -1,1 +1,1 @@
-"""What a change of any number does to a gait: exact derivatives of its state, its measures and its multipliers."""
+"""How a gait changes with any number: exact derivatives of its state, its measures and its multipliers."""

@@ -1,4 +1,4 @@
-"""What joints and toes do along the arcs of a cycle, as signals with derivatives."""
+"""Signals of joints and toes along the arcs of a cycle, with derivatives."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from spear_pin.model.robot import Robot
 
 
 def powered(stretches: Sequence[Stretch], robot: Robot, joint: str) -> tuple[list[Pieces], list[Pieces]]:
-    """Torque of a joint's motors, and speed of the joint."""
+    """Returns the torque of a joint's motors, and the speed of the joint."""
     j, there = robot.actuated.index(joint), lasting(stretches)
     torque = [Pieces(each, each.said.u[j], each.dsaid.u[j], each.rates.u[j]) for each in there]
     return torque, coordinate(stretches, robot.nv + robot.index(joint))
 
 
 def coordinate(stretches: Sequence[Stretch], i: int) -> list[Pieces]:
-    """A number of the state."""
+    """Returns a number of the state along all arcs."""
     return [along(each, i) for each in lasting(stretches)]
 
 
 def along(stretch: Stretch, i: int) -> Pieces:
-    """A number of the state along an arc."""
+    """Returns a number of the state along an arc."""
     return Pieces(stretch, stretch.y[i], stretch.dy[i], stretch.said.slopes[i, [BEGIN, END]])
 
 
 def guarded(stretch: Stretch, g: int) -> Pieces:
-    """A guard along an arc."""
+    """Returns the value of a guard along an arc."""
     return Pieces(stretch, stretch.said.guards[g], stretch.dsaid.guards[g], stretch.rates.guards[g])
 
 
 def forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iterator[tuple[Pieces, Pieces]]:
-    """Force on a toe along the ground and normal to it, where it is on it."""
+    """Returns the force on a toe along the ground and normal to it, for the arcs on which the toe is on the ground."""
     for each in lasting(stretches):
         closed = closed_in(each, toes)
         if toe in closed:
@@ -46,15 +46,15 @@ def forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Itera
 
 
 def closed_in(stretch: Stretch, toes: Sequence[str]) -> list[str]:
-    """Toes that are on the ground."""
+    """Returns the toes that are on the ground along an arc."""
     return [name for name, _ in closed_toes(tuple(toes), stretch.arc.domain)]
 
 
 def long(stretches: Sequence[Stretch]) -> list[Stretch]:
-    """Those that last in this cycle."""
+    """Returns the arcs that have a duration in this cycle."""
     return [each for each in stretches if not each.at_once]
 
 
 def lasting(stretches: Sequence[Stretch]) -> list[Stretch]:
-    """Those that last in this cycle, or on one side beside it."""
+    """Returns the arcs that have a duration in this cycle, or in cycles to one side of it."""
     return [each for each in stretches if not each.at_once or each.late]

@@ -1,4 +1,4 @@
-"""Electricity that drives take in a cycle, gears with losses among them, and what is left of their envelopes."""
+"""Electricity that drives take in a cycle, with losses in gears, and how much torque their envelopes leave."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.model.motor import Drive, Motor
 
 ELECTRICITY, RESERVE = "electricity", "reserve_"
-STILL = 1e-9  # rad/s: a joint that a law keeps at rest is held against its gears, whichever way rounding turns it
+STILL = 1e-9  # rad/s: a slower joint counts as held at rest against its gears, despite rounding
 
 
 class _Joint(NamedTuple):
     """A drive behind a joint.
 
     Attributes:
-        drive: of each of its motors.
-        motors: that share the joint's torque.
+        drive: the drive of each motor.
+        motors: number of motors that share the joint's torque.
         constant: N kt with the robot's ratio, in N·m/A.
-        change: derivative of that, (c,).
+        change: derivative of `constant`, (c,).
     """
 
     drive: Drive
@@ -41,22 +41,23 @@ class _Joint(NamedTuple):
 
 
 def electricity(cycle: Derivative, drives: Mapping[str, Drive], names: Sequence[str], d: int) -> tuple[Group, ...]:
-    """Of drives `electricity_JOINT` and `electricity`, their sum, in J, and `reserve_JOINT`, in N·m.
+    """Returns the measures `electricity_JOINT` and `electricity`, their sum, in J, and `reserve_JOINT`, in N·m.
 
-    The first is ∫ max(V i, 0) dt of a cycle, of all motors of the joint: nothing is stored of what they give back. The
-    last is what of its torque a motor has to spare where that is least, at the joint, negative where it cannot give it;
-    where it is to brake, the help of the gears is not counted. A motor's greatest speed is none of it. Gears have the
-    robot's ratio, which may vary, and the drive's efficiency. The sum is there where all joints have drives.
+    `electricity_JOINT` is ∫ max(V i, 0) dt over a cycle, for all motors of the joint: energy that motors give back is
+    not stored. `reserve_JOINT` is the least torque that a motor has to spare, at the joint. It is negative where the
+    motor cannot give its torque. Where the motor brakes, the help of the gears is not counted. A motor's greatest speed
+    does not enter. Gears have the robot's ratio, which may vary, and the drive's efficiency. The sum exists where all
+    joints have drives.
 
     Args:
         cycle: the cycle.
-        drives: of joints, by their names; a pair's joint has two.
-        names: of the parameters.
-        d: coordinates ahead of them.
+        drives: drives by the names of their joints; a joint in a pair of legs has two.
+        names: names of the parameters.
+        d: number of coordinates ahead of the parameters.
 
     Raises:
-        UnknownName: as it is found, a joint has no motor torque.
-        BadValue: as it is found, a motor's resistance or torque constant is not known.
+        UnknownName: when a measure is found, if its joint has no motor torque.
+        BadValue: when a measure is found, if a motor's resistance or torque constant is not known.
     """
     robot = cycle.system.robot
 
@@ -77,10 +78,10 @@ def electricity(cycle: Derivative, drives: Mapping[str, Drive], names: Sequence[
 
 
 def check_gears(system: HybridSystem, motors: Mapping[str, Motor | Drive]) -> None:
-    """Refuse drives behind other gears than the robot's.
+    """Refuses drives with gears other than the robot's.
 
     Raises:
-        BadValue: a ratio is another one.
+        BadValue: a ratio differs from the robot's.
         UnknownName: a joint has no motor torque.
     """
     for joint, each in motors.items():
@@ -97,9 +98,9 @@ def _joint(system: HybridSystem, name: str, drive: Drive, names: Sequence[str], 
 
 
 def _drawn(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> tuple[float, Array]:
-    """∫ max(V i, 0) dt of all motors, and its derivative.
+    """Returns ∫ max(V i, 0) dt over all motors, and its derivative.
 
-    Where the joint turns back under torque the gears' losses change sides, and the power jumps: the place moves.
+    Where the joint turns back under torque, the gears' losses change sides and the power jumps, so the place moves.
     """
     total, change = 0.0, np.zeros(torque[0].derivatives.shape[1])
     for u, w in zip(torque, speed, strict=True):
@@ -127,18 +128,18 @@ def _drawn(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> 
 
 
 def _at(x: Any, coefficients: Any) -> Any:
-    """Values of Legendre series, (k,) or (k, c), at places on [-1, 1]."""
+    """Returns the values of Legendre series, (k,) or (k, c), at places on [-1, 1]."""
     return legendre.legval(x, coefficients)
 
 
 def _returns(U: Array, W: Array, joint: _Joint) -> Array:
-    """What changes its sign where a braking motor begins, or ends, to give power back: R η u / (N kt)² + ω."""
+    """Returns R η u / (N kt)² + ω, which changes sign where a braking motor begins or ends to give power back."""
     resistance, efficiency = joint.drive.motor.known("resistance"), joint.drive.gearbox.efficiency
     return np.asarray(resistance * efficiency / joint.constant**2 * U + W)
 
 
 class _Power:
-    """max(V i, 0) of one motor, R i² + N kt ω i, as `Drive.bus_power` of current `Drive.current`.
+    """Power max(V i, 0) of one motor, R i² + N kt ω i, as `Drive.bus_power` of the current `Drive.current`.
 
     Args:
         u: torques of a motor at the joint, in N·m.
@@ -158,21 +159,21 @@ class _Power:
         self._by_constant = np.where(on, -2.0 * heat * u * u / joint.constant, 0.0)
 
     def along(self, du: Array, dw: Array, dconstant: Array) -> Array:
-        """Its derivatives, (c, points)."""
+        """Returns the derivatives of the power, (c, points)."""
         return np.asarray(self._by_u * du + self._by_w * dw + self._by_constant * dconstant[:, None])
 
 
 def _reserve(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> tuple[float, Array]:
-    """Least of the envelope less the torque, to either side, and its derivative.
+    """Returns the least difference between envelope and torque, to either side, and its derivative.
 
-    The envelope is N kt i with i as much as supply and amplifier give, times η; above the no-load speed, where i brakes
-    whatever is wanted, over η.
+    The envelope is N kt i η, with the largest current i that supply and amplifier give. Above the no-load speed, where
+    i always brakes, it is N kt i / η.
     """
     drive, c, change = joint.drive, joint.constant, joint.change
     resistance, efficiency, missed = drive.motor.known("resistance"), drive.gearbox.efficiency, list[Pieces]()
     for side in (1.0, -1.0):
         asked = [each.times(side / joint.motors) for each in torque]
-        for share in (efficiency, 1.0 / efficiency):  # the less of both, as i drives or brakes
+        for share in (efficiency, 1.0 / efficiency):  # the smaller envelope counts, for driving or braking current
             stall, slope = share * c * drive.bus / resistance, side * share * c**2 / resistance
             missed += [
                 one.plus(other.times(slope, 2.0 * slope / c * change)).plus(-stall, -stall / c * change)

@@ -1,4 +1,4 @@
-"""Heat of windings and energy of a cycle with motors that are ideal behind gears without losses."""
+"""Heat in windings, and energy of a cycle with ideal motors behind gears without losses."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ WORK, ENERGY, HEAT = "work", "energy", "heat_"
 
 
 def heat(system: HybridSystem, motors: Mapping[str, Motor], names: Sequence[str], d: int) -> Group:
-    """`heat_JOINT` of all motors of a joint, R / (N kt)² ∫ u² dt of each, and `energy`, the work and all heat, in J.
+    """Returns the measures `heat_JOINT`, R / (N kt)² ∫ u² dt of a joint's motors, and `energy`, work plus heat, in J.
 
-    Of joints without a motor here only the work counts. Gears have the robot's ratio and lose nothing: what they lose
-    is in the electricity of drives.
+    A joint without a motor here adds only its work. Gears have the robot's ratio and lose nothing; see `electricity`
+    for drives with losses in gears.
 
     Args:
         system: the system.
-        motors: of joints, by their names; a pair's joint has two.
-        names: of the parameters.
-        d: coordinates ahead of them.
+        motors: motors by the names of their joints; a joint in a pair of legs has two.
+        names: names of the parameters.
+        d: number of coordinates ahead of the parameters.
 
     Raises:
-        UnknownName: as it is found, a joint has no motor torque.
-        BadValue: as it is found, a motor's resistance or torque constant is not known.
+        UnknownName: when a measure is found, if its joint has no motor torque.
+        BadValue: when a measure is found, if a motor's resistance or torque constant is not known.
     """
 
     def found(of: Mapping[str, Measure]) -> dict[str, Measure]:
@@ -53,7 +53,7 @@ def _heat(
 
 
 def heating(system: HybridSystem, joint: str, motor: Motor) -> float:
-    """Heat of a joint's windings for the square of one motor's torque, R / (N kt)² of each motor, in W/(N·m)².
+    """Returns the heat of a joint's windings per squared torque of a motor, R / (N kt)² each, in W/(N·m)².
 
     Raises:
         UnknownName: the joint has no motor torque.
@@ -64,7 +64,7 @@ def heating(system: HybridSystem, joint: str, motor: Motor) -> float:
 
 
 def motors_of_joint(system: HybridSystem, joint: str) -> int:
-    """How many motors share a joint's torque: two in a pair of legs.
+    """Returns how many motors share a joint's torque: two in a pair of legs.
 
     Raises:
         UnknownName: the joint has no motor torque.
@@ -75,7 +75,7 @@ def motors_of_joint(system: HybridSystem, joint: str) -> int:
 
 
 def ratio_of(system: HybridSystem, joint: str, names: Sequence[str], d: int) -> tuple[float, Array]:
-    """A joint's gear ratio, and its derivative by the parameters: it is one of them or depends on none."""
+    """Returns a joint's gear ratio and its derivative by the parameters, of which the ratio may be one."""
     ratio, change = system.robot.gear_ratio(joint), np.zeros(d + len(names))
     for j, name in enumerate(names):
         if name.endswith("_ratio"):

@@ -1,4 +1,4 @@
-"""Measures of many cycles that differ in their numbers, by the names of `measures`, without derivatives."""
+"""Measures of many cycles with different numbers, by the names of `measures`, without derivatives."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ CHUNK = 256  # cycles at a time, which bounds memory
 
 @dataclass(frozen=True)
 class Measured:
-    """Measures of the cycles, NaN where what happens is not plain.
+    """Measures of the cycles, NaN where a cycle does not close or has no derivative.
 
     Attributes:
         values: by name, (n,) each.
-        orders: of the events, (n,); empty where what happens is not plain.
+        orders: order of the events, (n,); empty where a cycle does not close or has no derivative.
     """
 
     values: Mapping[str, Array]
@@ -51,14 +51,14 @@ def measured(
     motors: Mapping[str, Motor] = NO_MOTORS,
     on_lanes: Callable[[int], object] = lambda n: None,
 ) -> Measured:
-    """Measures of one cycle of each lane.
+    """Measures one cycle of each lane.
 
     Args:
         system: the system.
-        given: numbers in which lanes differ, (n,) each, those that `simulate_many` takes.
+        given: numbers that differ between lanes, (n,) each, among those that `simulate_many` takes.
         q: configurations on the section, (n, nq).
         v: velocities there, (n, nv).
-        motors: of joints, by their names, whose heat is measured; none.
+        motors: motors whose heat is measured, by the names of their joints; none by default.
         on_lanes: called with the number of lanes done since the last call.
     """
     n = len(q)
@@ -82,7 +82,7 @@ def measured(
 
 @dataclass(frozen=True)
 class _Part:
-    """An arc at its points: the field and the domain that it is evaluated by, and what is put in."""
+    """An arc at its points, with the field, the domain and the inputs by which it is evaluated."""
 
     field: Any
     domain: Any
@@ -94,7 +94,7 @@ class _Part:
 
 @dataclass(frozen=True)
 class _Laid:
-    """A cycle with its arcs at their points."""
+    """A cycle with the points of its arcs."""
 
     lap: Record
     parts: list[_Part]
@@ -105,7 +105,7 @@ class _Recorders:
 
     def __init__(self, system: HybridSystem, numbers: Numbers) -> None:
         self._system, self._numbers = system, numbers
-        self._fields = Recorder(system, self._numbers, 0)  # what derivatives are taken from is the same for all lanes
+        self._fields = Recorder(system, self._numbers, 0)  # all lanes share the fields
 
     def __call__(self, lane: int, y: Array) -> _Laid | None:
         recorder = Recorder(self._system, self._numbers, lane)
@@ -142,13 +142,13 @@ class _Chunk:
         return len(self.chosen)
 
     def add(self, lane: int, y: Array, laid: _Laid) -> None:
-        """Take a cycle in."""
+        """Adds a cycle."""
         self.laps[lane] = y, laid.lap
         for part in laid.parts:
             self.groups.setdefault(id(part.field), []).append((lane, part))
 
     def measures(self) -> dict[str, Array]:
-        """All measures of the cycles."""
+        """Returns all measures of the cycles."""
         robot = self.system.robot
         found = self._of_laps()
         sums = {name: np.zeros(self.count) for name in ("work", "positive_work")}
@@ -208,7 +208,7 @@ class _Chunk:
         return {name: np.where(there & np.isfinite(values), values, np.nan) for name, values in found.items()}
 
     def _of_laps(self) -> dict[str, Array]:
-        """What cycles say of themselves: durations, what is observed, where they end."""
+        """Returns what cycles report themselves: durations, observed events and the states at their ends."""
         robot, system = self.system.robot, self.system
         names = [f"{phase}_time" for phase in system.phases] + ["period"]
         rows: dict[int, dict[str, float]] = {}
@@ -238,7 +238,7 @@ class _Chunk:
         }
 
     def _evaluated(self, parts: list[tuple[int, _Part]]) -> tuple[Panels, Any, Array, Any]:
-        """Panels of arcs in one domain, what the domain says at their points, and the states there."""
+        """Evaluates arcs in one domain: returns their panels, the domain's values at their points, and the states."""
         lanes = np.concatenate([np.full(len(part.t) // POINTS, lane) for lane, part in parts])
         lengths = np.concatenate([np.full(len(part.t) // POINTS, part.length) for _, part in parts])
         t, y = np.concatenate([part.t for _, part in parts]), np.concatenate([part.y for _, part in parts], axis=1)

@@ -1,4 +1,4 @@
-"""How far a cycle is from another order of events: what is left of each guard that does not fire, with derivatives."""
+"""Distance of a cycle from another order of events: the least value of each guard that does not fire."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.signals import Pieces, extremes
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 
-ZERO = 1e-9  # of a guard's largest value: it begins on zero
+ZERO = 1e-9  # relative to a guard's largest value: a guard with a smaller value begins at zero
 
 
 def margins(cycle: Derivative) -> dict[str, Measure]:
-    """The least margin of each event that is armed, by its name; zero where it meets another.
+    """Returns the least margin of each armed event, by the event's name; zero where the event meets another.
 
-    Of an event that does not happen it is the least value of its guard, of one that happens the guard's value where its
-    domain is entered, and of one that happens at once how far the guard is below zero there. Each is in the guard's
-    unit: N of a force, m of a height, rad of an angle; of several guards that make the same event it is the least
-    number. Scheduled events have none; guards are margins to them, too.
+    The margin of an event that does not happen is the least value of its guard. If the event happens, the margin is the
+    guard's value where its domain is entered. If the event happens at once, the margin is how far the guard is below
+    zero there. Each margin is in the guard's unit: N for a force, m for a height, rad for an angle. If several guards
+    make the same event, the least number counts. Scheduled events have no margin; guards can meet them, too.
     """
     found = dict[str, Measure]()
     for motion in motions(cycle.stretches):
@@ -32,7 +32,7 @@ def margins(cycle: Derivative) -> dict[str, Measure]:
 
 
 def motions(stretches: Sequence[Stretch]) -> Iterator[list[Stretch]]:
-    """Arcs that go on into each other, as at kinks, from event to event; the section's is the last."""
+    """Groups arcs that continue each other, as at kinks, into motions from event to event; the section's is last."""
     motion = list[Stretch]()
     for stretch in stretches:
         motion.append(stretch)
@@ -42,12 +42,12 @@ def motions(stretches: Sequence[Stretch]) -> Iterator[list[Stretch]]:
 
 
 def of_motion(motion: Sequence[Stretch]) -> Iterator[tuple[str, float, Array]]:
-    """What may be the least margin of an event from event to event: its name, the value, and the derivative."""
+    """Lists candidates for the least margin from event to event: an event's name, the value, and the derivative."""
     domain, event, lasting = motion[-1].arc.domain, motion[-1].arc.event, long(motion)
     if not lasting:
         at_once = motion[-1]
         for g, guard in enumerate(domain.guards):
-            if guard is event:  # on zero it is no less an event that does not happen at once
+            if guard is event:  # a guard at zero may also belong to an event that does not happen at once
                 left = guarded(at_once, g) if at_once.late else guarded(at_once, g).times(-1.0)
                 yield guard.name, *_begin(left)
         return
@@ -67,7 +67,7 @@ def of_motion(motion: Sequence[Stretch]) -> Iterator[tuple[str, float, Array]]:
 
 
 def extremes_of(pieces: Sequence[Pieces]) -> Iterator[tuple[float, Array]]:
-    """Values at the ends of a motion of several arcs, and where it turns, with derivatives."""
+    """Lists values at the ends of a motion of several arcs and at its turning points, with derivatives."""
     for i, piece in enumerate(pieces):
         for place, value, derivative in extremes(piece):
             turns = place == 1.0 and i + 1 < len(pieces) and piece.rates[END] * pieces[i + 1].rates[BEGIN] < 0.0

@@ -1,4 +1,4 @@
-"""A measure of a cycle with its derivatives, and many of them, each found when it is asked for."""
+"""Measures of a cycle with their derivatives, each found when it is asked for."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ import numpy as np
 from spear_pin.arrays import Array
 
 MULTIPLIER = "multiplier_"
-ROUNDING, ROOT = 1e-12, 1e-6  # in units of an output; of multipliers that are zero several times rounding leaves a root
+ROUNDING, ROOT = 1e-12, 1e-6  # in units of an output; repeated zero multipliers keep a root of rounding
 
 
 def rounding(output: str) -> float:
-    """Up to which modulus an output is zero but for rounding, in its unit."""
+    """Returns the modulus up to which an output counts as zero, because of rounding, in the output's unit."""
     return ROOT if output.startswith(MULTIPLIER) else ROUNDING
 
 
@@ -25,9 +25,9 @@ class Measure:
     """A measure of a cycle.
 
     Attributes:
-        value: in its unit.
+        value: value in the measure's unit.
         derivative: along each direction, (c,).
-        unit: the unit.
+        unit: the measure's unit.
     """
 
     value: float
@@ -39,8 +39,8 @@ class Group(NamedTuple):
     """Measures that are found together.
 
     Attributes:
-        names: a pattern of their names.
-        found: finds them, given all measures, of which it may make use of others.
+        names: a pattern of the measures' names.
+        found: finds the measures; its argument is all measures, so that it can use others.
     """
 
     names: str
@@ -48,10 +48,10 @@ class Group(NamedTuple):
 
 
 class Measures(Mapping[str, Measure]):
-    """Measures by name: what is asked for is found, at the cost of what is found with it.
+    """Measures by name: reading one finds it, with the other measures of its group.
 
     Args:
-        groups: all of them.
+        groups: groups of all measures.
     """
 
     def __init__(self, groups: Sequence[Group]) -> None:
@@ -76,18 +76,18 @@ class Measures(Mapping[str, Measure]):
 
 
 def total(parts: Sequence[Measure]) -> Measure:
-    """The sum of measures of one unit."""
+    """Returns the sum of measures that have the same unit."""
     value = float(sum(each.value for each in parts))
     return Measure(value, np.sum([each.derivative for each in parts], axis=0), parts[0].unit)
 
 
 def product(one: Measure, other: Measure, unit: str) -> Measure:
-    """The product of two measures, in a unit."""
+    """Returns the product of two measures, in a given unit."""
     change = one.derivative * other.value + one.value * other.derivative
     return Measure(one.value * other.value, change, unit)
 
 
 def ratio(above: Measure, below: Measure, unit: str) -> Measure:
-    """The ratio of two measures, in a unit."""
+    """Returns the ratio of two measures, in a given unit."""
     value = above.value / below.value
     return Measure(value, (above.derivative - value * below.derivative) / below.value, unit)

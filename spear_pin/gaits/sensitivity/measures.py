@@ -24,15 +24,15 @@ TIMES, ADVANCE = ".*_time|period", "stride|mean_speed"
 
 
 def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Group] = ()) -> Measures:
-    """All named measures of a cycle, each found when it is asked for.
+    """Returns all named measures of a cycle, each found when it is asked for.
 
-    Their names, units and meanings are in `spear_pin.gaits.measures.catalogue`.
+    `spear_pin.gaits.measures.catalogue` lists their names, units and meanings.
 
     Args:
         cycle: the cycle.
         start: derivatives of the state in which it begins, (2 nv, c).
-        weight: of the robot.
-        more: other groups of them.
+        weight: weight of the robot.
+        more: other groups of measures.
     """
     return Measures([*(Group(names, partial(find, cycle, start, weight)) for names, find in GROUPS), *more])
 
@@ -43,7 +43,7 @@ def _times(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[st
 
 
 def _at_events(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    """Heights at events that are only observed, and the joints where the cycle closes."""
+    """Returns heights at events that are only observed, and the joints where the cycle closes."""
     robot, found = cycle.system.robot, dict[str, Measure]()
     for stretch in long(cycle.stretches):
         for g, guard in enumerate(stretch.arc.domain.guards):
@@ -78,7 +78,7 @@ def _advance(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
 def _works(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
     powers = [_products(*powered(cycle.stretches, cycle.system.robot, joint)) for joint in cycle.system.robot.actuated]
     net, drive = (total([Measure(*of(each), "J") for each in powers]) for of in (integral, positive))
-    # where the motors brake as well: twice what they drive by, less what is left on balance
+    # where the motors brake as well: twice the driving work, less the net work
     amount = Measure(2.0 * drive.value - net.value, 2.0 * drive.derivative - net.derivative, "J")
     found = {"work": net, "positive_work": drive, "absolute_work": amount}
     if _moves(of):
@@ -89,7 +89,7 @@ def _works(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[st
 
 
 def _moves(of: All) -> bool:
-    """Whether the robot goes far enough in a cycle for something to be counted by the way."""
+    """Tells whether the robot goes far enough in a cycle for measures per distance."""
     stride = of.get("stride")
     return stride is not None and abs(stride.value) > LEAST_STRIDE
 
@@ -135,7 +135,7 @@ def _toe_heights(cycle: Derivative, start: Array, weight: Measure, of: All) -> d
 
 
 def _height(heights: Heights, toe: str, stretch: Stretch) -> Pieces:
-    """Of a toe along an arc; the last direction is the motion's own."""
+    """Returns the height of a toe along an arc; the last direction is the motion's own."""
     nv = len(stretch.y) // 2
     values, derivatives = heights.along(
         toe, stretch.y[:nv], np.concatenate([stretch.dy[:nv], stretch.y[nv:, :, None]], axis=2)
@@ -144,7 +144,7 @@ def _height(heights: Heights, toe: str, stretch: Stretch) -> Pieces:
 
 
 def _ranges(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    """How fast joints turn, and between which angles."""
+    """Returns how fast joints turn, and the least and largest angles."""
     robot, found = cycle.system.robot, dict[str, Measure]()
     for joint in robot.actuated:
         i = robot.index(joint)
@@ -157,7 +157,7 @@ def _ranges(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[s
 
 
 def _springs(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    """How far springs are deflected as they are let go, of several times the least."""
+    """Returns the deflection of springs as they release; of several releases the least."""
     robot, found = cycle.system.robot, dict[str, Measure]()
     for stretch in cycle.stretches:
         event = stretch.arc.event
@@ -174,7 +174,7 @@ def _springs(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
 
 
 def of_ends(names: Iterable[str]) -> bool:
-    """Whether measures are of events' times and states alone, not of what is inside of arcs."""
+    """Tells whether measures depend only on times and states of events, not on the inside of arcs."""
     return all(re.fullmatch(f"{TIMES}|{ADVANCE}|.*_at_.*", name) for name in names)
 
 
@@ -197,7 +197,7 @@ def _products(one: Sequence[Pieces], other: Sequence[Pieces]) -> list[Pieces]:
 
 
 def _largest(pieces: Sequence[Pieces]) -> tuple[float, Array]:
-    """The largest modulus."""
+    """Returns the largest modulus."""
     up = peak(pieces)
     down = peak([each.times(-1.0) for each in pieces])
     return max(up, down, key=lambda each: each[0])

@@ -1,4 +1,4 @@
-"""Monte Carlo of a gait: found anew for parameters drawn at random, beside what is so to first order."""
+"""Monte Carlo of a gait: the gait is found again for parameters drawn at random, for comparison with first order."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.samples import Samples
 from spear_pin.showing import Shown
 
-WITHIN = 0.05  # of Monte Carlo's standard deviation, to which the first order is to agree
-FEW = 0.01  # of the samples, which may have no value without being named
+WITHIN = 0.05  # share of Monte Carlo's deviation within which first order agrees
+FEW = 0.01  # share of samples without a value that needs no mention
 STILL = 1e-7  # of a value: what moves by less stays
-FEWEST = 3  # samples, from which a standard error is known
+FEWEST = 3  # least number of samples for a standard error
 
 AGREES, STAYS = "agrees", "stays"
 NOT_LINEAR, OTHER_ORDER, LOST = "not linear", "another order of events", "samples without a value"
@@ -29,18 +29,18 @@ NO_SLOPE, NO_SAMPLES = "no derivative", "too few samples"
 
 @dataclass(frozen=True, repr=False)
 class MonteCarlo(Shown):
-    """A gait found anew for parameters drawn at random from a normal distribution.
+    """Gaits found for parameters drawn at random from a normal distribution around one gait's parameters.
 
     Attributes:
         over: names of the parameters.
-        at: values of those of the gait itself, (m,).
+        at: values of the parameters in the gait itself, (m,).
         samples: the gaits.
-        values: of the outputs of the gait itself, by name.
-        units: of those.
-        derivatives: of those by the parameters, by name, (m,) each.
+        values: values of the outputs in the gait itself, by name.
+        units: units of the outputs.
+        derivatives: derivatives of the outputs by the parameters, by name, (m,) each.
         first: standard deviations to first order, by name.
-        one_sided: events that meet another in the gait itself, whose derivatives are of the order that happens.
-        seed: of the random numbers.
+        one_sided: events that meet another in the gait itself; their derivatives hold for the order that happens.
+        seed: seed of the random numbers.
     """
 
     over: tuple[str, ...]
@@ -54,7 +54,7 @@ class MonteCarlo(Shown):
     seed: int
 
     def __len__(self) -> int:
-        """Number of samples."""
+        """Returns the number of samples."""
         return len(self.samples.reason)
 
     def __repr__(self) -> str:
@@ -72,7 +72,7 @@ class MonteCarlo(Shown):
         return "\n".join([*lines, self.statement()])
 
     def drawn(self, output: str) -> Array:
-        """Values of an output in the samples that have one, (n,).
+        """Returns the values of an output in the samples that have one, (n,).
 
         Raises:
             UnknownName: there is no such output.
@@ -83,16 +83,16 @@ class MonteCarlo(Shown):
         return np.asarray(values[np.isfinite(values)])
 
     def mean(self, output: str) -> float:
-        """Mean of an output; NaN without samples."""
+        """Returns the mean of an output; NaN without samples."""
         values = self.drawn(output)
         return float(values.mean()) if len(values) else float("nan")
 
     def deviation(self, output: str) -> float:
-        """Standard deviation of an output; NaN with fewer than two samples."""
+        """Returns the standard deviation of an output; NaN with fewer than two samples."""
         return _deviation(self.drawn(output))
 
     def error(self, output: str) -> float:
-        """Standard error of `deviation`: σ √((κ - 1) / 4n) with the kurtosis κ, σ / √(2n) of a normal distribution."""
+        """Returns the standard error of `deviation`, σ √((κ - 1) / 4n), κ the kurtosis: σ / √(2n) if normal."""
         values = self.drawn(output)
         sigma = _deviation(values)
         if len(values) < FEWEST or not sigma > 0.0:
@@ -101,20 +101,20 @@ class MonteCarlo(Shown):
         return sigma * float(np.sqrt(max(kurtosis - 1.0, 0.0) / (4.0 * len(values))))
 
     def difference(self, output: str) -> float:
-        """By how much the first order is above Monte Carlo, as a share of that; NaN where the output stays."""
+        """Returns by which share first order exceeds Monte Carlo; NaN where the output does not move."""
         sigma = self.deviation(output)
         if self._still(output) or not sigma > 0.0:
             return float("nan")
         return self.first[output] / sigma - 1.0
 
     def bend(self, output: str, alike: bool = False) -> float:
-        """By how much the first order is above Monte Carlo where both are of the same parameters, as a share.
+        """Returns by which share first order exceeds Monte Carlo when both have the same drawn parameters.
 
-        The first order of each sample is its tangent's value, so that chance takes no part: what is left is curvature.
+        The first order of each sample is the value on the tangent, so chance has no part: only curvature is left.
 
         Args:
-            output: its name.
-            alike: only of samples with the same order of events.
+            output: name of the output.
+            alike: whether to use only samples with the same order of events.
 
         Raises:
             UnknownName: there is no such output.
@@ -128,12 +128,12 @@ class MonteCarlo(Shown):
         return _deviation(straight) / _deviation(values[chosen]) - 1.0
 
     def verdict(self, output: str) -> str:
-        """Whether the first order is within 5 % of Monte Carlo, in words, or why it is not.
+        """Tells in words whether first order is within 5 % of Monte Carlo, or why it is not.
 
-        It "agrees" where it is for the very parameters that were drawn; but if more than 1 % of the samples have no
-        value, σ has to be within 5 % as well, or it is those. Where only samples with another order of events make the
-        difference, it is those; where an event of the gait itself meets another, derivatives are of one side, and
-        samples of both; else the output is "not linear".
+        The output "agrees" where first order is within 5 % for the very parameters that were drawn. If more than 1 % of
+        the samples have no value, σ must be within 5 % as well; else the verdict names these samples. If only samples
+        with another order of events make the difference, the verdict names them. If an event of the gait itself meets
+        another, derivatives hold for one side, and samples are on both. Else the output is "not linear".
         """
         if not np.isfinite(self.first[output]):
             return NO_SLOPE
@@ -149,7 +149,7 @@ class MonteCarlo(Shown):
         return AGREES if abs(self.difference(output)) <= WITHIN or lost <= FEW else LOST
 
     def statement(self) -> str:
-        """What the samples were, and which outputs are not within 5 % to first order, in lines of words."""
+        """Says in lines of words what the samples were, and which outputs are not within 5 % to first order."""
         samples = self.samples
         other = int((samples.found & ~samples.alike).sum())
         lines = [f"{len(self)} samples: {int(samples.alike.sum())} gaits with the same order of events"]
@@ -177,11 +177,11 @@ class MonteCarlo(Shown):
         return int((self.samples.found & ~np.isfinite(period)).sum())
 
     def to_json(self) -> str:
-        """All of it but the samples themselves, as JSON."""
+        """Returns everything but the samples themselves as JSON."""
         return json.dumps(self.plain(), indent=1)
 
     def plain(self) -> dict[str, Any]:
-        """The same, as JSON's values."""
+        """Returns what `to_json` writes, as JSON's values."""
         samples = self.samples
         data = {
             "samples": len(self),

@@ -1,4 +1,4 @@
-"""Floquet multipliers, and what they do along a branch: of the exact Jacobian's change, not of their own."""
+"""Floquet multipliers and their derivatives along a branch, from the change of the exact Jacobian."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ STEP = 2.0**-11  # of a parameter
 
 
 def step_of(orbit: Orbit, name: str, share: float = STEP) -> float:
-    """Step of a parameter, a share of its value, with which exact Jacobians are differenced."""
+    """Returns the step of a parameter, a share of its value, for differences of exact Jacobians."""
     return share * (abs(number(orbit.system, name)) or 1.0)
 
 
 def along_branch(
     orbit: Orbit, over: Sequence[str], dy: Array, dz: Mapping[str, Array]
 ) -> tuple[Multipliers, Multipliers]:
-    """Multipliers by decreasing modulus, (d,), and their derivatives along a branch of gaits, (d, m).
+    """Returns multipliers by decreasing modulus, (d,), and their derivatives along a branch of gaits, (d, m).
 
-    Of a simple multiplier λ with the eigenvectors l and r it is λ' = lᴴ M' r / (lᴴ r). M' is an extrapolated difference
-    of exact Jacobians: multipliers bend sharply where two of them nearly meet, the Jacobian does not. NaN where the
-    order of events changes too near.
+    A simple multiplier λ with the eigenvectors l and r has λ' = lᴴ M' r / (lᴴ r). M' is an extrapolated difference of
+    exact Jacobians, because the Jacobian stays smooth where two multipliers nearly meet and bend sharply. The
+    derivative is NaN where the order of events changes too near.
 
     Args:
         orbit: the gait.
-        over: parameters.
-        dy: derivatives of the state by these, (2 nv, m).
-        dz: of what is solved for, by name, (m,) each.
+        over: names of the parameters.
+        dy: derivatives of the state by the parameters, (2 nv, m).
+        dz: derivatives of what is solved for, by name, (m,) each.
     """
     values, left, right = scipy.linalg.eig(orbit.jacobian, left=True, right=True)
     order = np.lexsort((-values.imag, -np.abs(values).round(12)))
@@ -55,13 +55,13 @@ def along_branch(
 
 
 def moduli(multipliers: Multipliers, slopes: Multipliers) -> tuple[Array, Array]:
-    """Moduli, (d,), and their derivatives, (d, m), NaN where the multiplier is zero."""
+    """Returns the moduli, (d,), and their derivatives, (d, m), NaN where the multiplier is zero."""
     sizes = np.abs(multipliers)
     return sizes, np.real(np.conj(multipliers)[:, None] * slopes) / np.where(sizes > 0.0, sizes, np.nan)[:, None]
 
 
 def _difference(orbit: Orbit, along: Mapping[str, float], dy: Array, h: float) -> Array:
-    """Change of the Jacobian for one unit along numbers and state, in the coordinates of the gait's own chart."""
+    """Returns the Jacobian's change per unit along numbers and state, in the coordinates of the gait's own chart."""
     ends = []
     for step in (h, -h):
         there = orbit.beside({name: step * slope for name, slope in along.items()}, step * dy)

@@ -1,4 +1,4 @@
-"""Gaits beside a gait: where they are to first order, and which multiplier is which."""
+"""Gaits near a gait: where they are to first order, and which of their multipliers is which."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from spear_pin.model.motor import Drive, Motor
 
 @dataclass(frozen=True)
 class Neighbourhood:
-    """A gait, and how those beside it differ from it to first order.
+    """A gait, and how gaits near it differ from it to first order.
 
     Attributes:
         system: the system.
         state: (q, v) on the section.
         over: names of the parameters that differ.
-        values: of those, (m,).
-        vary: names of what is solved for.
-        solved: values of those, (k,).
-        keep: names of as many measures that stay as they are.
-        kept: values of those, (k,).
+        values: values of these parameters, (m,).
+        vary: names of the numbers that are solved for.
+        solved: values of the numbers that are solved for, (k,).
+        keep: names of as many measures that keep their values.
+        kept: values of these measures, (k,).
         state_slopes: derivatives of (q, v), (2 nv, m).
-        solved_slopes: of what is solved for, (k, m).
-        multipliers: (d,).
-        motors: of joints, by their names, or drives, whose heat or electricity is measured.
+        solved_slopes: derivatives of the numbers that are solved for, (k, m).
+        multipliers: Floquet multipliers, (d,).
+        motors: motors whose heat, or drives whose electricity, is measured, by the names of their joints.
     """
 
     system: HybridSystem
@@ -52,18 +52,18 @@ class Neighbourhood:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the numbers of a state, as in the columns of a trajectory."""
+        """Names of the numbers of a state, the same as a trajectory's columns."""
         names = self.system.robot.coordinates
         return (*(f"q_{name}" for name in names), *(f"v_{name}" for name in names))
 
     @property
     def units(self) -> dict[str, str]:
-        """Units of those."""
+        """Units of these numbers."""
         units = self.system.robot.units
         return dict(zip(self.columns, (*units, *(f"{unit}/s" for unit in units)), strict=True))
 
     def predicted(self, parameters: Array) -> tuple[Array, Array]:
-        """States, (n, 2 nv), not quite on the section, and what is solved for, (n, k), with parameters, (n, m)."""
+        """Predicts states, (n, 2 nv), near the section, and solved numbers, (n, k), for parameters, (n, m)."""
         change = parameters - self.values
         return (
             np.concatenate(self.state) + change @ self.state_slopes.T,
@@ -71,12 +71,12 @@ class Neighbourhood:
         )
 
     def placed(self, system: HybridSystem, y: Array, numbers: Mapping[str, Array] | None = None) -> tuple[Array, Array]:
-        """States on the section next to some, (n, 2 nv), the same toes sliding as in this gait.
+        """Puts states, (n, 2 nv), onto the section, with the same toes sliding as in this gait.
 
         Args:
-            system: whose section it is.
+            system: the system whose section it is.
             y: the states.
-            numbers: that differ from one to the other, (n,) each.
+            numbers: numbers that differ between the states, (n,) each.
         """
         nv, whole = self.system.robot.nv, section(system, numbers)
         slides = section(self.system).sliding(self.state[0][None], self.state[1][None])[0]
@@ -84,7 +84,7 @@ class Neighbourhood:
         return charts.states(np.zeros((len(y), charts.dimension)))
 
     def moduli(self, multipliers: NDArray[np.complex128]) -> Array:
-        """Moduli of multipliers in the order of this gait's, (d,); NaN where they are not as many."""
+        """Returns moduli of multipliers in the order of this gait's, (d,); NaN where the numbers differ."""
         try:
             return np.abs(matched(self.multipliers, multipliers[np.isfinite(multipliers)]))
         except NotDifferentiable:
@@ -92,10 +92,10 @@ class Neighbourhood:
 
 
 def matched(here: NDArray[np.complex128], others: Any) -> NDArray[np.complex128]:
-    """Multipliers in the order of those nearby.
+    """Returns multipliers in the order of nearby ones.
 
     Raises:
-        NotDifferentiable: they are not as many.
+        NotDifferentiable: there are more or fewer multipliers than nearby.
     """
     if len(here) != len(others):
         raise NotDifferentiable("a toe begins to slide as it lands")

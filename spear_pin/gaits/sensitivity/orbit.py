@@ -1,4 +1,4 @@
-"""The return map's derivative about a fixed point, on its section, which parameters move as well."""
+"""Derivative of the return map about a fixed point on its section; parameters move the section as well."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight_seeds
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 
-CLOSED = 1e-6  # of the return map's displacement: what closes no better is no fixed point
+CLOSED = 1e-6  # largest displacement of the return map at a fixed point
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,8 @@ class Orbit:
     Attributes:
         system: the system.
         state: (q, v) on the section.
-        names: of the parameters.
-        motors: of joints, by their names, whose heat is measured, or drives, whose electricity is.
+        names: names of the parameters.
+        motors: motors whose heat, or drives whose electricity, is measured, by the names of their joints.
     """
 
     system: HybridSystem
@@ -56,7 +56,7 @@ class Orbit:
 
     @property
     def dimension(self) -> int:
-        """Coordinates of the section."""
+        """Number of coordinates of the section."""
         return self.chart.dimension
 
     @cached_property
@@ -66,16 +66,16 @@ class Orbit:
 
     @cached_property
     def seeds(self) -> Array:
-        """Derivatives of the system's numbers by ξ, of which they are none, and by the parameters, (p, d + m)."""
+        """Derivatives of the system's numbers by ξ, which are zero, and by the parameters, (p, d + m)."""
         own = seeds(self.system, self.names)
         return np.concatenate([np.zeros((len(own), self.dimension)), own], axis=1)
 
     @cached_property
     def cycle(self) -> Derivative:
-        """The cycle.
+        """The cycle with its derivatives.
 
         Raises:
-            NotDifferentiable: it has no derivative; the text says why.
+            NotDifferentiable: the cycle has no derivative; the text says why.
         """
         y = np.concatenate(self.chart.state(np.zeros(self.dimension)))
         return differentiated(self.system, Recorder(self.system), y, self.start, self.seeds)
@@ -93,7 +93,7 @@ class Orbit:
 
     @property
     def displacement(self) -> Array:
-        """ξ after the cycle, where it began with 0, (d,)."""
+        """ξ after the cycle that began at ξ = 0, (d,)."""
         nv = self.system.robot.nv
         return self.chart.coordinates((self.cycle.y[:nv], self.cycle.y[nv:]))
 
@@ -102,8 +102,8 @@ class Orbit:
         """All measures, with derivatives by ξ and by the parameters.
 
         Raises:
-            UnknownName: as one is asked for, a joint has no motor torque.
-            BadValue: as one is asked for, a motor's resistance or torque constant is not known.
+            UnknownName: when a measure is read, if its joint has no motor torque.
+            BadValue: when a measure is read, if a motor's resistance or torque constant is not known.
         """
         drives = {joint: each for joint, each in self.motors.items() if isinstance(each, Drive)}
         motors = {joint: each for joint, each in self.motors.items() if isinstance(each, Motor)}
@@ -120,7 +120,7 @@ class Orbit:
 
     @cached_property
     def margins(self) -> dict[str, Measure]:
-        """How far each event is from happening otherwise, with derivatives by ξ and by the parameters."""
+        """Margin of each event from happening otherwise, with derivatives by ξ and by the parameters."""
         return margins(self.cycle)
 
     @property
@@ -131,23 +131,23 @@ class Orbit:
 
     @property
     def slide_after(self) -> NDArray[np.bool_]:
-        """Which slide as it ends, (k,)."""
+        """Which toes of the section slide as the cycle ends, (k,)."""
         assert isinstance(self.chart.lane, Charts)
         nv, y = self.system.robot.nv, self.cycle.y[None]
         found: NDArray[np.bool_] = self.chart.lane.section.sliding(y[:, :nv], y[:, nv:])[0]
         return found
 
     def beside(self, change: Mapping[str, float], dy: Array, names: tuple[str, ...] = (), slides: Any = None) -> Orbit:
-        """The orbit of other numbers, from the state moved by dy, (2 nv,), and put onto the section of these.
+        """Returns the orbit with other numbers, from the state moved by dy, (2 nv,), and put onto their section.
 
         Args:
-            change: of numbers, by name.
-            dy: change of the state, to first order: toes that rest go on to.
-            names: of its parameters.
-            slides: which toes of the section slide, (k,); those that do here.
+            change: changes of numbers, by name.
+            dy: change of the state, to first order; toes at rest stay at rest.
+            names: names of the orbit's parameters.
+            slides: which toes of the section slide, (k,); by default the toes that slide in this orbit.
 
         Raises:
-            UnknownName: there is no number of a name.
+            UnknownName: no number has such a name.
             BadValue: a value is not valid, or no state on the section is near.
         """
         values = {name: number(self.system, name) + by for name, by in change.items()}
@@ -165,9 +165,9 @@ def orbit_of_gait(
     keep: Sequence[str] = (),
     motors: Mapping[str, Motor | Drive] = NO_MOTORS,
 ) -> Orbit:
-    """The orbit of a gait, its cycle and its measures found; its names are those of `vary`, then those of `over`.
+    """Returns the orbit of a gait with cycle and measures found; its names are `vary`, then `over`.
 
-    Arguments and what is raised are those of `sensitivity.sensitivity`.
+    See `sensitivity.sensitivity` for the arguments and for what is raised.
     """
     check_lanes(system)
     check_gears(system, motors)
@@ -187,12 +187,12 @@ def orbit_of_gait(
 
 
 def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Array:
-    """Derivatives of states on the section, whose toes stay on the ground and move along it only where they slide.
+    """Returns derivatives of states on the section; toes stay on the ground and move along it only where they slide.
 
     Args:
         system: the system.
         local: the chart about the state.
-        seeds: derivatives of the system's numbers, (p, c); along the first d directions ξ changes.
+        seeds: derivatives of the system's numbers, (p, c); the first d columns are the directions of ξ.
         d: the section's dimension.
     """
     whole, nv, c = section(system), system.robot.nv, seeds.shape[1]
@@ -217,12 +217,12 @@ def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Arra
 
 
 def solved(orbit: Orbit, vary: Sequence[str], keep: Sequence[str]) -> tuple[Array, Array]:
-    """How the fixed point moves with each parameter that is not solved for.
+    """Returns how the fixed point moves with each parameter that is not solved for.
 
     Args:
         orbit: its names begin with those of `vary`.
-        vary: parameters that are solved for.
-        keep: measures that they keep, as many.
+        vary: names of parameters that are solved for.
+        keep: names of as many measures that keep their values.
 
     Returns:
         derivatives of ξ, (d, m), and of what is solved for, (k, m).

@@ -1,4 +1,4 @@
-"""Integrals and peaks along many cycles at once, values only: polynomials of panels on a grid that is refined."""
+"""Integrals and peaks along many cycles at once, without derivatives: polynomials of panels on a refined grid."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 
-CELLS = 64  # of a panel, in which a polynomial changes its sign once or not at all
+CELLS = 64  # cells of a panel; a polynomial changes its sign at most once in a cell
 POLISHED = 3  # of Newton's steps to where it does
-CLIMBED, AROUND = 6, 4  # times that a peak's surroundings are looked at closer, so many places on each side of it
+CLIMBED, AROUND = 6, 4  # refinements around a peak, and places on each side of it
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,9 @@ class Panels:
     """Panels of the arcs of many cycles.
 
     Attributes:
-        lanes: to which each belongs, (p,).
-        lengths: of each, in s, (p,).
-        count: of the cycles.
+        lanes: lane to which each panel belongs, (p,).
+        lengths: length of each panel in s, (p,).
+        count: number of cycles.
     """
 
     lanes: NDArray[np.int64]
@@ -33,13 +33,13 @@ class Panels:
     count: int
 
     def integral(self, values: Array) -> Array:
-        """∫ over each cycle of values at Gauss's points, (p, k); zero where a cycle has no panel, (n,)."""
+        """Returns ∫ over each cycle of values at Gauss's points, (p, k); zero where a cycle has no panel, (n,)."""
         return np.asarray(
             np.bincount(self.lanes, self.lengths * (values @ rule(POINTS).weights), self.count), np.float64
         )
 
     def positive(self, values: Array) -> Array:
-        """∫ of the positive part over each cycle, (n,)."""
+        """Returns ∫ of the positive part over each cycle, (n,)."""
         coefficients = values @ rule(POINTS).legendre.T
         dense, whole = coefficients @ _grid().values.T, np.asarray(legendre.legint(coefficients.T), np.float64)
         summed = np.diff((_grid().integrals @ whole).T, axis=1)
@@ -54,13 +54,13 @@ class Panels:
         return np.asarray(np.bincount(self.lanes, 0.5 * self.lengths * total, self.count), np.float64)
 
     def peak(self, values: Array) -> Array:
-        """The largest value of each cycle, (n,); -∞ where it has no panel."""
+        """Returns the largest value of each cycle, (n,); -∞ where it has no panel."""
         coefficients = values @ rule(POINTS).legendre.T
         dense = coefficients @ _grid().values.T
         return self._largest(_climbed(dense, lambda x: _value(x, coefficients.T)))
 
     def ratio(self, above: Array, below: Array, least: float) -> Array:
-        """The largest |above / below| of each cycle where what is below is at least a number, (n,); -∞ nowhere."""
+        """Returns the largest |above / below| of each cycle where below ≥ least, (n,); -∞ if nowhere."""
         to = rule(POINTS).legendre.T
         tops, bottoms = above @ to, below @ to
         top, bottom = tops @ _grid().values.T, bottoms @ _grid().values.T
@@ -82,7 +82,7 @@ class Panels:
         return self._largest(best)
 
     def where_it_falls(self, guard: Array, values: Array) -> Array:
-        """Values where a guard first falls through zero in each cycle, (n,); NaN where it does not."""
+        """Returns the values where a guard first falls through zero in each cycle, (n,); NaN where it does not."""
         to = rule(POINTS).legendre.T
         coefficients = guard @ to
         dense = coefficients @ _grid().values.T
@@ -115,12 +115,12 @@ def _grid() -> _Grid:
 
 
 def _value(x: Array, coefficients: Array) -> Array:
-    """Values of polynomials, (k, m), at a place each, (m,)."""
+    """Returns values of polynomials, (k, m), at one place each, (m,)."""
     return np.asarray(legendre.legval(x, coefficients, tensor=False), np.float64)
 
 
 def _crossing(coefficients: Array, dense: Array, cell: NDArray[np.int64]) -> Array:
-    """Where polynomials, (k, m), change their signs in cells, (m,)."""
+    """Finds where polynomials, (k, m), change their signs in cells, (m,)."""
     row, x = np.arange(len(cell)), _grid().x
     left, right = dense[row, cell], dense[row, cell + 1]
     found = x[cell] + (x[cell + 1] - x[cell]) * left / (left - right)
@@ -133,11 +133,11 @@ def _crossing(coefficients: Array, dense: Array, cell: NDArray[np.int64]) -> Arr
 
 
 def _climbed(dense: Array, at: Callable[[Array], Array]) -> Array:
-    """The largest value of each row: from the best place of the grid on, ever closer around the best.
+    """Returns the largest value of each row: refines around the best place of the grid.
 
     Args:
         dense: values on the grid, (p, g).
-        at: values at a place of each row, (p,).
+        at: values at one place of each row, (p,).
     """
     i = dense.argmax(axis=1)
     best, x, width = dense[np.arange(len(dense)), i], _grid().x[i], 2.0 / CELLS

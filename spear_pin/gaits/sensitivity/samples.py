@@ -1,4 +1,4 @@
-"""Gaits found anew with other parameters: in lanes where those may differ in them, else one by one."""
+"""Gaits found for other parameters: in lanes where these may differ between lanes, else one by one."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.motor import Drive, Motor
 
 OnLanes = Callable[[int], object]
-ITERATIONS = 8  # of Newton's method for a gait on its own
-CLOSED = 1e-9  # of its displacement, and of what is kept in its own size
+ITERATIONS = 8  # Newton iterations for a single gait
+CLOSED = 1e-9  # tolerance of the displacement, and relative tolerance of kept measures
 NOT_VALID, NOT_PLAIN = "not_valid", "not_plain"
 
 
@@ -35,10 +35,10 @@ class Samples:
     """Gaits with parameters drawn at random.
 
     Attributes:
-        parameters: (n, m).
-        outputs: solved parameters, measures, multipliers' moduli and numbers of the state, by name, (n,) each, NaN
-            where there is none.
-        reason: "converged" where a gait was found, else why not, (n,).
+        parameters: values of the parameters, (n, m).
+        outputs: solved parameters, measures, moduli of multipliers and numbers of the state, by name, (n,) each, NaN
+            where there is no value.
+        reason: "converged" where a gait was found, else the reason why not, (n,).
         largest: modulus of the largest multiplier, (n,).
         alike: whether the gait was found and its events are in the same order, (n,).
     """
@@ -56,18 +56,18 @@ class Samples:
 
 
 def found_anew(local: Neighbourhood, parameters: Array, on_lanes: OnLanes = lambda n: None) -> Samples:
-    """The gaits beside one with other parameters, (n, m).
+    """Finds the gaits near a gait for other parameters, (n, m).
 
     Args:
         local: the gait.
-        parameters: of each.
+        parameters: parameters of each gait.
         on_lanes: called with the number of gaits done since the last call.
     """
     return (_in_lanes if side_by_side(local) else _one_by_one)(local, parameters, on_lanes)
 
 
 def side_by_side(local: Neighbourhood) -> bool:
-    """Whether lanes may differ in all parameters, and record all that is kept and measured."""
+    """Tells whether lanes may differ in all parameters, and can record all that is kept and measured."""
     return (
         not any(isinstance(each, Drive) for each in local.motors.values())
         and has_lanes(local.system, (*local.over, *local.vary))
@@ -144,11 +144,11 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
 
 
 def _solved(local: Neighbourhood, system: HybridSystem, y: Array, z: Array) -> tuple[Orbit, Array]:
-    """The fixed point near a state, by Newton's method with exact Jacobians, and what was solved for.
+    """Finds the fixed point near a state by Newton's method with exact Jacobians, and the solved numbers.
 
     Raises:
-        BadValue: it is not found, or what is solved for leaves its range.
-        NotDifferentiable: a cycle on the way closes in no plain way.
+        BadValue: the fixed point is not found, or a solved number leaves its range.
+        NotDifferentiable: a cycle on the way does not close, or has no derivative.
     """
     for _ in range(ITERATIONS):
         whole = with_numbers(system, dict(zip(local.vary, z.tolist(), strict=True))) if local.vary else system

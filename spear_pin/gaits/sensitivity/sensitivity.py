@@ -1,4 +1,4 @@
-"""What one more unit of a number does to a gait: a table of exact derivatives."""
+"""How a gait changes with one more unit of a number: a table of exact derivatives."""
 
 from __future__ import annotations
 
@@ -30,24 +30,24 @@ NOTHING = 1e-9  # elasticities up to this are rounding
 
 @dataclass(frozen=True, repr=False)
 class Sensitivity(Shown):
-    """Derivatives of a gait with respect to parameters, the gait being found anew for each.
+    """Derivatives of a gait with respect to parameters; the gait is found again for each change.
 
     Attributes:
         system: the system.
         at: (q, v) on the section.
-        parameters: their names.
-        keep: names of the measures that what is solved for keeps.
-        given: their values, (m,).
-        units: of the parameters, empty where nothing says one.
+        parameters: names of the parameters.
+        keep: names of the measures that keep their values.
+        given: values of the parameters, (m,).
+        units: units of the parameters, empty where nothing says one.
         state: derivatives of (q, v) on the section, (2 nv, m).
-        solved: derivatives of what is solved for, by name, (m,) each.
-        outputs: values of what is solved for, of the measures and of the multipliers' moduli, by name.
-        output_units: of those.
-        derivatives: of the outputs, by name, (m,) each.
-        multipliers: by decreasing modulus, (d,).
-        multiplier_derivatives: (d, m), NaN where the order of events changes too near.
-        one_sided: events that meet another in this gait, whose derivatives are of the order that happens.
-        motors: of joints, by their names, or drives, whose heat or electricity is among the outputs.
+        solved: derivatives of the numbers that are solved for, by name, (m,) each.
+        outputs: values of the solved numbers, of the measures and of the multipliers' moduli, by name.
+        output_units: units of the outputs.
+        derivatives: derivatives of the outputs, by name, (m,) each.
+        multipliers: Floquet multipliers by decreasing modulus, (d,).
+        multiplier_derivatives: derivatives of the multipliers, (d, m), NaN where the order of events changes too near.
+        one_sided: events that meet another in this gait; their derivatives hold for the order that happens.
+        motors: motors whose heat, or drives whose electricity, is among the outputs, by the names of their joints.
 
     Example:
         >>> from spear_pin import find_gait, hopping, load
@@ -91,7 +91,7 @@ class Sensitivity(Shown):
 
     @property
     def measures(self) -> tuple[str, ...]:
-        """Names of the outputs: what is solved for, measures, and multipliers."""
+        """Names of the outputs: solved numbers, measures and multipliers."""
         return tuple(self.outputs)
 
     @property
@@ -100,7 +100,7 @@ class Sensitivity(Shown):
         return np.array([self.derivatives[name] for name in self.outputs])
 
     def elasticity(self, output: str) -> Array:
-        """% of an output for one more % of each parameter, (m,); NaN of an output that is zero but for rounding.
+        """Returns the change of an output in % per 1 % of each parameter, (m,); NaN if it is zero up to rounding.
 
         Raises:
             UnknownName: there is no such output.
@@ -113,16 +113,16 @@ class Sensitivity(Shown):
 
     @typed
     def uncertainty(self, spread: Mapping[str, float | str] | ArrayLike) -> Uncertainty:
-        """How far outputs spread where parameters do, to first order: σ² = g Σ gᵀ.
+        """Returns how far outputs spread where parameters do, to first order: σ² = g Σ gᵀ.
 
         Args:
             spread: standard deviations by the parameters' names, in their units or as text in per cent of their values,
-                such as "2 %", of independent errors, a parameter that is left out being exact; or the covariance,
-                (m, m), in the order of `parameters`.
+                such as "2 %"; errors are independent, and a parameter that is left out is exact. Or the covariance, (m,
+                m), in the order of `parameters`.
 
         Raises:
             UnknownName: a name is not in `parameters`.
-            BadValue: a deviation is not a finite number >= 0, or a matrix no covariance.
+            BadValue: a deviation is not a finite number >= 0, or a matrix is not a covariance.
 
         Example:
             >>> from spear_pin import find_gait, hopping, load
@@ -154,7 +154,7 @@ class Sensitivity(Shown):
         return Uncertainty(local, self.units, covariance, outputs, units, derivatives, self.one_sided)
 
     def to_json(self) -> str:
-        """All of it, as JSON."""
+        """Returns the whole table as JSON."""
         data = {
             "parameters": dict(zip(self.parameters, self.given.tolist(), strict=True)),
             "units": dict(zip(self.parameters, self.units, strict=True)),
@@ -182,26 +182,27 @@ def sensitivity(
     keep: Sequence[str] = (),
     motors: Mapping[str, Motor | Drive] = NO_MOTORS,
 ) -> Sensitivity:
-    """Derivatives of a gait's state, measures and multipliers with respect to parameters.
+    """Returns derivatives of a gait's state, measures and multipliers with respect to parameters.
 
-    They are exact: of the cycle's own equations, through its events; of the multipliers' they come from
-    differences of exact Jacobians along the branch. Where a cycle has none, for a guard grazes or two events meet, that
-    is refused.
+    The derivatives are exact: they come from the cycle's own equations, through its events. Those of the multipliers
+    come from differences of exact Jacobians along the branch. If the cycle has no derivative, because a guard grazes or
+    two events meet, the function raises an error.
 
     Args:
-        system: the system, with which the state is a fixed point.
+        system: the system whose return map has the state as a fixed point.
         state: (q, v) on the section.
-        over: parameters, by the names of law, springs, ground or robot.
-        vary: parameters that are solved for, so that the measures of `keep` stay as they are.
-        keep: as many measures.
-        motors: of joints, by name: motors, for the measures `heat_JOINT`, in J a cycle, and `energy`, the net work
-            of all motors and this heat, behind gears that lose nothing, or drives, for `electricity_JOINT`, in J a
-            cycle, `electricity` where all joints have one, and `reserve_JOINT`, in N·m; ratios are the robot's.
+        over: parameters, by the names of numbers of law, springs, ground or robot.
+        vary: parameters that are solved for, so that the measures in `keep` keep their values.
+        keep: as many measures as there are names in `vary`.
+        motors: by the name of each joint, a motor or a drive. Motors give the measures `heat_JOINT`, in J a cycle, and
+            `energy`, the net work of all motors and this heat, behind gears that lose nothing. Drives give
+            `electricity_JOINT`, in J a cycle, `electricity` where all joints have one, and `reserve_JOINT`, in N·m.
+            Gear ratios are the robot's.
 
     Raises:
-        UnknownName: there is no parameter, measure or joint with a motor of a name.
-        BadValue: a name is given twice, as many are not kept as are solved for, a parameter is zero and with it part
-            of the equations, the state is no fixed point, a motor's resistance or torque constant is not known, or the
+        UnknownName: there is no parameter, measure or joint with a motor that has such a name.
+        BadValue: a name is given twice, `keep` and `vary` differ in length, a parameter is zero and with it part of the
+            equations, the state is not a fixed point, a motor's resistance or torque constant is not known, or the
             system moves in space or has hardware.
         NotDifferentiable: the cycle has no derivative.
     """

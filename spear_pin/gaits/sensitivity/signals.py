@@ -1,7 +1,7 @@
-"""Integrals and peaks of what changes along a cycle, with derivatives: polynomials through Gauss's points of arcs.
+"""Integrals and peaks of signals along a cycle, with derivatives: polynomials through Gauss's points of arcs.
 
-They go through the arcs' beginnings and ends, too, as which only kinks are not exact: friction that is used is largest
-where a toe begins to slip.
+The polynomials go through the beginnings and ends of arcs, too, so that peaks at kinks are exact: for example, the
+friction used is largest where a toe begins to slip.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Pieces:
         stretch: the arc.
         values: at Gauss's points, at the beginning and at the end, (k,).
         derivatives: at a fixed clock of the phase, (k, c).
-        rates: of the values along the motion, at the beginning and at the end, (2,).
+        rates: rates of the values along the motion, at the beginning and at the end, (2,).
     """
 
     stretch: Stretch
@@ -37,14 +37,14 @@ class Pieces:
     rates: Array
 
     def plus(self, other: Pieces | float, change: Array | float = 0.0) -> Pieces:
-        """The sum with another along the same arc, or with a number that has a derivative, (c,)."""
+        """Returns the sum with another signal along the same arc, or with a number that has a derivative, (c,)."""
         if isinstance(other, Pieces):
             values, derivatives = self.values + other.values, self.derivatives + other.derivatives
             return Pieces(self.stretch, values, derivatives, self.rates + other.rates)
         return Pieces(self.stretch, self.values + other, self.derivatives + change, self.rates)
 
     def times(self, other: Pieces | float, change: Array | float = 0.0) -> Pieces:
-        """The product with another along the same arc, or with a number that has a derivative, (c,)."""
+        """Returns the product with another signal along the same arc, or with a number that has a derivative, (c,)."""
         if isinstance(other, Pieces):
             derivatives = self.derivatives * other.values[:, None] + self.values[:, None] * other.derivatives
             ends = [BEGIN, END]
@@ -54,7 +54,7 @@ class Pieces:
         return Pieces(self.stretch, other * self.values, derivatives, other * self.rates)
 
     def panels(self) -> Iterator[tuple[float, float, Array, Array]]:
-        """Beginning and length of each panel, Legendre coefficients of the values and of the derivatives."""
+        """Yields the beginning and length of each panel, and Legendre coefficients of values and derivatives."""
         arc, count = self.stretch.arc, len(self.values) // POINTS
         h = (arc.end - arc.t) / count
         for i in range(count):
@@ -65,7 +65,7 @@ class Pieces:
 
 
 def integral(pieces: Sequence[Pieces]) -> tuple[float, Array]:
-    """∫ over the cycle, and its derivative: an arc's ends move by its events' τ."""
+    """Returns ∫ over the cycle, and its derivative; an arc's ends move by the τ of their events."""
     total, change = 0.0, np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
         weights, stretch = piece.stretch.weights, piece.stretch
@@ -76,7 +76,7 @@ def integral(pieces: Sequence[Pieces]) -> tuple[float, Array]:
 
 
 def positive(pieces: Sequence[Pieces]) -> tuple[float, Array]:
-    """∫ of the positive part over the cycle, and its derivative: where the signal changes its sign nothing is added."""
+    """Returns ∫ of the positive part over the cycle, and its derivative; moving changes of sign add nothing."""
     total, change = 0.0, np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
         begin, end = piece.values[[BEGIN, END]]
@@ -92,11 +92,11 @@ def positive(pieces: Sequence[Pieces]) -> tuple[float, Array]:
 
 
 def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
-    """The largest value of the cycle, and its derivative: inside an arc that at the place, at an end the end moves."""
+    """Returns the largest value of the cycle, and its derivative; at an end of an arc the end itself moves."""
     best: float = -np.inf
     change: Any = np.zeros(pieces[0].derivatives.shape[1])
     for piece in pieces:
-        if piece.stretch.at_once:  # beside this cycle it lasts, on one side
+        if piece.stretch.at_once:  # it has a duration in cycles to one side of this one
             value, rate = float(piece.values[END]), piece.rates[END]
             if rate > 0.0 and value >= best - NEAR * abs(best):
                 best, change = value, piece.derivatives[END] + rate * piece.stretch.tau
@@ -108,7 +108,7 @@ def peak(pieces: Sequence[Pieces]) -> tuple[float, Array]:
 
 
 def extremes(piece: Pieces) -> Iterator[tuple[float, float, Array]]:
-    """Values at an arc's ends, and where the signal turns, with derivatives.
+    """Yields the values at an arc's ends and where the signal turns, with derivatives.
 
     Yields:
         the place, 0 at the arc's beginning and 1 at its end; the value; its derivative.
@@ -129,14 +129,14 @@ def extremes(piece: Pieces) -> Iterator[tuple[float, float, Array]]:
 def largest_ratio(
     pairs: Sequence[tuple[Pieces, Pieces]], least: float, dleast: Array | float = 0.0
 ) -> tuple[float, Array]:
-    """The largest |a / b| of pairs of signals where b is at least a number, and its derivative.
+    """Returns the largest |a / b| of pairs of signals where b is at least a number, and its derivative.
 
-    Where b falls to the least the place itself moves.
+    Where b falls to the least value, the place itself moves.
 
     Args:
-        pairs: a and b.
-        least: the number.
-        dleast: its derivative, (c,).
+        pairs: pairs of a and b.
+        least: the least value of b.
+        dleast: derivative of `least`, (c,).
     """
     best: float = -np.inf
     change: Any = np.zeros(pairs[0][0].derivatives.shape[1])
@@ -174,7 +174,7 @@ def largest_ratio(
 
 
 def where_it_falls(guard: Pieces, signal: Pieces) -> tuple[float, Array] | None:
-    """A signal where a guard first falls through zero, and its derivative; None where it does not."""
+    """Returns a signal where a guard first falls through zero, and its derivative; None where it does not."""
     for (_, _, g, dg), (_, _, values, derivatives) in zip(guard.panels(), signal.panels(), strict=True):
         for x in roots(g):
             fall = float(legendre.legval(x, legendre.legder(g)))
@@ -187,7 +187,7 @@ def where_it_falls(guard: Pieces, signal: Pieces) -> tuple[float, Array] | None:
 
 
 def roots(coefficients: Any) -> list[float]:
-    """Where a Legendre series changes its sign inside (-1, 1), rising."""
+    """Returns where a Legendre series changes its sign inside (-1, 1), in rising order."""
     trimmed: Any = legendre.legtrim(coefficients, tol=1e-13 * max(float(np.abs(coefficients).max()), 1e-300))
     if len(trimmed) < 2:
         return []

@@ -1,4 +1,4 @@
-"""The covariance of parameters, from standard deviations by name or as it is."""
+"""Covariance of parameters, from standard deviations by name or from a matrix."""
 
 from __future__ import annotations
 
@@ -12,20 +12,21 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.words import number
 
-ROUNDING = 1e-9  # of a correlation: no less symmetric or definite than that
+ROUNDING = 1e-9  # tolerance of a correlation matrix's symmetry and definiteness
 
 
 def covariance_of(spread: Mapping[str, float | str] | ArrayLike, over: Sequence[str], values: Array) -> Array:
-    """Covariance of parameters, (m, m).
+    """Returns the covariance of parameters, (m, m).
 
     Args:
         spread: standard deviations by name, as numbers or in per cent of a value as text; or a covariance, (m, m).
-        over: the names.
-        values: of the parameters, (m,).
+        over: names of the parameters.
+        values: values of the parameters, (m,).
 
     Raises:
-        UnknownName: a name is not among them.
-        BadValue: a deviation is not a finite number >= 0, a share of a value that is zero, or a matrix no covariance.
+        UnknownName: a name is not among the parameters.
+        BadValue: a deviation is not a finite number >= 0 or is a share of a value that is zero, or a matrix is not a
+            covariance.
     """
     if not isinstance(spread, Mapping):
         return _checked(spread, len(over))
@@ -37,10 +38,10 @@ def covariance_of(spread: Mapping[str, float | str] | ArrayLike, over: Sequence[
 
 
 def deviation(name: str, word: float | str, value: float) -> float:
-    """A standard deviation, from a number or from text such as "0.5" or "2 %".
+    """Returns a standard deviation, read from a number or from text such as "0.5" or "2 %".
 
     Raises:
-        BadValue: it is no finite number >= 0, or a share of zero.
+        BadValue: the word is not a finite number >= 0, or is a share of zero.
     """
     expected = "a finite number >= 0, or a share of the value such as '2 %'"
     text = str(word).strip()
@@ -58,7 +59,7 @@ def deviation(name: str, word: float | str, value: float) -> float:
 
 
 def factor(covariance: Array) -> Array:
-    """L with Σ = L Lᵀ, (m, m), of a covariance that may be singular."""
+    """Returns L with Σ = L Lᵀ, (m, m), for a covariance that may be singular."""
     scale = np.sqrt(np.diag(covariance))
     unit = np.where(scale > 0.0, scale, 1.0)
     shares, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))

@@ -1,4 +1,4 @@
-"""How far a gait's outputs spread where its numbers are not known exactly, and which number to measure better."""
+"""How far a gait's outputs spread where its numbers are uncertain, and which number to measure better."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ class Uncertainty(Shown):
     """Standard deviations of a gait's outputs to first order, from the covariance of its parameters.
 
     Attributes:
-        local: the gait, and where those beside it are.
-        parameter_units: of the parameters, empty where nothing says one.
-        covariance: of the parameters, (m, m).
-        outputs: values by name: what is solved for, measures, moduli of multipliers, numbers of the state.
-        output_units: of those.
-        derivatives: of the outputs by the parameters, by name, (m,) each.
-        one_sided: events that meet another in this gait, whose derivatives are of the order that happens.
+        local: the gait, and where gaits near it are.
+        parameter_units: units of the parameters, empty where nothing says one.
+        covariance: covariance of the parameters, (m, m).
+        outputs: values by name: solved numbers, measures, moduli of multipliers, numbers of the state.
+        output_units: units of the outputs.
+        derivatives: derivatives of the outputs by the parameters, by name, (m,) each.
+        one_sided: events that meet another in this gait; their derivatives hold for the order that happens.
 
     Example:
         >>> from spear_pin import find_gait, hopping, load
@@ -90,7 +90,7 @@ class Uncertainty(Shown):
         return "\n".join(lines)
 
     def deviation(self, output: str) -> float:
-        """Standard deviation of an output, √(g Σ gᵀ); NaN where it has no derivative.
+        """Returns the standard deviation of an output, √(g Σ gᵀ); NaN where the output has no derivative.
 
         Raises:
             UnknownName: there is no such output.
@@ -100,11 +100,11 @@ class Uncertainty(Shown):
 
     @property
     def deviations(self) -> dict[str, float]:
-        """Of all outputs."""
+        """Standard deviations of all outputs."""
         return {name: self.deviation(name) for name in self.outputs}
 
     def moves(self, output: str) -> bool:
-        """Whether an output's standard deviation is more than rounding; one that is kept does not move.
+        """Tells whether an output's standard deviation exceeds rounding; an output that is kept does not move.
 
         Raises:
             UnknownName: there is no such output.
@@ -114,9 +114,9 @@ class Uncertainty(Shown):
         return not still and self.deviation(output) > ROUNDING * max(value, 1.0)
 
     def shares(self, output: str) -> Array:
-        """Share of each parameter in the variance, g_i (Σ gᵀ)_i / σ², (m,); zero where the output does not move.
+        """Returns the share of each parameter in the variance, g_i (Σ gᵀ)_i / σ², (m,); zero where σ is zero.
 
-        They add up to 1. Where errors are correlated some may be negative.
+        The shares add up to 1. Where errors are correlated, some may be negative.
 
         Raises:
             UnknownName: there is no such output.
@@ -125,11 +125,11 @@ class Uncertainty(Shown):
         return self._over(output, slopes * (self.covariance @ slopes))
 
     def gains(self, output: str) -> Array:
-        """Share of the variance that goes where a parameter is known exactly, (Σ gᵀ)_i² / (Σ_ii σ²), (m,).
+        """Returns by which share the variance falls if a parameter is known exactly, (Σ gᵀ)_i² / (Σ_ii σ²), (m,).
 
-        It is the squared correlation of the parameter with the output: what is learnt of a parameter tells of those
-        that are correlated with it. A second measurement as good as the first takes half of it away. Without
-        correlations these are the shares.
+        The gain is the squared correlation of the parameter with the output: knowledge of a parameter also tells about
+        parameters that are correlated with it. A second measurement as good as the first removes half of the gain.
+        Without correlations the gains equal the shares.
 
         Raises:
             UnknownName: there is no such output.
@@ -140,7 +140,7 @@ class Uncertainty(Shown):
         return self._over(output, squares)
 
     def best(self, output: str) -> str:
-        """The parameter to measure better: the one with the largest of the `gains`.
+        """Returns the name of the parameter to measure better: the one with the largest value of `gains`.
 
         Raises:
             UnknownName: there is no such output.
@@ -155,18 +155,19 @@ class Uncertainty(Shown):
     def monte_carlo(
         self, samples: int = 10_000, seed: int = 0, *, on_lanes: Callable[[int], object] = lambda n: None
     ) -> MonteCarlo:
-        """The gait found anew for parameters drawn from a normal distribution with this covariance.
+        """Finds the gait again for parameters drawn from a normal distribution with this covariance.
 
-        Where lanes may differ in all parameters (of law, springs and friction) and record what is kept, all gaits are
-        found side by side; with others, such as masses and lengths, one by one, some ten in a second.
+        If lanes may differ in all parameters (numbers of law, springs and friction) and record what is kept, all gaits
+        are found side by side. With other parameters, such as masses and lengths, they are found one by one, some ten
+        in a second.
 
         Args:
-            samples: how many.
-            seed: of the random numbers.
+            samples: number of samples.
+            seed: seed of the random numbers.
             on_lanes: called with the number of samples done since the last call.
 
         Raises:
-            BadValue: not a whole number of samples from 2 to a million, or a negative seed.
+            BadValue: `samples` is not a whole number from 2 to a million, or the seed is negative.
         """
         if not 2 <= samples <= MOST:
             raise BadValue("samples", samples, f"a whole number from 2 to {MOST}")
@@ -188,7 +189,7 @@ class Uncertainty(Shown):
         )
 
     def to_json(self) -> str:
-        """All of it, as JSON."""
+        """Returns the uncertainty as JSON."""
         data = {
             "over": dict(zip(self.over, self.local.values.tolist(), strict=True)),
             "units": dict(zip(self.over, self.parameter_units, strict=True)),
@@ -209,7 +210,7 @@ class Uncertainty(Shown):
         return json.dumps(plain(data), indent=1)
 
     def _over(self, output: str, parts: Array) -> Array:
-        """Shares of an output's variance; zero where it does not move, NaN where it has no derivative."""
+        """Returns shares of an output's variance; zero where it does not move, NaN where it has no derivative."""
         sigma = self.deviation(output)
         return np.zeros_like(parts) if np.isfinite(sigma) and not self.moves(output) else np.asarray(parts / sigma**2)
 

@@ -1,1 +1,1 @@
-"""Quadrupeds that bound in three dimensions: legs, law, automaton."""
+"""Quadrupeds that run in three dimensions: legs, laws, automata."""

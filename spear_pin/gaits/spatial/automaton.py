@@ -1,6 +1,7 @@
-"""The automaton of a quadruped in space whose legs bear in groups, leg by leg: a phase for each set of legs that bear.
+"""Automaton of a quadruped in space whose legs land in groups: one phase for each set of legs on the ground.
 
-Which legs make a group is data: the posterior and the anterior pair bound, diagonal ones trot, all four at once pronk.
+Which legs make a group is data: the posterior and the anterior pair for a bound, diagonal pairs for a trot, all four
+legs for a pronk.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from spear_pin.model.scale import scale_in_space
 from spear_pin.model.spring import PAIR_STIFFNESS, Spring
 
 LONGEST = 2.0  # s: a phase of Q-SPEAR
-CLEAR = 5e-3  # m: up to where a toe of Q-SPEAR that bears bounces, and has not lifted off (assumption)
+CLEAR = 5e-3  # m: a standing toe of Q-SPEAR that rises less has not lifted off (assumption)
 OVERLAP = 0.010  # s: how long an impact of Q-SPEAR lasts (assumption; not in the source)
 
 
@@ -50,11 +51,11 @@ def in_groups(
     build: Callable[..., HybridSystem],
     guess: Callable[[], State],
 ) -> HybridSystem:
-    """The system of an automaton; spring, contact and ground as of `bounding_in_space`.
+    """Returns the system of an automaton; see `bounding_in_space` for spring, contact and ground.
 
     Raises:
-        BadValue: both contact and ground are given, the ground is not level at height zero, or the spring is never
-            switched.
+        BadValue: both contact and ground are given, the ground is not level at height zero, or the spring never
+            releases.
     """
     robot, scale = automaton.robot, scale_in_space(automaton.robot)
     spring = spring or Spring(PAIR_STIFFNESS / PAIR * scale.torque, damping=0.0)
@@ -85,15 +86,16 @@ def in_groups(
 
 @dataclass(frozen=True)
 class Automaton:
-    """What its domains are made of.
+    """Data from which the domains are made.
 
     Attributes:
         robot: the robot.
-        groups: the legs that bear together, in the order in which they do.
-        sections: names of the events just before the touchdown of the groups in `closing`. The first closes a cycle; so
-            does the second where it has the same name, half a stride being the other's mirror image.
-        closing: one group, or both, first the one that lands in the first flight.
-        lift_off: as of the law, "knee" or "force".
+        groups: the legs that are on the ground together, in the order in which they land.
+        sections: names of the events just before the touchdown of the groups in `closing`. The first event closes a
+            cycle. A second one with the same name closes a cycle too: half a stride is then the mirror image of the
+            other half.
+        closing: one group, or both; the first is the group that lands in the first flight.
+        lift_off: rule for lift-off in the law, "knee" or "force".
     """
 
     robot: Robot
@@ -104,14 +106,14 @@ class Automaton:
 
     @property
     def legs(self) -> tuple[Leg, ...]:
-        """All four."""
+        """All four legs."""
         return tuple(leg for group in self.groups for leg in group)
 
     def domains(self, spring: Spring) -> Iterator[Domain]:
-        """Those of all sets of legs that bear; before a touchdown of a group in `closing` there is one more.
+        """Returns the domains of all sets of legs, and one more before each touchdown of a group in `closing`.
 
         Args:
-            spring: of each knee.
+            spring: the spring of each knee.
         """
         for down in product((True, False), repeat=len(self.legs)):
             bearing = tuple(leg for leg, bears in zip(self.legs, down, strict=True) if bears)
@@ -126,7 +128,7 @@ class Automaton:
                     yield from self._of_phase(_before(phase), bearing, spring, touchdowns)
 
     def phase(self, bearing: Sequence[Leg]) -> str:
-        """Name of the phase in which some legs bear: of a whole group "posterior_stance", of one "posterior_left"."""
+        """Returns the name of the phase with some legs on the ground: "posterior_stance", or "posterior_left"."""
         parts = []
         for group in self.groups:
             own = [leg for leg in group if leg in bearing]
@@ -134,14 +136,14 @@ class Automaton:
         return f"{'+'.join(parts)}_stance" if len(bearing) > 1 else parts[0]
 
     def _closed_by(self, phase: str, bearing: Sequence[Leg]) -> Group | None:
-        """The group whose touchdown closes a cycle: one in the air that is not just back, while no other such is."""
+        """Returns the group whose touchdown closes a cycle: the only one in the air that has not just lifted off."""
         for group in self.closing:
             if not self._back(group, phase) and not set(bearing) & set(group):
                 return group
         return None
 
     def _back(self, group: Group, phase: str) -> bool:
-        """Whether legs of a group that land are just back: it bore last, and another one is the next."""
+        """Tells whether landing legs of a group are just back: the group stood last, and another group is next."""
         return phase == group.flight and self._next(group) is not group
 
     def _of_phase(
@@ -176,7 +178,7 @@ class Automaton:
     def _touchdowns(
         self, groups: Sequence[Group], phase: str, bearing: tuple[Leg, ...], closing: Group | None
     ) -> list[Guard]:
-        """Those of the legs in the air, group by group; those of the one that closes a cycle lead to just before it."""
+        """Returns touchdowns of legs in the air, by group; those of a closing group lead to just before it."""
         guards: list[Guard] = []
         for group in groups:
             if group is closing:
@@ -191,7 +193,7 @@ class Automaton:
         return guards
 
     def _closing(self, group: Group, phase: str) -> list[Guard]:
-        """Just before a group's touchdown: from there on all depends on (q, v) alone."""
+        """Returns the event just before a group's touchdown; from there on all depends on (q, v) alone."""
         last, others, halfway = self._previous(group), self._others(group), group is not self.closing[0]
         mirror = mirror_of(self.robot)
 
@@ -246,14 +248,14 @@ class Automaton:
         return next(group for group in self.groups if leg in group)
 
     def _next(self, group: Group) -> Group:
-        """The group that bears after one: of a single group itself."""
+        """Returns the group that lands after a group; a single group follows itself."""
         return self.groups[(self.groups.index(group) + 1) % len(self.groups)]
 
     def _previous(self, group: Group) -> Group:
         return self.groups[self.groups.index(group) - 1]
 
     def _others(self, group: Group) -> tuple[Leg, ...]:
-        """The legs that are not in a group."""
+        """Returns the legs that are not in a group."""
         return tuple(leg for leg in self.legs if leg not in group)
 
     def _with(self, bearing: Sequence[Leg], leg: Leg) -> list[Leg]:
@@ -261,12 +263,12 @@ class Automaton:
 
 
 def _before(phase: str) -> str:
-    """Name of the phase that a stride begins with, which the touchdown ends at once."""
+    """Returns the name of the phase with which a stride begins, and which the touchdown ends at once."""
     return f"{phase}_ends"
 
 
 def _passing(leg: Leg, others: Sequence[Leg]) -> Guard:
-    """A leg's phase variable passes 1, either way."""
+    """Returns guards for a leg's phase variable passing 1, either way."""
     past = f"{leg.name}_past"
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:

@@ -1,4 +1,4 @@
-"""Bounding in space: the posterior legs bear together, and the anterior ones."""
+"""Bounding in space: the posterior legs are on the ground together, and so are the anterior legs."""
 
 from __future__ import annotations
 
@@ -29,21 +29,22 @@ def bounding_in_space(
     *,
     ground: Ground | None = None,
 ) -> HybridSystem:
-    """The bounding automaton in space: each leg touches down and lifts off for itself.
+    """Returns the bounding automaton in space, in which each leg touches down and lifts off by itself.
 
     The section lies just before the first posterior touchdown, both posterior legs at their touchdown angles.
 
     Args:
-        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, its toes those of its four legs.
+        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, whose toes are those of its four
+            legs.
         law: parameters of the controller.
-        spring: the knee springs, of one leg; by default 56 N·m/rad (source: Table 5.1), without damping, for a robot
-            of another size times the ratio of m g l.
+        spring: the knee spring of one leg; by default 56 N·m/rad (source: Table 5.1), without damping, scaled with m g
+            l for a robot of another size.
         contact: friction of level ground; by default 0.8 (assumption).
-        ground: the ground, in place of `contact`.
+        ground: the ground, instead of `contact`.
 
     Raises:
-        BadValue: the robot is no such quadruped, both contact and ground are given, the ground is not level at height
-            zero, the spring is never switched, or the plane's law has event feedback.
+        BadValue: the robot is not such a quadruped, both contact and ground are given, the ground is not level at
+            height zero, the spring never releases, or the plane's law has event feedback.
 
     Example:
         >>> from spear_pin import Gait, SpatialLaw, bounding_in_space, load

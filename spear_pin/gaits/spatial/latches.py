@@ -1,8 +1,8 @@
-"""What events latch, leg by leg: as one begins to bear, to trail, to swing while the other group bears, and to land.
+"""Values that events latch, leg by leg: as a leg lands, trails, swings while the other group stands, and reaches down.
 
 A leg in the air has an evolution of its own. It trails after its lift-off until the other group is down, swings while
-that bears, and lands after that has lifted off; where there is no other group it lands at once. Its contact and its
-evolution are two things.
+that group is on the ground, and moves to its touchdown angles after that group has lifted off. If there is no other
+group, it does so at once. A leg's contact and its evolution are separate.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ Legs = Sequence[Leg]
 
 
 def mean_angle(group: Group, q: Numbers) -> float:
-    """Mean leg angle γ of a group, whichever of its legs is on the ground."""
+    """Returns the mean leg angle γ of a group, whichever of its legs are on the ground."""
     return float(np.mean([value(leg.angle, q) for leg in group]))
 
 
 def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw, anew: bool) -> dict[str, Any]:
-    """A leg begins to bear.
+    """Starts a leg's stance.
 
     Args:
         leg: the leg.
-        own: its group.
+        own: group of the leg.
         q: configuration.
         v: velocity.
-        held: what is held.
+        held: latched values.
         p: the law.
-        anew: whether it is the first of its group, and not just back.
+        anew: whether it is the first leg of its group to land, and is not just back.
     """
     ahead = math.cos(q[YAW]) * v[0] + math.sin(q[YAW]) * v[1]
     adduction, hip, knee = p.torques(leg, held, ahead)
@@ -56,12 +56,12 @@ def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw, a
 
 
 def trails(leg: Leg, own: Group, others: Legs, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
-    """A leg trails, over the travel along the heading that it has now."""
+    """Starts a leg's trailing, over the travel along its present heading."""
     return _begins(leg, others, _along(q), p.trailing(leg), q, v, p.span_of_flight(own), held, p, 0.0)
 
 
 def swings(leg: Leg, bearing: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
-    """A leg swings while the other group bears, over the mean leg angle of that."""
+    """Starts a leg's swing while the other group is on the ground, over that group's mean leg angle."""
     whole = p.span_of_stance(bearing)
     angle = mean_angle(bearing, q)
     left = 1.0 - (angle - held.get(f"{bearing.name}_leg", angle)) / whole
@@ -70,12 +70,12 @@ def swings(leg: Leg, bearing: Group, q: Numbers, v: Numbers, held: Held, p: LegL
 
 
 def lands(leg: Leg, last: Group, others: Legs, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
-    """A leg is brought to its touchdown angles after the group that bore last has lifted off."""
+    """Brings a leg to its touchdown angles after the group that was last on the ground has lifted off."""
     return _begins(leg, others, _along(q), p.landing(leg, held), q, v, p.span_of_flight(last), held, p, 1.0)
 
 
 def waits(leg: Leg, last: Group, others: Legs, q: Numbers, p: LegLaw) -> dict[str, Any]:
-    """A leg about to land stays as it is, so that all that it will do depends on the state alone."""
+    """Holds a leg that is about to land, so that its further motion depends on the state alone."""
     weights = _along(q)
     outputs = leg.outputs(others, weights)
     stays = tuple(5 * (float(value(row, q)),) for row in outputs.rows)
@@ -84,7 +84,7 @@ def waits(leg: Leg, last: Group, others: Legs, q: Numbers, p: LegLaw) -> dict[st
 
 
 def landing(legs: Iterable[Leg], held: Held) -> list[Leg]:
-    """The legs that have not been on the ground since they swung."""
+    """Returns the legs that have not been on the ground since they swung."""
     return [leg for leg in legs if held.get(f"{leg.name}_forward", 1.0) > 0.5]
 
 

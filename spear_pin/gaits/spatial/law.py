@@ -1,4 +1,4 @@
-"""The bounding controller in space: the plane's numbers for each leg, and what the adduction joints do."""
+"""The bounding controller in space: the plane's numbers for each leg, and the control of the adduction joints."""
 
 from __future__ import annotations
 
@@ -30,33 +30,33 @@ _FLIGHTS = dict(zip(LEGS, FLIGHTS, strict=True))  # of the plane's law, after th
 @typed
 @dataclass(frozen=True)
 class SpatialLaw:
-    """Parameters of the bounding controller in space. None of them but the plane's is the source's.
+    """Parameters of the bounding controller in space. Only the plane's parameters come from the source.
 
-    In stance an adduction joint is held by torque about the angle that it has at touchdown, never locked: with two toes
-    on the ground its torque only presses them together. In the air it is an output. Differences are of the left leg
-    from the pair's mean, so that the right leg has as much less.
+    In stance a torque holds an adduction joint about its angle at touchdown; the joint is never locked: with two toes
+    on the ground its torque only presses them together. In the air the adduction is an output. Differences are from the
+    pair's mean to the left leg; the right leg has the opposite difference.
 
     Attributes:
-        plane: the sagittal controller; torques in it are those of a pair, of which each leg has half.
-        adduction_stiffness: in stance, in N·m/rad.
-        adduction_damping: in stance, in N·m·s/rad.
+        plane: the sagittal controller; its torques are those of a pair, of which each leg has half.
+        adduction_stiffness: stiffness of the adduction in stance, in N·m/rad.
+        adduction_damping: damping of the adduction in stance, in N·m·s/rad.
         adduction_epsilon: ε of the adduction as an output in the air, in s.
-        posterior_hip_difference: in N·m.
-        posterior_knee_difference: in N·m, extending.
-        posterior_leg_difference: of the leg angle γ at touchdown, in rad.
-        posterior_adduction: angle at touchdown, both legs to the left, in rad.
-        posterior_adduction_torque: in stance, on both legs to the left, in N·m.
-        posterior_spread: angle at touchdown, both legs outward, in rad.
-        posterior_squeeze: torque in stance, on both legs inward, in N·m.
-        anterior_hip_difference: as of the posterior pair, as all that follow.
-        anterior_knee_difference: in N·m.
-        anterior_leg_difference: in rad.
-        anterior_adduction: in rad.
-        anterior_adduction_torque: in N·m.
-        anterior_spread: in rad.
-        anterior_squeeze: in N·m.
-        heading: to which feedback of the yaw steers, in rad.
-        nominal: section state (q, v) of the gait, x = y = yaw = 0; what feedback compares with.
+        posterior_hip_difference: difference of the hip torque, in N·m.
+        posterior_knee_difference: difference of the knee torque, in N·m, extending.
+        posterior_leg_difference: difference of the leg angle γ at touchdown, in rad.
+        posterior_adduction: adduction angle at touchdown, both legs to the left, in rad.
+        posterior_adduction_torque: adduction torque in stance, on both legs to the left, in N·m.
+        posterior_spread: adduction angle at touchdown, both legs outward, in rad.
+        posterior_squeeze: adduction torque in stance, on both legs inward, in N·m.
+        anterior_hip_difference: the same for the anterior pair, in N·m.
+        anterior_knee_difference: the same for the anterior pair, in N·m.
+        anterior_leg_difference: the same for the anterior pair, in rad.
+        anterior_adduction: the same for the anterior pair, in rad.
+        anterior_adduction_torque: the same for the anterior pair, in N·m.
+        anterior_spread: the same for the anterior pair, in rad.
+        anterior_squeeze: the same for the anterior pair, in N·m.
+        heading: yaw to which feedback steers, in rad.
+        nominal: section state (q, v) of the gait, x = y = yaw = 0, with which feedback compares.
         feedback: event feedback, one row for each of `INPUTS`, one column for each of `nominal`.
         feedback_limits: largest adjustment of each of `INPUTS`, in N·m and rad.
 
@@ -91,7 +91,7 @@ class SpatialLaw:
     feedback_limits: tuple[float, ...] = (*2 * (100.0, 100.0, 0.2, 0.3, 30.0), *4 * (100.0,), *2 * (0.2,))
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         valid: dict[str, tuple[Callable[[float], bool], str]] = {
             "adduction_stiffness": (lambda k: k >= 0, "a number >= 0, in N·m/rad"),
             "adduction_damping": (lambda b: b >= 0, "a number >= 0, in N·m·s/rad"),
@@ -113,16 +113,16 @@ class SpatialLaw:
     @classmethod
     @typed
     def scaled(cls, plane: BoundingLaw, robot: Robot) -> SpatialLaw:
-        """The law with the numbers of Q-SPEAR's adduction for a robot of another size.
+        """Returns the law with Q-SPEAR's adduction numbers scaled to another robot.
 
-        Stiffnesses and torques go by m g l, damping by that times √(l/g), times by √(l/g).
+        Stiffnesses and torques scale with m g l, damping with m g l √(l/g), times with √(l/g).
 
         Args:
             plane: the sagittal controller.
             robot: a quadruped, not in the plane.
 
         Raises:
-            BadValue: the robot has no legs of hip and knee.
+            BadValue: the robot has no legs with hip and knee.
 
         Example:
             >>> from spear_pin import Gait, SpatialLaw, load
@@ -141,12 +141,12 @@ class SpatialLaw:
 
     @property
     def knee_rest(self) -> float:
-        """θ̄ of (5.5)-(5.6), that of the plane's law, in rad."""
+        """θ̄ of (5.5)-(5.6) in the plane's law, in rad."""
         return self.plane.knee_rest
 
     @property
     def epsilon(self) -> float:
-        """ε of (5.16), that of the plane's law, in s."""
+        """ε of (5.16) in the plane's law, in s."""
         return self.plane.epsilon
 
     @property
@@ -156,15 +156,15 @@ class SpatialLaw:
 
     @property
     def lift_off(self) -> str:
-        """What lifts a leg, as of the plane's law."""
+        """Rule for lift-off in the plane's law."""
         return self.plane.lift_off
 
     def torques(self, leg: Leg, held: Mapping[str, Any], ahead: float) -> tuple[float, float, float]:
-        """Torques of a leg that begins to bear, of adduction (to the left), hip and knee (extending), in N·m.
+        """Returns torques of a landing leg for adduction (to the left), hip and knee (extending), in N·m.
 
         Args:
             leg: the leg.
-            held: what is held.
+            held: latched values.
             ahead: speed of the torso along its heading, in m/s.
         """
         i = LEGS.index(leg.end)
@@ -178,40 +178,40 @@ class SpatialLaw:
         )
 
     def swing(self, leg: Leg) -> Shape:
-        """Coefficients of γ and knee, from the third on, of a leg that swings while the other pair bears."""
+        """Returns coefficients of γ and knee, from the third on, for a leg that swings while the other pair stands."""
         shape: Shape = getattr(self.plane, f"{_other(leg.end)}_stance_swing")
         return shape
 
     def trailing(self, leg: Leg) -> Shape:
-        """The same of a leg that trails after its lift-off."""
+        """Returns coefficients of γ and knee, from the third on, for a leg that trails after its lift-off."""
         shape: Shape = getattr(self.plane, f"{_FLIGHTS[leg.end]}_trailing")
         return shape
 
     def landing(self, leg: Leg, held: Mapping[str, Any]) -> Shape:
-        """The same of a leg that is brought to its touchdown angles."""
+        """Returns coefficients of γ and knee, from the third on, for a leg that moves to its touchdown angles."""
         angle, knee = getattr(self.plane, f"{_FLIGHTS[_other(leg.end)]}_landing")
         target = self._of_pair(leg, "leg_touchdown", held) + self._of(leg, "leg_difference", held)
         return (angle, *3 * (target,)), (knee, *3 * (leg.bends * self.plane.knee_touchdown,))
 
     def span_of_stance(self, group: Group) -> float:
-        """Δ of (5.10), of the mean leg angle of a pair that bears, in rad."""
+        """Returns Δ of (5.10), for the mean leg angle of a pair on the ground, in rad."""
         return float(getattr(self.plane, f"{group.name}_stance_span"))
 
     def span_of_flight(self, group: Group) -> float:
-        """Δ of (5.19), in the flight after the stance of a pair, or of all legs, in m."""
+        """Returns Δ of (5.19), in the flight after the stance of a pair, or of all legs, in m."""
         return float(getattr(self.plane, f"{group.flight}_span"))
 
     def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
-        """Angle of a leg's adduction at touchdown, to the left, in rad."""
+        """Returns the angle of a leg's adduction at touchdown, to the left, in rad."""
         return self._of(leg, "adduction", held) + leg.lateral * float(getattr(self, f"{leg.end}_spread"))
 
     def _of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
-        """One of `ANTISYMMETRIC` for a leg, as adjusted: a difference with its sign, the others of both legs alike."""
+        """Returns one of `ANTISYMMETRIC` for a leg, as adjusted; a difference has the leg's sign."""
         value = self._adjusted(self, f"{leg.end}_{name}", held)
         return leg.lateral * value if name.endswith("difference") else value
 
     def _of_pair(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
-        """A number of the plane's law for a leg's pair, as adjusted."""
+        """Returns a number of the plane's law for a leg's pair, as adjusted."""
         return self._adjusted(self.plane, f"{leg.end}_{name}", held)
 
     def _adjusted(self, owner: Any, name: str, held: Mapping[str, Any]) -> float:
@@ -219,17 +219,17 @@ class SpatialLaw:
         return value + held[ADJUSTED][INPUTS.index(name)] if self.feedback and ADJUSTED in held else value
 
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
-        """Adjustment of `INPUTS` for a stride by event feedback, within its limits, from a state on the section."""
+        """Returns the adjustment of `INPUTS` for a stride by event feedback, within limits, from a section state."""
         return adjusted(self.feedback, self.nominal, self.feedback_limits, q, v, self.heading)
 
 
 def is_angle(name: str) -> bool:
-    """Whether one of `INPUTS`, or of a trot's, is an angle; the others are torques."""
+    """Tells whether one of `INPUTS`, or of a trot's inputs, is an angle; the others are torques."""
     return name.endswith(("leg_difference", "adduction", "spread", "touchdown"))
 
 
 def limits_for(robot: Robot, inputs: Sequence[str], limits: Sequence[float]) -> tuple[float, ...]:
-    """Limits of event feedback for a robot, of those for Q-SPEAR: angles are as they are, torques go by m g l."""
+    """Scales Q-SPEAR's limits of event feedback to a robot: angles stay, torques scale with m g l."""
     torque = scale_in_space(robot).torque
     return tuple(limit * (1.0 if is_angle(name) else torque) for name, limit in zip(inputs, limits, strict=True))
 

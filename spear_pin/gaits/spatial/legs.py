@@ -1,4 +1,4 @@
-"""Legs of a quadruped in space, what of each is controlled, and the groups that they bear in."""
+"""Legs of a quadruped in space, their controlled variables, and the groups in which they stand."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ FLIGHTS = ("flight_1", "flight_2")  # after the stance of the first group, and o
 
 @dataclass(frozen=True)
 class Leg:
-    """A leg in space. Its numbers in a law are of the convention, see `spear_pin.model.legs`; q is the robot's own.
+    """A leg in space. Its numbers in a law follow the convention, see `spear_pin.model.legs`; q is the robot's own.
 
     Attributes:
         end: "posterior" or "anterior".
-        lateral: +1 of the left one, -1 of the right one.
-        adduction: index of its adduction joint; in the convention > 0 swings the leg to the left.
+        lateral: +1 for the left leg, -1 for the right leg.
+        adduction: index of its adduction joint; in the convention an angle > 0 swings the leg to the left.
         hip: index of its hip.
         knee: index of its knee.
         side: +1 if the knee flexes to positive angles of its own, -1 if to negative.
-        lengths: of thigh and shank, in m.
+        lengths: lengths of thigh and shank, in m.
         motors: columns of the motors of adduction, hip and knee.
         joint: name of its knee.
         above: name of its hip.
         toe: name of its toe.
-        signs: +1 or -1 of adduction, hip and knee: their angles of the convention are sign (q - zero).
-        zeros: of adduction, hip and knee, in rad.
+        signs: signs of adduction, hip and knee: their angles of the convention are sign (q - zero).
+        zeros: zeros of adduction, hip and knee, in rad.
     """
 
     end: str
@@ -61,7 +61,7 @@ class Leg:
 
     @property
     def name(self) -> str:
-        """Such as "posterior_left", whatever the robot calls it."""
+        """Name such as "posterior_left", whatever the robot calls the leg."""
         return f"{self.end}_{'left' if self.lateral > 0 else 'right'}"
 
     @property
@@ -76,24 +76,24 @@ class Leg:
 
     @cached_property
     def angle(self) -> Variable:
-        """Its leg angle γ in the torso's sagittal plane, as of the plane's leg."""
+        """Leg angle γ in the torso's sagittal plane, the same as that of a planar leg."""
         return leg_angle(PITCH, self.hip, self.knee, self.lengths, self.signs[1:], self.zeros[1:])
 
     @cached_property
     def controlled(self) -> tuple[Variable, Variable]:
-        """What the hip's and the knee's motors control in the air: γ and the knee, of the convention."""
+        """Variables that the motors of hip and knee control in the air: γ and the knee, of the convention."""
         return self.angle, turned(self.knee, self.signs[2], self.zeros[2])
 
     def flexion(self, q: Any) -> Any:
-        """How far the knee is flexed, in rad."""
+        """Returns how far the knee is flexed, in rad."""
         return self.side * (q[self.knee] - self.zeros[2])
 
     def outputs(self, others: Sequence[Leg], weights: tuple[Any, Any, Any]) -> Outputs:
-        """What is controlled in the air, over a phase variable.
+        """Returns the controlled outputs in the air, over a phase variable.
 
         Args:
             others: the legs of the other group, if there is one.
-            weights: of x, of y and of each of their γ in the phase variable.
+            weights: weights of x, of y and of each of their γ in the phase variable.
         """
         ahead, aside, angles = weights
         travel = ((X, ahead), (Y, aside))
@@ -101,17 +101,17 @@ class Leg:
         return Outputs(self.controlled, phase, self.motors[1:])
 
     def evolution(self, held: Mapping[str, Any]) -> Evolution:
-        """The desired evolution of it that is held."""
+        """Returns the latched desired evolution of the leg."""
         return Evolution(*(held[f"{self.name}_{part}"] for part in ("alpha", "origin", "span", "past")))
 
 
 @dataclass(frozen=True)
 class Group:
-    """Legs that bear together.
+    """Legs that are on the ground together.
 
     Attributes:
-        name: such as "posterior".
-        legs: any of the four.
+        name: name such as "posterior".
+        legs: any legs of the four.
         flight: name of the flight after its stance.
     """
 
@@ -120,7 +120,7 @@ class Group:
     flight: str
 
     def __iter__(self) -> Iterator[Leg]:
-        """Its legs."""
+        """Iterates over the legs."""
         return iter(self.legs)
 
 
@@ -129,11 +129,12 @@ Groups = tuple[Group, ...]
 
 
 def pairs_of(robot: Robot) -> Groups:
-    """The posterior and the anterior pair, the left leg first.
+    """Returns the posterior and the anterior pair, the left leg first.
 
     Raises:
-        BadValue: the robot has no chain as base, not four legs that `spear_pin.sagittal` would pair, its toes are not
-            theirs, or one has no adduction, not a motor on each joint, or a knee that may flex to either side.
+        BadValue: the base of the robot is not a chain, it does not have four legs that `spear_pin.sagittal` would pair,
+            its toes are not those of the legs, or a leg has no adduction, no motor on one of its joints, or a knee that
+            may flex to either side.
     """
     if robot.coordinates[: len(CHAIN)] != CHAIN:
         raise BadValue("robot", robot, 'a quadruped on a chain, load(..., base="chain")')
@@ -149,30 +150,30 @@ def pairs_of(robot: Robot) -> Groups:
 
 
 def diagonals_of(robot: Robot) -> Groups:
-    """The pair of the posterior right leg and that of the posterior left one, each with the anterior leg across.
+    """Returns the pairs of the posterior right and of the posterior left leg, each with the opposite anterior leg.
 
     Raises:
-        BadValue: as of `pairs_of`.
+        BadValue: the robot is not such a quadruped; see `pairs_of`.
     """
     (left, right), (across, other) = pairs_of(robot)
     return Group("diagonal_right", (right, across), FLIGHTS[0]), Group("diagonal_left", (left, other), FLIGHTS[1])
 
 
 def laterals_of(robot: Robot) -> Groups:
-    """The pair of the right legs and that of the left ones.
+    """Returns the pair of the right legs and the pair of the left legs.
 
     Raises:
-        BadValue: as of `pairs_of`.
+        BadValue: the robot is not such a quadruped; see `pairs_of`.
     """
     (left, right), (fore_left, fore_right) = pairs_of(robot)
     return Group("lateral_right", (right, fore_right), FLIGHTS[0]), Group("lateral_left", (left, fore_left), FLIGHTS[1])
 
 
 def together(robot: Robot) -> Groups:
-    """All four legs as one group.
+    """Returns all four legs as one group.
 
     Raises:
-        BadValue: as of `pairs_of`.
+        BadValue: the robot is not such a quadruped; see `pairs_of`.
     """
     return (Group("all", tuple(leg for pair in pairs_of(robot) for leg in pair), FLIGHTS[0]),)
 
@@ -204,7 +205,7 @@ def _leg(robot: Robot, leg: RobotLeg, end: str, side: str) -> Leg:
 
 
 def placed(robot: Robot, pairs: Groups, planar: Array) -> Array:
-    """Configuration in space of one in the plane: x, z, pitch, then hip and knee of either pair, (nv,)."""
+    """Returns the configuration in space, (nv,), of a planar one: x, z, pitch, then hip and knee of either pair."""
     q = moving(robot, pairs, planar)
     for pair in pairs:
         for leg in pair:
@@ -213,7 +214,7 @@ def placed(robot: Robot, pairs: Groups, planar: Array) -> Array:
 
 
 def moving(robot: Robot, pairs: Groups, planar: Array) -> Array:
-    """Velocity in space of one in the plane, (nv,), the coordinates of which are as of `placed`."""
+    """Returns the velocity in space, (nv,), of a planar one; see `placed` for the order of its coordinates."""
     whole = np.zeros(robot.nv)
     whole[[X, Z, PITCH]] = planar[:3]
     for i, pair in enumerate(pairs):

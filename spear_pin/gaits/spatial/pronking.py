@@ -1,4 +1,4 @@
-"""Pronking: all four legs bear together."""
+"""Pronking: all four legs are on the ground together."""
 
 from __future__ import annotations
 
@@ -25,22 +25,24 @@ def pronking(
     *,
     ground: Ground | None = None,
 ) -> HybridSystem:
-    """The pronking automaton: that of `bounding_in_space` with all four legs as one group, and one flight.
+    """Returns the pronking automaton: that of `bounding_in_space` with all legs as one group, and one flight.
 
-    The section lies just before the first touchdown, all legs at their touchdown angles. The law is the bound's; as no
-    other leg bears while one is in the air, its legs land from lift-off on, posterior ones by `flight_2_landing` and
-    anterior ones by `flight_1_landing`, all over `flight_1_span`. Spans of stance, coefficients of swing and trailing,
-    and `flight_2_span`, have no effect.
+    The section lies just before the first touchdown, with all legs at their touchdown angles. The law is the bound's.
+    No other group is on the ground while a leg is in the air, so legs move to their touchdown angles from lift-off on:
+    posterior legs by `flight_2_landing` and anterior legs by `flight_1_landing`, all over `flight_1_span`. Spans of
+    stance, coefficients of swing and trailing, and `flight_2_span` have no effect.
 
     Args:
-        robot: as of `bounding_in_space`, as all that follows.
+        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, whose toes are those of its four
+            legs.
         law: parameters of the controller.
-        spring: the knee springs, of one leg.
-        contact: friction of level ground.
-        ground: the ground, in place of `contact`.
+        spring: the knee spring of one leg; by default 56 N·m/rad (source: Table 5.1), without damping, scaled with m g
+            l for a robot of another size.
+        contact: friction of level ground; by default 0.8 (assumption).
+        ground: the ground, instead of `contact`.
 
     Raises:
-        BadValue: as of `bounding_in_space`.
+        BadValue: the robot is not such a quadruped, or another argument is not valid; see `bounding_in_space`.
 
     Example:
         >>> from spear_pin import Gait, pronking

@@ -1,4 +1,4 @@
-"""Motor torques in space: of legs that bear, and of those in the air; what a law holds of its gait."""
+"""Motor torques in space, of legs on the ground and legs in the air, and the gait state that a law holds."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.symmetry import headed
 from spear_pin.model.robot import Robot
 
-ADJUSTED = "adjusted"  # name in what is held of what event feedback adds to a law's inputs
+ADJUSTED = "adjusted"  # name of the latched additions by event feedback to a law's inputs
 
 
 class LegLaw(Protocol):
-    """A law that has numbers for each leg and for each group; `SpatialLaw` says what they mean."""
+    """A law with numbers for each leg and for each group; see `SpatialLaw` for their meaning."""
 
     @property
     def adduction_stiffness(self) -> float: ...  # noqa: D102
@@ -56,15 +56,15 @@ def adjusted(
     v: Sequence[float],
     heading: float = 0.0,
 ) -> tuple[float, ...]:
-    """What event feedback adds to a law's inputs, within limits, by a state on the section; () without feedback.
+    """Returns what event feedback adds to a law's inputs, within limits, at a section state; () without feedback.
 
     Args:
         feedback: one row for each input, one column for each of `nominal`.
         nominal: the state (q, v) of the gait, x = y = yaw = 0.
-        limits: of each input.
+        limits: limit of each input.
         q: configuration.
         v: velocity.
-        heading: to which feedback of the yaw steers, in rad.
+        heading: yaw to which feedback steers, in rad.
     """
     if not feedback:
         return ()
@@ -76,10 +76,10 @@ def adjusted(
 
 
 def nominal_start(robot: Robot, law: Any, landing: Group) -> State:
-    """The section state that a law holds, its group that is about to land on the ground.
+    """Returns the section state that a law holds, with the landing group on the ground.
 
     Raises:
-        BadValue: it holds none.
+        BadValue: the law holds no state.
     """
     if not law.nominal:
         raise BadValue(f"{type(law).__name__}.nominal", law.nominal, "the numbers of a section state, or give a state")
@@ -89,7 +89,7 @@ def nominal_start(robot: Robot, law: Any, landing: Group) -> State:
 
 
 def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: LegLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
-    """Motor torques of a supporting leg as (column, torque): half of a pair's, (5.4)-(5.6), and the adduction's."""
+    """Returns motor torques of a supporting leg as (column, torque): half a pair's, (5.4)-(5.6), and adduction's."""
     adduction, hip, knee = leg.motors
     flexed = leg.flexion(q) - p.knee_rest
     total = -leg.side * (held[f"{leg.name}_knee_torque"] + p.leg_stiffness * flexed)
@@ -103,7 +103,7 @@ def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: LegLaw, dyn: D
 
 
 def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Sequence[Leg]]]) -> Law:
-    """Torques while some legs bear, and others, each with those of the other group, are in the air."""
+    """Returns the law for torques of legs on the ground, and of legs in the air, each given with its other group."""
     in_the_air = [motor for leg, _ in airborne for motor in (*leg.motors[1:], leg.motors[0])]
 
     def law(t: Any, q: Any, v: Any, held: Any, p: LegLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:

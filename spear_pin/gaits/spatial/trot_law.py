@@ -1,4 +1,4 @@
-"""The bound's controller with diagonal pairs: numbers of a hind and of a fore leg, alike on both sides."""
+"""The bound's controller with diagonal pairs: numbers for a hind and a fore leg, the same on both sides."""
 
 from __future__ import annotations
 
@@ -33,38 +33,40 @@ SHAPES = {
 @typed
 @dataclass(frozen=True)
 class TrotLaw:
-    """Parameters of the trotting controller: what `BoundingLaw` and `SpatialLaw` have, of one leg each.
+    """Parameters of the trotting controller: those of `BoundingLaw` and `SpatialLaw`, for one leg each.
 
     Attributes:
         posterior_hip_torque: β of (5.4), in N·m.
-        anterior_hip_torque: as of the posterior leg, as all that follow.
+        anterior_hip_torque: the same for the anterior leg, in N·m.
         posterior_knee_torque: |ū| of (5.5), extending, in N·m.
-        anterior_knee_torque: in N·m.
-        posterior_leg_touchdown: γ that the leg lands with, in rad.
-        anterior_leg_touchdown: in rad.
-        stance_span: Δ of (5.10), of the mean γ of a pair that bears, in rad, negative.
+        anterior_knee_torque: the same for the anterior leg, in N·m.
+        posterior_leg_touchdown: γ at which the posterior leg lands, in rad.
+        anterior_leg_touchdown: γ at which the anterior leg lands, in rad.
+        stance_span: Δ of (5.10), for the mean γ of a pair on the ground, in rad, negative.
         flight_span: Δ of (5.19), in m.
-        posterior_swing: Bézier coefficients of γ and knee from the third on, while the other pair bears.
-        anterior_swing: of the anterior leg.
-        posterior_trailing: of the leg just lifted.
-        anterior_trailing: of the anterior leg.
-        posterior_landing: the third coefficient of γ and knee; the last three are the touchdown values.
-        anterior_landing: of the anterior leg.
-        posterior_spread: adduction at touchdown, outward, in rad.
-        anterior_spread: in rad.
-        posterior_squeeze: torque of the adduction in stance, inward, in N·m.
-        anterior_squeeze: in N·m.
-        leg_stiffness: of the virtual spring in a knee, in N·m/rad.
+        posterior_swing: Bézier coefficients of γ and knee, from the third on, for a posterior leg while the other pair
+            is on the ground.
+        anterior_swing: the same for an anterior leg.
+        posterior_trailing: the same for a posterior leg that has just lifted.
+        anterior_trailing: the same for an anterior leg that has just lifted.
+        posterior_landing: the third coefficient of γ and knee for a posterior leg; the last three are the touchdown
+            values.
+        anterior_landing: the same for an anterior leg.
+        posterior_spread: adduction of a posterior leg at touchdown, outward, in rad.
+        anterior_spread: the same for an anterior leg, in rad.
+        posterior_squeeze: torque of a posterior adduction in stance, inward, in N·m.
+        anterior_squeeze: the same for an anterior leg, in N·m.
+        leg_stiffness: stiffness of the virtual spring in a knee, in N·m/rad.
         knee_rest: θ̄ of (5.5), by magnitude, in rad.
         knee_touchdown: knee angle of a landing leg, by magnitude, in rad.
         epsilon: ε of (5.16), in s.
-        adduction_stiffness: in stance, in N·m/rad.
-        adduction_damping: in stance, in N·m·s/rad.
+        adduction_stiffness: stiffness of the adduction in stance, in N·m/rad.
+        adduction_damping: damping of the adduction in stance, in N·m·s/rad.
         adduction_epsilon: ε of the adduction in the air, in s.
-        lift_off: "knee" or "force", as of `BoundingLaw`.
-        nominal: section state (q, v) of the gait, x = y = yaw = 0; what feedback compares with.
-        halfway: the same between the halves of a stride, seen in the mirror, of a robot whose left and right differ;
-            () is `nominal`.
+        lift_off: "knee" or "force"; see `BoundingLaw`.
+        nominal: section state (q, v) of the gait, x = y = yaw = 0, with which feedback compares.
+        halfway: the same between the halves of a stride, seen in the mirror, for a robot whose left and right differ;
+            () means `nominal`.
         feedback: event feedback, one row for each of `TROT_INPUTS`, one column for each of `nominal`.
         feedback_limits: largest adjustment of each of `TROT_INPUTS`, in N·m and rad.
 
@@ -106,7 +108,7 @@ class TrotLaw:
     feedback_limits: tuple[float, ...] = 2 * (50.0, 50.0, 30.0, 0.2, 0.3)
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         valid: dict[str, tuple[Callable[[float], bool], str]] = {
             **dict.fromkeys(("epsilon", "adduction_epsilon"), (lambda e: e > 0, "a number > 0, in s")),
             **dict.fromkeys(("knee_rest", "knee_touchdown"), (lambda a: 0 < a < math.pi, "between 0 and π rad")),
@@ -136,47 +138,47 @@ class TrotLaw:
             raise BadValue("TrotLaw.feedback_limits", self.feedback_limits, f"{len(TROT_INPUTS)} numbers >= 0")
 
     def torques(self, leg: Leg, held: Mapping[str, Any], ahead: float) -> tuple[float, float, float]:
-        """Torques of a leg that begins to bear, of adduction (to the left), hip and knee (extending), in N·m."""
+        """Returns torques of a landing leg for adduction (to the left), hip and knee (extending), in N·m."""
         hip, knee, squeeze = (self._of(leg, name, held) for name in OF_TORQUES)
         return -leg.lateral * squeeze, hip, knee
 
     def swing(self, leg: Leg) -> Shape:
-        """Coefficients of γ and knee, from the third on, of a leg that swings while the other pair bears."""
+        """Returns coefficients of γ and knee, from the third on, for a leg that swings while the other pair stands."""
         shape: Shape = getattr(self, f"{leg.end}_swing")
         return shape
 
     def trailing(self, leg: Leg) -> Shape:
-        """The same of a leg that trails after its lift-off."""
+        """Returns coefficients of γ and knee, from the third on, for a leg that trails after its lift-off."""
         shape: Shape = getattr(self, f"{leg.end}_trailing")
         return shape
 
     def landing(self, leg: Leg, held: Mapping[str, Any]) -> Shape:
-        """The same of a leg that is brought to its touchdown angles."""
+        """Returns coefficients of γ and knee, from the third on, for a leg that moves to its touchdown angles."""
         angle, knee = getattr(self, f"{leg.end}_landing")
         return (angle, *3 * (self._of(leg, "leg_touchdown", held),)), (knee, *3 * (leg.bends * self.knee_touchdown,))
 
     def span_of_stance(self, group: Group) -> float:
-        """Δ of (5.10), of the mean leg angle of a pair that bears, in rad."""
+        """Returns Δ of (5.10), for the mean leg angle of a pair on the ground, in rad."""
         return self.stance_span
 
     def span_of_flight(self, group: Group) -> float:
-        """Δ of (5.19), in the flight after the stance of a pair, in m."""
+        """Returns Δ of (5.19), in the flight after the stance of a pair, in m."""
         return self.flight_span
 
     def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
-        """Angle of a leg's adduction at touchdown, to the left, in rad."""
+        """Returns the angle of a leg's adduction at touchdown, to the left, in rad."""
         return leg.lateral * self._of(leg, "spread", held)
 
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
-        """Adjustment of `TROT_INPUTS` for half a stride by event feedback, from a state as of `seen`."""
+        """Returns the adjustment of `TROT_INPUTS` for half a stride by event feedback; see `seen` for the state."""
         return adjusted(self.feedback, self.nominal, self.feedback_limits, q, v)
 
     def adjustment_halfway(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
-        """The same between the halves of a stride, from a state seen in the mirror."""
+        """Returns the same adjustment between the halves of a stride, from a state seen in the mirror."""
         return adjusted(self.feedback, self.halfway or self.nominal, self.feedback_limits, q, v)
 
     def _of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
-        """A number of a leg, as adjusted."""
+        """Returns a number for a leg, as adjusted."""
         value = float(getattr(self, f"{leg.end}_{name}"))
         if not self.feedback or ADJUSTED not in held:
             return value

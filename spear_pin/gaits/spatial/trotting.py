@@ -1,4 +1,4 @@
-"""Trotting and pacing: diagonal, or lateral, legs bear together; half a stride is the mirror image of the other."""
+"""Trotting and pacing: diagonal, or lateral, pairs of legs stand; the halves of a stride are mirror images."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
 SECTION, LATERAL, HALFWAY = "diagonal_touchdown", "lateral_touchdown", "halfway"
-ALIKE = 1e-9  # by `lopsided`: of a robot whose strides consist of halves
+ALIKE = 1e-9  # limit of `lopsided` for a robot whose strides consist of halves
 
 
 @typed
@@ -31,22 +31,24 @@ def trotting(
     *,
     ground: Ground | None = None,
 ) -> HybridSystem:
-    """The trotting automaton: that of `bounding_in_space` with diagonal pairs, and flights between their stances.
+    """Returns the trotting automaton: that of `bounding_in_space` with diagonal pairs, and flights between stances.
 
-    A cycle is half a stride. The section lies just before the first touchdown of a pair; seen in the mirror where that
-    is the one of the posterior right leg, so that a gait is a fixed point, and the multipliers of a whole stride are
-    the squares of its own. Of a robot whose left and right are not quite mirror images, `lopsided`, a cycle is a whole
-    stride.
+    A cycle is half a stride. The section lies just before the first touchdown of a pair. Where that is the pair of the
+    posterior right leg, the state is seen in the mirror. So a gait is a fixed point, and the multipliers of a whole
+    stride are the squares of the gait's. If left and right of the robot are not quite mirror images, `lopsided`, a
+    cycle is a whole stride.
 
     Args:
-        robot: as of `bounding_in_space`, as all that follows.
+        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, whose toes are those of its four
+            legs.
         law: parameters of the controller.
-        spring: the knee springs, of one leg.
-        contact: friction of level ground.
-        ground: the ground, in place of `contact`.
+        spring: the knee spring of one leg; by default 56 N·m/rad (source: Table 5.1), without damping, scaled with m g
+            l for a robot of another size.
+        contact: friction of level ground; by default 0.8 (assumption).
+        ground: the ground, instead of `contact`.
 
     Raises:
-        BadValue: as of `bounding_in_space`.
+        BadValue: the robot is not such a quadruped, or another argument is not valid; see `bounding_in_space`.
 
     Example:
         >>> from spear_pin import Gait, trotting
@@ -66,10 +68,10 @@ def pacing(
     *,
     ground: Ground | None = None,
 ) -> HybridSystem:
-    """The pacing automaton: that of `trotting` with the legs of a side as a pair; arguments and cycle as of that.
+    """Returns the pacing automaton: that of `trotting` with the legs of a side as a pair; see there for the arguments.
 
     Raises:
-        BadValue: as of `bounding_in_space`.
+        BadValue: the robot is not such a quadruped, or another argument is not valid; see `bounding_in_space`.
 
     Example:
         >>> from spear_pin import Gait, pacing
@@ -81,11 +83,11 @@ def pacing(
 
 
 def halfway(system: HybridSystem, cycle: Run) -> State:
-    """The state between the halves of a stride, seen in the mirror, (q, v), headed.
+    """Returns the state between the halves of a stride, seen in the mirror, (q, v), headed.
 
     Args:
-        system: a trot's or a pace's.
-        cycle: of it, complete.
+        system: system of a trot or a pace.
+        cycle: a complete cycle of the system.
     """
     if system.mirrored_toes:
         return seen(system, cycle.state)

@@ -23,11 +23,11 @@ class Alternating:
 
     Args:
         system: the system.
-        domain: as of `filippov.chatter`.
+        domain: the domain of the alternating motion.
         planar: the robot's dynamics.
         q: configuration.
         v: velocity.
-        held: what is held.
+        held: held values.
         numbers: the system's numbers.
         ops: elementary functions, and `solve`.
 
@@ -73,29 +73,29 @@ class Alternating:
         return self._flight.friction_coefficient
 
     def height(self, frame: str) -> Any:
-        """Distance of a frame from the ground, along its normal, in m."""
+        """Returns the distance of a frame from the ground, along its normal, in m."""
         return self._flight.height(frame)
 
     def direction(self, toe: str) -> tuple[Any, ...]:
-        """Of toes in space, which this engine has not."""
+        """Raises an error, since this engine has no toes in space."""
         raise NotImplementedError
 
     def toe_velocity(self, toe: str) -> tuple[Any, Any]:
-        """Velocity of a toe, along the ground and normal to it, in m/s."""
+        """Returns the velocity of a toe, along the ground and normal to it, in m/s."""
         return self._flight.toe_velocity(toe)
 
     def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
-        """Acceleration of a toe, along the ground and normal to it, in m/s²."""
+        """Returns the acceleration of a toe, along the ground and normal to it, in m/s²."""
         x, z = self._blend(self._stance.toe_acceleration(toe), self._flight.toe_acceleration(toe))
         return x, z
 
     def force(self, toe: str) -> tuple[Any, Any]:
-        """Ground force on a toe, along the ground and normal to it, in N."""
+        """Returns the ground force on a toe, along the ground and normal to it, in N."""
         x, z = self._blend(self._stance.force(toe), self._flight.force(toe))
         return x, z
 
     def pivot(self, toe: str) -> Any:
-        """Effective inverse mass of the normal force of a slipping toe, in 1/kg."""
+        """Returns the effective inverse mass of the normal force of a slipping toe, in 1/kg."""
         return self._flight.pivot(toe)
 
     def _blend(self, stance: Sequence[Any], flight: Sequence[Any]) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Identity of functions that are compiled: their code, and every value it sees besides its arguments."""
+"""Identity of functions that are compiled: their code, and every value that it reads besides its arguments."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ import numpy as np
 
 INSTALLED = tuple({sysconfig.get_path(kind) for kind in ("stdlib", "purelib", "platlib")})
 GLOBALS, IMPORTS = frozenset({"LOAD_GLOBAL", "LOAD_NAME"}), frozenset({"IMPORT_NAME"})
-ABSENT = object()  # in place of what is not bound yet, or is a built-in
-ALIKE = (int, float, complex, str)  # what is often made anew and equal
+ABSENT = object()  # stands for a name that is not bound yet, or is a built-in
+ALIKE = (int, float, complex, str)  # types whose equal values are often made anew
 
 
 class Same:
-    """A value that equals only itself; it is kept, so that its identity stays its own."""
+    """A value that equals only itself; it is kept, so that Python does not reuse its id."""
 
     def __init__(self, value: Any) -> None:
         self._value = value
@@ -32,12 +32,12 @@ class Same:
 
 
 class Reader:
-    """Says what functions are, and whether what they read has been bound anew, or changed in place, since.
+    """Identifies functions, and tells whether the values that they read have since been rebound or changed in place.
 
-    Functions are equal if their code, their defaults, and what they close over and read of globals are: those made
-    anew with every system are the same ones, one edited in a notebook is another. What is met again is told by its
-    place. A function of an installed library that is called is not looked into, nor is an object that is no container,
-    except that whose method is compiled.
+    Two functions are equal if their code, their defaults, their closures and the globals that they read are equal. So
+    a function made anew with every system stays the same, and a function edited in a notebook becomes another. A value
+    met again is identified by its place. The reader does not look into functions of installed libraries, nor into
+    objects that are no containers, except for the object whose method is compiled.
     """
 
     def __init__(self) -> None:
@@ -46,10 +46,10 @@ class Reader:
         self._functions: list[tuple[FunctionType, CodeType, Any, Any]] = []  # with code and defaults
         self._cells: list[tuple[CellType, Any]] = []  # with what they hold
         self._containers: list[tuple[Any, tuple[Any, ...]]] = []  # with their contents
-        self._within = 0  # functions
+        self._within = 0  # depth of nested functions
 
     def identity(self, value: Any) -> Any:
-        """Hashable identity of a value, equal to that of an equal value and of no other."""
+        """Returns a hashable identity of a value; two identities are equal only if their values are."""
         if isinstance(value, MethodType):
             owner = value.__self__
             return self.identity(value.__func__), self.identity(owner), self.identity(getattr(owner, "__dict__", None))
@@ -77,8 +77,8 @@ class Reader:
         return self._contents(value)
 
     def current(self) -> bool:
-        """Whether all functions have the code, defaults and globals that they had, and containers their contents."""
-        for function, code, defaults, named in self._functions:  # loops, as it is asked for every batch
+        """Tells whether all functions still have their code, defaults and globals, and containers their contents."""
+        for function, code, defaults, named in self._functions:  # loops, since every batch calls this
             if (
                 function.__code__ is not code
                 or function.__defaults__ is not defaults
@@ -96,7 +96,7 @@ class Reader:
     def _contents(self, value: Any) -> Any:
         if isinstance(value, np.ndarray):
             return "array", value.shape, self.identity(tuple(value.ravel().tolist()))
-        if isinstance(value, Mapping):  # whose order a law may go by
+        if isinstance(value, Mapping):  # a law may depend on its order
             return "mapping", tuple((key, self.identity(item)) for key, item in value.items())
         return type(value), tuple(map(self.identity, value))
 
@@ -108,7 +108,7 @@ class Reader:
         return function.__code__, defaults, known
 
     def _seen(self, function: FunctionType) -> Iterator[tuple[str, Any]]:
-        """Values that it closes over, and globals that it reads, of itself or of a module, imported in it or not."""
+        """Yields the values that a function closes over, and the globals that it reads directly or from a module."""
         code = function.__code__
         names = _names(code)
         own = self._bound(function.__globals__, _names(code, GLOBALS))
@@ -133,24 +133,24 @@ def _closed_over(function: FunctionType) -> list[tuple[str, Any]]:
 def _content(cell: CellType) -> Any:
     try:
         return cell.cell_contents
-    except ValueError:  # nothing yet
+    except ValueError:  # the cell is empty
         return ABSENT
 
 
 def _is_of_a_library(function: FunctionType) -> bool:
-    """Whether it is installed, and not made anew with every system."""
+    """Tells whether a function is installed with a library, and not made anew with every system."""
     return function.__code__.co_filename.startswith(INSTALLED) and "<locals>" not in function.__qualname__
 
 
 def _items(value: Any) -> tuple[Any, ...]:
-    """Everything that can be replaced in a container."""
+    """Returns everything that can be replaced in a container."""
     if isinstance(value, np.ndarray):
         return *value.shape, *value.ravel().tolist()
     return (*value.keys(), *value.values()) if isinstance(value, Mapping) else tuple(value)
 
 
 def _alike(some: tuple[Any, ...], others: tuple[Any, ...]) -> bool:
-    """Whether they hold the same objects, or numbers."""
+    """Tells whether two tuples hold the same objects or equal numbers."""
     pairs = zip(some, others, strict=False)
     return len(some) == len(others) and all(
         one is other or (type(one) is type(other) and isinstance(one, ALIKE) and one == other) for one, other in pairs
@@ -159,7 +159,7 @@ def _alike(some: tuple[Any, ...], others: tuple[Any, ...]) -> bool:
 
 @cache
 def _names(code: CodeType, operations: frozenset[str] | None = None) -> frozenset[str]:
-    """Names that it reads, also in the functions in it: by some operations, or as globals, attributes and imports."""
+    """Returns the names that code and its inner functions read, by some operations or by any."""
     read = (each.argval for each in get_instructions(code) if operations and each.opname in operations)
     inner = (_names(part, operations) for part in code.co_consts if isinstance(part, CodeType))
     return frozenset(read if operations else code.co_names).union(*inner)

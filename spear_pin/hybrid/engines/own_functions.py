@@ -1,4 +1,4 @@
-"""Functions of one's own as the reference engine asks them: their answers checked, their mistakes named."""
+"""User functions: calls them for the reference engine, checks their answers and reports their mistakes."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from spear_pin.hybrid.own import FAR, asked, has_no_value, is_own, mistake, numb
 
 
 class OwnFunctions:
-    """Those of a domain.
+    """The user functions of a domain.
 
-    A function without a value somewhere is no mistake, for motion need not come to that: it is a `fault`, of which the
-    run says once it cannot go on.
+    A function that has no value at some state is no mistake, for the motion need not reach that state. It is a `fault`,
+    which the run reports if it cannot continue.
 
     Args:
         domain: the domain.
 
     Attributes:
-        law: whether the law is one's own.
-        guards: identities of the guards that are.
-        springs: joints whose springs are.
-        fault: why a function had no value since motion last arrived somewhere; None if all had one.
+        law: whether the law is a user function.
+        guards: ids of the guards that are user functions.
+        springs: joints whose springs are user functions.
+        fault: why a function has had no value since the motion last arrived at a state; None if all had one.
     """
 
     def __init__(self, domain: Domain) -> None:
@@ -41,11 +41,11 @@ class OwnFunctions:
         self.fault: BadFunction | None = None
 
     def torques(self, joints: Sequence[str], arguments: Sequence[Any]) -> list[float]:
-        """What the law asks for, of each of some joints.
+        """Calls the law, and returns the torque of each joint, in N·m.
 
         Args:
-            joints: that have a motor.
-            arguments: of the law; its time, angles and rates come first.
+            joints: joints that have a motor.
+            arguments: arguments of the law; time, angles and rates come first.
         """
         what, law = f"law of domain {self._domain.name!r}", self._domain.law
         t, q, v, *_ = arguments
@@ -56,11 +56,11 @@ class OwnFunctions:
         return found
 
     def value(self, guard: Guard, arguments: Sequence[Any]) -> float:
-        """A guard's value.
+        """Calls a guard, and returns its value.
 
         Args:
             guard: the guard.
-            arguments: of its value; time, configuration and velocity come first.
+            arguments: arguments of its function; time, configuration and velocity come first.
         """
         what, (t, q, v, *_) = f"guard {guard.name!r} of domain {self._domain.name!r}", arguments
         found = number(what, guard.value, self._asked(what, guard.value, partial(guard.value, *arguments), (q, v)))
@@ -69,7 +69,7 @@ class OwnFunctions:
         return found
 
     def spring(self, mount: Mount, angle: float, rate: float, held: Held) -> tuple[float, float]:
-        """Torque of a spring, and of its damper."""
+        """Returns the torque of a spring, and the torque of its damper, in N·m."""
         spring, at = mount.spring, ([angle], [rate])
         what = f"spring of {mount.joint!r} in domain {self._domain.name!r}"
         torque = self._asked(what, spring.torque, partial(mount.torque, spring, angle, held, FLOATS), at)
@@ -80,7 +80,7 @@ class OwnFunctions:
         return found
 
     def above(self, ground: Ground, x: float, z: float) -> float:
-        """Distance of a point from the ground."""
+        """Returns the distance of a point from the ground, in m."""
         what = f"ground {type(ground).__name__}"
         found: float = self._asked(what, ground.above, partial(ground.above, x, z, FLOATS), ([x], [z]))
         if math.isnan(found):
@@ -88,11 +88,11 @@ class OwnFunctions:
         return found
 
     def _asked(self, what: str, function: Any, call: Callable[[], Any], at: tuple[Any, Any]) -> Any:
-        """Answer of a function.
+        """Calls a function, and returns its answer.
 
         Raises:
-            BadFunction: there is a mistake in it.
-            ArithmeticError: it has no value there.
+            BadFunction: there is a mistake in the function.
+            ArithmeticError: the function has no value at this state.
         """
         try:
             return asked(what, function, call)
@@ -103,12 +103,12 @@ class OwnFunctions:
             raise ArithmeticError from None
 
     def _lost(self, what: str, function: Any, problem: str, at: tuple[Any, Any]) -> None:
-        """A function gives what is not a number."""
+        """Records that a function returned no number."""
         if _near(at):
             self.fault = mistake(what, function, f"{problem}; expected finite numbers")
 
 
 def _near(at: tuple[Any, Any]) -> bool:
-    """Whether a state is one that motion may come to."""
+    """Tells whether a motion may reach a state."""
     values: Array = np.abs(np.concatenate(at))
     return bool((values < FAR).all())

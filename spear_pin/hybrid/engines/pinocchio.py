@@ -1,6 +1,6 @@
-"""The reference engine: Pinocchio's dynamics, one domain at a time, the energy ledger in the state.
+"""The reference engine: Pinocchio's dynamics, one domain at a time, with the energy ledger in the state.
 
-The state is y = (q, v, x, w): x what the hardware remembers, w the work done so far by each flow of the ledger.
+The state is y = (q, v, x, w). x is the hardware's state, w the work done so far by each flow of the ledger.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from spear_pin.model.frames import frame_id
 
 
 class Flow:
-    """Motion in one domain: `flow(t, y)` is dy/dt, t counted from the beginning of the phase.
+    """Motion in one domain: `flow(t, y)` is dy/dt, where t is the time since the phase began.
 
     It is also the `dyn` of laws and guards. After a call, `u`, `tau`, `friction`, `a` and
     `force(toe)` are those of the state it was called with; they are overwritten by the next call.
@@ -55,7 +55,7 @@ class Flow:
         for rub in domain.rubs:
             self._dry[robot.index(rub.joint)] -= rub.sign * rub.force
         self._stuck = [robot.index(rub.joint) for rub in domain.rubs if rub.sign == 0]
-        self._locks = np.eye(robot.nv)[self._stuck]  # rows of the constraint v̇ = 0 on joints that friction holds
+        self._locks = np.eye(robot.nv)[self._stuck]  # rows of the constraint v̇ = 0 on joints held by friction
         self._holding = np.zeros(len(self._stuck))
         self._passive, self._applied = np.zeros(robot.nv), np.zeros(robot.nv)
         self._motors = robot.actuation_matrix
@@ -73,8 +73,8 @@ class Flow:
         self._sliding = Sliding(dict(self._slips))
         self._ways: Ways = {}
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
-        self._at_rest = [toe for toe in robot.toes if toe in bearing]  # as a controller sees them
-        self._in_law = False  # whether a law of one's own is being asked
+        self._at_rest = [toe for toe in robot.toes if toe in bearing]  # as the controller assumes
+        self._in_law = False  # whether a user's law is being called
         self._forces: dict[str, tuple[float, ...]] = dict.fromkeys(robot.toes, self._k * (0.0,))
         self._pivots = dict.fromkeys(robot.toes, math.nan)
         self._accelerate: Callable[[Array], Array] = (
@@ -85,14 +85,14 @@ class Flow:
         self.driven: Driven | None = None
 
     def hold(self, held: Held) -> None:
-        """Replace what is held."""
+        """Replaces the held values."""
         self.held: Held = Latched(held)
         self._at: tuple[float, Array] | None = None
         self._springs = [(self.system.robot.index(mount.joint), mount) for mount in self.domain.mounts]
         self.knots = [(index, angle) for index, mount in self._springs for angle in mount.knots(held)]
 
     def __call__(self, t: float, y: Array) -> Array:
-        """dy/dt; not a number where a law or the dynamics has no value."""
+        """Returns dy/dt; NaN where a law or the dynamics has no value."""
         self.evaluations += 1
         self._at = t, y
         try:
@@ -101,18 +101,18 @@ class Flow:
             return np.full_like(y, np.nan)
 
     def visit(self, t: float, y: Array) -> None:
-        """Have `u`, `a` and the others at a state, which is not evaluated again if it was in the last call."""
+        """Evaluates `u`, `a` and the other results at a state, unless the last call was at that state."""
         if self._at is None or self._at[0] != t or self._at[1] is not y:
             self(t, y)
 
     def arrive(self, t: float, y: Array) -> None:
-        """Motion has come to a state, which is more than to have been tried there."""
+        """Records that the motion has reached a state, rather than only tried it."""
         self.own.fault = None
         if not self._sliding.sets_out:
             return
         self.visit(t, y)
         if not self._ways:
-            return  # no value there
+            return  # no value at this state
         speeds = {toe: math.hypot(*self.toe_velocity(toe)[:-1]) for toe, _ in self._slips}
         rates = {toe: along(self._ways[toe], self.toe_acceleration(toe)[:-1]) for toe, _ in self._slips}
         self._sliding.arrive(speeds, rates, self._ways)
@@ -125,12 +125,12 @@ class Flow:
             try:
                 row, inertia, bend = self._added(q)
             except BadValue as error:
-                raise ValueError(str(error)) from None  # no derivative here, as anywhere
+                raise ValueError(str(error)) from None  # there is no derivative at this state
             self._data.M[row, row] += inertia
             self._data.nle[row] += 0.5 * bend * v[row] ** 2
         angles, rates = q.tolist(), v.tolist()
         rubbed = 0.0
-        if self._has_friction:  # before the law, which may ask for forces
+        if self._has_friction:  # before the law, which may use forces
             self._viscous = -self._joint_damping * v
             self.friction = self._dry + self._viscous
             rubbed = float(self.friction @ v)
@@ -162,7 +162,7 @@ class Flow:
         self.a = a = self._accelerate(applied + self.friction if self._has_friction else applied)
         if self._stuck:
             self.friction[self._stuck] += self._holding
-            a[self._stuck] = 0.0  # to the last digit
+            a[self._stuck] = 0.0  # exactly
         slipped = 0.0
         for toe, _ in self._slips:
             for force, speed in zip(self._forces[toe][:-1], self.toe_velocity(toe)[:-1], strict=True):
@@ -174,7 +174,7 @@ class Flow:
         return derivative
 
     def _commanded(self, t: float, angles: Sequence[float], rates: Sequence[float]) -> Sequence[float]:
-        """What the law asks for."""
+        """Returns the torques that the law commands."""
         arguments = t, angles, rates, self.held, self._p, self, FLOATS
         if not self.own.law:
             return self._law(*arguments)
@@ -190,23 +190,23 @@ class Flow:
         return [float(self._applied[index]) for index in self._actuated]
 
     def spring_torque(self, joint: str) -> float:
-        """Torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
+        """Returns the torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
         for index, mount in self._springs:
             if mount.joint == joint:
                 return float(mount.torque(mount.spring, self.q[index], self.held, FLOATS))
         return 0.0
 
     def holding(self, joint: str) -> float:
-        """Force of the dry friction that held a joint at rest in the last call, in N or N·m."""
+        """Returns the force of the dry friction that held a joint at rest in the last call, in N or N·m."""
         return float(self._holding[self._stuck.index(self.system.robot.index(joint))])
 
     def rubbing(self, rub: Rub) -> Rubbing:
-        """Numbers of a joint with dry friction in the last call."""
+        """Returns the rate, the acceleration and the force of a joint with dry friction in the last call."""
         index = self.system.robot.index(rub.joint)
         return Rubbing(float(self.v[index]), float(self.a[index]), 0.0 if rub.sign else self.holding(rub.joint))
 
     def value(self, guard: Guard, t: float, y: Array, dyn: Any = None) -> float:
-        """A guard's value, not a number where it has none; the flow has to have been called with the same (t, y)."""
+        """Returns a guard's value, NaN where it has none; call the flow with the same (t, y) first."""
         nv = self._nv
         arguments = t, y[:nv], y[nv : 2 * nv], self.held, self._p, dyn or self, FLOATS
         try:
@@ -214,7 +214,7 @@ class Flow:
         except (ArithmeticError, ValueError, np.linalg.LinAlgError):
             return math.nan
 
-    # what laws and guards may ask for
+    # what laws and guards may use
 
     @property
     def friction_coefficient(self) -> float:
@@ -232,21 +232,21 @@ class Flow:
         return np.array(self._data.nle)
 
     def jacobian(self, toe: str) -> Array:
-        """J of a toe, rows along the ground and normal to it, (2, nv) or (3, nv)."""
+        """Returns J of a toe, with rows along the ground and normal to it, (2, nv) or (3, nv)."""
         index = self._toe_ids[toe]
         whole = pin.getFrameJacobian(self._model, self._data, index, WORLD_ALIGNED)[:3]
         jacobian = self._directions.along(self._model, self._data, index, whole)
         return np.array(jacobian if self._level else self._ground.seen_in(jacobian))
 
     def toe_velocity(self, toe: str) -> tuple[float, ...]:
-        """Velocity of a toe, along the ground and normal to it, in m/s."""
+        """Returns the velocity of a toe, along the ground and normal to it, in m/s."""
         index = self._toe_ids[toe]
         linear = pin.getFrameVelocity(self._model, self._data, index, WORLD_ALIGNED).linear
         velocity = self._directions.along(self._model, self._data, index, linear).tolist()
         return tuple(velocity) if self._level else self._ground.seen_in(velocity)
 
     def toe_acceleration(self, toe: str) -> tuple[float, ...]:
-        """Acceleration of a toe under the last call's `a`, along the ground and normal to it, in m/s²."""
+        """Returns the acceleration of a toe under the last call's `a`, along the ground and normal to it, in m/s²."""
         pin.forwardKinematics(self._model, self._data, self.q, self.v, self.a)
         index = self._toe_ids[toe]
         linear = pin.getFrameClassicalAcceleration(self._model, self._data, index, WORLD_ALIGNED).linear
@@ -254,11 +254,11 @@ class Flow:
         return tuple(acceleration) if self._level else self._ground.seen_in(acceleration)
 
     def direction(self, toe: str) -> tuple[float, ...]:
-        """Unit vector along the ground in which a toe slides, in the last call."""
+        """Returns the unit vector along the ground in which a toe slides, in the last call."""
         return self._ways.get(toe, (math.nan,) * (self._k - 1))
 
     def height(self, frame: str) -> float:
-        """Distance of a frame from the ground, along its normal, in m."""
+        """Returns the distance of a frame from the ground, along its normal, in m."""
         place = pin.updateFramePlacement(self._model, self._data, self.frame(frame)).translation
         if self._plain:
             return float(place[2])
@@ -266,30 +266,33 @@ class Flow:
         return float(self._ground.above(x, z, FLOATS)) if self._ground.plane else self.own.above(self._ground, x, z)
 
     def frame(self, frame: str) -> int:
-        """Number of a frame in the model."""
+        """Returns the number of a frame in the model."""
         if frame not in self._frame_ids:
             self._frame_ids[frame] = frame_id(self._model, frame)
         return self._frame_ids[frame]
 
     def force(self, toe: str) -> tuple[float, ...]:
-        """Ground force on a toe in the last call, along the ground and normal to it, in N; not for laws."""
+        """Returns the ground force on a toe in the last call, along the ground and normal to it, in N; not for laws."""
         if self._in_law:
             refuse_in_law("force")
         return self._forces[toe]
 
     def pivot(self, toe: str) -> float:
-        """Effective inverse mass of the normal force of a slipping toe in the last call, in 1/kg; not for laws."""
+        """Returns the pivot of a slipping toe in the last call, in 1/kg; not for laws.
+
+        The pivot is the effective inverse mass of the toe's normal force.
+        """
         if self._in_law:
             refuse_in_law("pivot")
         return self._pivots[toe]
 
     def normal_force(self, toe: str, u: Sequence[float]) -> float:
-        """Normal force that the motor torques `u` would give here with the toes on the ground at rest, in N.
+        """Returns the normal force that the motor torques `u` would give with the toes on the ground at rest, in N.
 
-        It is affine in `u`.
+        The force is affine in `u`.
 
-        A controller does not know that its foot slips; a torque that jumped with slip could not even be
-        consistent with it. Nor does it know of dry friction, here and in `response`.
+        A controller does not know that its foot slips. A torque that jumped at the onset of slip might be consistent
+        with neither mode. A controller does not know of dry friction either, here and in `response`.
         """
         applied = self._passive + self._motors @ np.asarray(u, dtype=float)
         if self._has_friction:
@@ -298,7 +301,7 @@ class Flow:
         return multipliers[self._k * (self._at_rest.index(toe) + 1) - 1]
 
     def response(self) -> tuple[list[float], list[list[float]]]:
-        """(a, A) with v̇ = a + A u with the toes on the ground at rest: (nv,) and nv rows of nu."""
+        """Returns (a, A) of v̇ = a + A u with the toes on the ground at rest: (nv,) and nv rows of nu."""
         free, gains = self._response()
         return free.tolist(), gains.tolist()
 
@@ -319,12 +322,12 @@ class Flow:
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[float], motors: Sequence[int], others: Sequence[tuple[int, float]]
     ) -> Sequence[float]:
-        """Torques of some motors, as many as rows, that make rows · v̇ = wanted with the toes on the ground at rest.
+        """Finds torques of as many motors as rows that make rows · v̇ = wanted with the toes on the ground at rest.
 
         Args:
-            rows: (index, weight) of each row's entries; an index may come several times.
-            wanted: what the rows times v̇ shall be.
-            motors: columns of those motors.
+            rows: (index, weight) of each row's entries; an index may occur several times.
+            wanted: wanted values of the rows times v̇.
+            motors: columns of the motors.
             others: columns and torques of the other motors.
 
         Raises:
@@ -343,7 +346,7 @@ class Flow:
         torques: list[float] = solve(over @ gains[:, motors], np.asarray(wanted) - over @ free).tolist()
         return torques
 
-    # accelerations, by what is in contact
+    # accelerations for each kind of contact
 
     def _open(self, applied: Array) -> Array:
         a: Array
@@ -362,7 +365,7 @@ class Flow:
         return a
 
     def _resting(self, toes: Sequence[str], applied: Array, locks: Array | None = None) -> tuple[Array, list[float]]:
-        """Acceleration with these toes at rest and joints held, the forces on them, and those on the joints."""
+        """Returns the acceleration with these toes at rest and joints held, and the forces on toes and joints."""
         rows, drifts = self._rows(toes)
         if locks is not None and len(locks):
             rows, drifts = [*rows, locks], [*drifts, np.zeros(len(locks))]

@@ -1,4 +1,4 @@
-"""A motion as the polynomials by which a Taylor integrator took its steps, to be looked at anywhere along it."""
+"""A motion as the polynomials of a Taylor integrator's steps, which give the state at any time."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from spear_pin.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Polynomials:
-    """States over time, a step after the other.
+    """States over time, one polynomial for each step.
 
     Attributes:
-        begins: when each step does, in s, rising, (steps,).
-        coefficients: of powers of the time since then, (steps, rows, order + 1).
+        begins: time at which each step begins, in s, increasing, (steps,).
+        coefficients: coefficients of the powers of the time since a step began, (steps, rows, order + 1).
     """
 
     begins: Array
     coefficients: Array
 
     def __call__(self, times: Array) -> Array:
-        """States at times, (n,): (rows, n)."""
+        """Returns the states, (rows, n), at n times, (n,)."""
         step = np.maximum(np.searchsorted(self.begins, times, side="right") - 1, 0)
         powers = np.ones((len(times), self.coefficients.shape[-1]))
         powers[:, 1:] = (times - self.begins[step])[:, None]

@@ -1,8 +1,8 @@
-"""Toes that slide: the constraint of those on the ground at a state, and the directions of those in space.
+"""Toes that slide: the constraint of the toes on the ground at a state, and the sliding directions of toes in space.
 
-A toe in space slides along its velocity. One that begins to has none: it takes the direction in which it would
-accelerate under friction against that direction, and keeps to it, found anew at every state, while it sets out. There
-its velocity would turn to it all but at once, which no explicit integrator follows at a reasonable price.
+A toe in space slides along its velocity. A toe that begins to slide has no velocity yet. It takes the direction in
+which it would accelerate under friction against that direction, computed anew at every state while it sets out. Its
+velocity would turn to that direction almost at once, which an explicit integrator could follow only at great cost.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, along
 
 Ways = Mapping[str, tuple[float, ...]]
 """Of toes that slide, the unit vectors along the ground in which they do."""
-SWEEPS, SETTLED = 100, 1e-12  # over the directions in which several toes begin to slide
+SWEEPS, SETTLED = 100, 1e-12  # iterations and tolerance for the directions in which several toes begin to slide
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,9 @@ class Grounded:
 
     Attributes:
         D: mass matrix, (nv, nv).
-        net: generalised force less bias, (nv,).
-        jacobians: of each toe, along the ground and normal to it, (2, nv) or (3, nv).
-        drifts: J̇ v of each, (2,) or (3,).
+        net: generalised force minus bias, (nv,).
+        jacobians: Jacobian of each toe, along the ground and normal to it, (2, nv) or (3, nv).
+        drifts: J̇ v of each toe, (2,) or (3,).
         locks: rows of the constraint v̇ = 0 on joints, (m, nv).
         friction: coefficient of friction.
     """
@@ -45,7 +45,7 @@ class Grounded:
     friction: float
 
     def constraint(self, toes: Sequence[str], ways: Ways) -> tuple[Array, Array, Array]:
-        """Rows A, directions G and drift of some toes and of the joints, as `constrained` takes them."""
+        """Returns rows A, directions G and drift of some toes and of the joints, as `constrained` takes them."""
         A, G, drift = [], [], []
         for toe in toes:
             jacobian, toe_drift = self.jacobians[toe], self.drifts[toe]
@@ -61,7 +61,7 @@ class Grounded:
         return np.array([*A, *self.locks]), np.array([*G, *self.locks]).T, np.array(drift + still)
 
     def alone(self, toe: str, ways: Ways) -> tuple[Array, Array]:
-        """A and b of a toe, as of `rules.cone`, while all others do what they are said to."""
+        """Returns A and b of a toe, see `rules.cone`, while all other toes keep to their modes."""
         others = [each for each in self.jacobians if each != toe]
         forces = np.column_stack([self.net, self.jacobians[toe].T])
         if others or len(self.locks):
@@ -72,7 +72,7 @@ class Grounded:
         return seen[:, 1:], seen[:, 0] + self.drifts[toe]
 
     def against(self, begin: Sequence[str], ways: Ways) -> dict[str, tuple[float, ...]]:
-        """Directions against the forces that would hold some toes at rest."""
+        """Returns the directions against the forces that would hold some toes at rest."""
         toes = [*self.jacobians]
         _, multiplier, _ = constrained(self.D, self.net, *self.constraint(toes, ways))
         found, row = dict[str, tuple[float, ...]](), 0
@@ -87,13 +87,13 @@ class Grounded:
 
 
 class Sliding:
-    """Directions in which the toes of one domain slide, with those in which some set out.
+    """Directions in which the toes of one domain slide, including toes that set out.
 
-    Those set out that are at rest where it is first asked, until they have arrived at a speed or slow down: what is
-    only tried in between, such as a step that an integrator rejects, changes nothing.
+    A toe sets out if it is at rest at the first call, and does so until it has reached a speed or slows down. States
+    that are only tried, such as those of a step that an integrator rejects, change nothing.
 
     Args:
-        modes: of the toes that do.
+        modes: modes of the toes that slide.
     """
 
     def __init__(self, modes: Mapping[str, str]) -> None:
@@ -102,11 +102,11 @@ class Sliding:
         self._begun: dict[str, tuple[float, ...]] | None = None
 
     def __call__(self, grounded: Grounded, velocity: Callable[[str], tuple[float, ...]]) -> Ways:
-        """The directions at a state.
+        """Returns the directions at a state.
 
         Args:
-            grounded: the toes there.
-            velocity: of a toe, along the ground and normal to it.
+            grounded: the toes at that state.
+            velocity: returns the velocity of a toe, along the ground and normal to it, in m/s.
         """
         ways: dict[str, tuple[float, ...]] = {**self._fixed}
         slow = []
@@ -123,31 +123,31 @@ class Sliding:
         return ways | found
 
     def arrive(self, speeds: Mapping[str, float], accelerations: Mapping[str, float], ways: Ways) -> None:
-        """Motion has come to a state: who sets out no more, and the directions of those who still do.
+        """Updates the toes that set out, and their directions, after the motion has reached a state.
 
         Args:
-            speeds: of the toes there, in m/s.
-            accelerations: of each along its direction, in m/s².
-            ways: the directions there.
+            speeds: speeds of the toes at that state, in m/s.
+            accelerations: acceleration of each toe along its direction, in m/s².
+            ways: the directions at that state.
         """
         going = (toe for toe in self._begun or () if speeds[toe] <= SETTING_OUT)
         self._begun = {toe: ways[toe] for toe in going if accelerations[toe] >= -STARTS_TO_SLIDE}
 
     @property
     def sets_out(self) -> bool:
-        """Whether some toe does."""
+        """Tells whether some toe sets out."""
         return bool(self._begun)
 
     def _slow(self, toe: str) -> float:
-        """Speed up to which a toe's velocity does not tell its direction."""
+        """Returns the speed up to which a toe's velocity does not define its direction."""
         if self._begun is None:
             return AT_REST
         return SETTING_OUT if toe in self._begun else 0.0
 
     def _onset(self, grounded: Grounded, slow: Sequence[str], moving: Ways) -> dict[str, tuple[float, ...]]:
-        """The directions of toes that set out, nearest to those before, or against the force that would hold them.
+        """Finds the directions of toes that set out, near the earlier ones or against the force that would hold them.
 
-        Of several, which depend on each other, each is found with the others' until none changes.
+        The directions of several toes depend on each other; each is found in turn until none changes.
         """
         begun = self._begun or {}
         ways = {**moving, **{toe: begun[toe] for toe in slow if toe in begun}}

@@ -1,4 +1,4 @@
-"""Which numbers a compiled domain takes at run time, in which order, and what is compiled in."""
+"""The structure that is compiled into a domain, and the order of the numbers that it takes at run time."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from spear_pin.model.spring import UNITS, Spring
 
 Values = Mapping[str, Any]
 D = TypeVar("D")
-FLOATS = frozenset({float, np.float64})  # what most values are: asked first, as it is asked often
+FLOATS = frozenset({float, np.float64})  # the types of most values: checked first, as this is called often
 OF_SPRINGS, OF_GROUND = tuple(UNITS), ("slope", "height")
 NONZERO = (*OF_SPRINGS, *OF_GROUND)  # numbers that are run-time parameters where they are not zero
 
 
 @dataclass(frozen=True)
 class Scalars:
-    """Scalars of a system, as scalars.
+    """Numbers of a system, as scalars of any kind.
 
     Attributes:
         law: parameters of the control law.
@@ -43,7 +43,7 @@ class Scalars:
 
 
 def with_fields(instance: D, values: Mapping[str, Any]) -> D:
-    """A dataclass with other values in some fields, which need not be valid numbers."""
+    """Returns a dataclass with other values in some fields; the values need not be valid numbers."""
     assert is_dataclass(instance)
     other = object.__new__(type(instance))
     for field in fields(instance):
@@ -52,21 +52,21 @@ def with_fields(instance: D, values: Mapping[str, Any]) -> D:
 
 
 def others(system: HybridSystem) -> dict[str, float]:
-    """Scalars beside the law's that are run-time parameters, in their order."""
+    """Returns the scalars other than the law's that are run-time parameters, in their order."""
     return {name: value for name, value in all_others(system).items() if value != 0.0 or name == "friction"}
 
 
 def all_others(system: HybridSystem) -> dict[str, float]:
-    """Scalars beside the law's, those that are zero among them, in their order."""
+    """Returns the scalars other than the law's, including zeros, in their order."""
     parts = [(system.spring, OF_SPRINGS), (system.ground, OF_GROUND)]
     values = {name: getattr(part, name) for part, names in parts for name in names}
     return {"friction": system.ground.friction, **values}
 
 
 def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Scalars, dict[str, Any]]:
-    """The robot, the system's numbers and what is held, as run-time parameters par[0], par[1], ...
+    """Returns the robot, the system's numbers and the held values as run-time parameters par[0], par[1], ...
 
-    What is zero of the robot, the springs and the ground stays zero; what is no number stays what it is.
+    Zeros of the robot, the springs and the ground stay zero; values that are no numbers stay unchanged.
     """
     counter = _Counter(par)
     law = with_fields(system.law, {f.name: counter.number(getattr(system.law, f.name)) for f in fields(system.law)})
@@ -80,25 +80,25 @@ def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tup
 
 
 def robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
-    """Scalars of the robot that are run-time parameters, in their order."""
+    """Returns the scalars of the robot that are run-time parameters, in their order."""
     return [number for number in all_robot_numbers(system, planar) if number != 0.0]
 
 
 def all_robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
-    """Scalars of the robot, those that are zero among them, in their order."""
+    """Returns the scalars of the robot, including zeros, in their order."""
     bodies = [number for body in planar.bodies for number in _numbers(body)]
     toes = [number for _, offset in planar.toes.values() for number in offset]
     return [*bodies, *map(float, system.robot.model.damping), *toes]
 
 
 def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Values, n: int) -> Array:
-    """Run-time parameters of n lanes, (p, n), in the order of `symbols`.
+    """Returns the run-time parameters of n lanes, (p, n), in the order of `symbols`.
 
     Args:
         law: parameters of the law, numbers or arrays of n.
-        others: as of `others`, numbers or arrays of n.
-        robot: as of `robot_numbers`.
-        held: what is held, numbers or arrays of n.
+        others: scalars other than the law's that are run-time parameters, see `others`; numbers or arrays of n.
+        robot: scalars of the robot that are run-time parameters, see `robot_numbers`.
+        held: held values, numbers or arrays of n.
         n: number of lanes.
     """
     flat = flattened((*(getattr(law, f.name) for f in fields(law)), *others, *robot, *held.values()))
@@ -109,7 +109,7 @@ def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Va
 
 
 def flattened(values: Collection[Any]) -> list[Any]:
-    """The numbers among values and in nested tuples of them, in their order."""
+    """Returns the numbers among values and in nested tuples of values, in their order."""
     if FLOATS.issuperset(map(type, values)):
         return list(values)
     flat: list[Any] = []
@@ -123,13 +123,13 @@ def flattened(values: Collection[Any]) -> list[Any]:
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """Structure that is compiled in: two systems of equal structure differ in run-time parameters only.
+    """The structure that is compiled in: two systems of equal structure differ only in run-time parameters.
 
     Attributes:
         system: a system.
         domain: one of its domains.
-        held: what is held there.
-        planar: its robot's dynamics.
+        held: values held in the domain.
+        planar: dynamics of the robot.
     """
 
     system: HybridSystem
@@ -139,7 +139,7 @@ class Structure:
 
     @cached_property
     def key(self) -> Any:
-        """Everything that two of the same structure have in common."""
+        """Everything that two systems of the same structure have in common."""
         system, domain = self.system, self.domain
         planar, spring = self.planar, system.spring
         bodies = tuple(_with_numbers(body, *(float(x != 0.0) for x in _numbers(body))) for body in planar.bodies)
@@ -162,7 +162,7 @@ class Structure:
 
 
 def _mounted(mount: Mount, common: Spring) -> Any:
-    """Where a spring is, what holds it, and its own numbers where they are not the system's, which are parameters."""
+    """Returns a spring's place, its held names, and those of its numbers that it does not share with the system."""
     own = mount.spring
     numbers = tuple(None if name in shared(own, common) else getattr(own, name) for name in OF_SPRINGS)
     others = tuple(getattr(own, field.name) for field in fields(own) if field.name not in OF_SPRINGS)
@@ -170,7 +170,7 @@ def _mounted(mount: Mount, common: Spring) -> Any:
 
 
 def _shape_of_ground(ground: Ground) -> Any:
-    """Of a ground that is no plane what it says of itself, and its numbers that are no parameters."""
+    """Returns the identity of a ground that is no plane, and those of its numbers that are no parameters."""
     if type(ground) is Ground:
         return None
     own = tuple(getattr(ground, field.name) for field in fields(ground) if field.name not in ("friction", *OF_GROUND))
@@ -178,12 +178,12 @@ def _shape_of_ground(ground: Ground) -> Any:
 
 
 def shared(own: Spring, common: Spring) -> list[str]:
-    """Names of the numbers that a mount's spring has from the system's; others are its own and do not vary."""
+    """Returns the names of the numbers that a mount's spring shares with the system's; its other numbers are fixed."""
     return [name for name in OF_SPRINGS if getattr(own, name) == getattr(common, name)]
 
 
 class _Counter:
-    """Scalars become the next run-time parameters; what is no number is structure."""
+    """Replaces scalars by the next run-time parameters; values that are no numbers are structure."""
 
     def __init__(self, par: Any) -> None:
         self._par, self._count = par, 0
@@ -219,7 +219,7 @@ def _is_number(value: Any) -> bool:
 
 
 def shape_of(held: Values) -> Any:
-    """Shape of what is held, the same for all that is compiled alike."""
+    """Returns the shape of held values, which is equal for values that share compiled code."""
     return (*held, _shape(tuple(held.values())))
 
 
@@ -230,14 +230,14 @@ def _shape(value: Any) -> Any:
 
 
 def functions(domain: Domain) -> list[Any]:
-    """Functions of a domain that are compiled: its law, its guards, and latches where two domains alternate."""
+    """Returns the functions of a domain that are compiled: law, guards, and latches where two domains alternate."""
     between = domain.between
     resets = () if between is None else (between.leave, between.touch, *between.follow)
     return [domain.law, *(guard.value for guard in domain.guards), *(reset.latch for reset in resets if reset.latch)]
 
 
 def _identity(domain: Domain) -> Any:
-    """Identity of a domain, which tells it from another."""
+    """Returns an identity of a domain, which distinguishes it from others."""
     between = domain.between
     others = () if between is None else (between.grounded.name, between.airborne.name)
     watched = tuple(guard.observes for guard in domain.guards)

@@ -1,7 +1,7 @@
-"""Closed-loop motion in one domain, for scalars of any kind: what the reference engine computes with numbers.
+"""Closed-loop motion in one domain, for scalars of any kind; the reference engine computes the same with numbers.
 
-`Motion` is the `dyn` of laws and guards as `pinocchio.Flow` is, built from `model.planar`. Scalars are whatever has +,
--, * and /, with elementary functions in `ops`: heyoka's expressions, SymPy's, or NumPy arrays of many states.
+`Motion` is the `dyn` of laws and guards, like `pinocchio.Flow`, built from `model.planar`. A scalar is any object with
++, -, * and /, with elementary functions in `ops`: heyoka's expressions, SymPy's, or NumPy arrays of many states.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from spear_pin.model.spring import Spring
 
 @dataclass(frozen=True)
 class Imposed:
-    """Acceleration, forces and torques brought about by motors that impose accelerations.
+    """Acceleration, forces and torques that result where motors impose accelerations.
 
     Attributes:
         a: acceleration, nv.
-        forces: on each toe, along the ground and normal to it.
-        torques: of all motors, with their columns.
+        forces: force on each toe, along the ground and normal to it, in N.
+        torques: torques of all motors, with their columns.
     """
 
     a: list[Any]
@@ -45,16 +45,16 @@ class Motion:
     """Motion in one domain at one state.
 
     Args:
-        system: the system, of which the structure counts and not the numbers.
+        system: the system; only its structure is used, not its numbers.
         domain: the domain.
         planar: the robot's dynamics.
         t: time since the phase began.
         q: configuration.
         v: velocity.
-        held: what is held.
+        held: held values.
         numbers: the system's numbers.
         ops: elementary functions, and `solve`.
-        at_rest: toes that the controller takes to be at rest on the ground; by default those that are on it.
+        at_rest: toes that the controller assumes at rest on the ground; by default the toes on the ground.
     """
 
     def __init__(
@@ -81,10 +81,10 @@ class Motion:
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
         self._taken = [toe for toe, _ in self._closed] if at_rest is None else list(at_rest)
         self._motors = [self._index[joint] for joint in robot.actuated]
-        self._imposed: Imposed | None = None  # by the law, if it asks for that
+        self._imposed: Imposed | None = None  # by the law, if it imposes accelerations
         self._in_law = False
 
-    # what the domain asks for
+    # what the domain needs
 
     @cached_property
     def u(self) -> list[Any]:
@@ -93,7 +93,7 @@ class Motion:
 
     @cached_property
     def _controlled(self) -> tuple[list[Any], Imposed | None]:
-        """Torques of the motors, and the motion that they impose if it was found together with them."""
+        """Returns the motor torques, and the motion that they impose if it was found together with them."""
         arguments = self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops
         what, law = f"law of domain {self.domain.name!r}", self.domain.law
         self._in_law = True
@@ -122,7 +122,7 @@ class Motion:
 
     @cached_property
     def _solution(self) -> tuple[list[Any], dict[str, tuple[Any, Any]], dict[str, Any]]:
-        """Acceleration, ground force on each closed toe, pivot of each slipping one."""
+        """Acceleration, ground force on each closed toe, and pivot of each slipping toe."""
         imposed = self._controlled[1]
         if imposed is not None:
             return imposed.a, imposed.forces, {}
@@ -145,7 +145,7 @@ class Motion:
             row += 1
         return a, forces, pivots
 
-    # what laws and guards may ask for
+    # what laws and guards may use
 
     @property
     def friction_coefficient(self) -> Any:
@@ -163,47 +163,47 @@ class Motion:
         return self._terms.bias
 
     def jacobian(self, toe: str) -> Matrix:
-        """J of a toe, rows along the ground and normal to it."""
+        """Returns J of a toe, with rows along the ground and normal to it."""
         return self._feet.jacobians[toe]
 
     def direction(self, toe: str) -> tuple[Any, ...]:
-        """Of toes in space, which this engine has not."""
+        """Raises an error, since this engine has no toes in space."""
         raise NotImplementedError
 
     def toe_velocity(self, toe: str) -> tuple[Any, Any]:
-        """Velocity of a toe, along the ground and normal to it, in m/s."""
+        """Returns the velocity of a toe, along the ground and normal to it, in m/s."""
         x, z = self.jacobian(toe)
         return dot(x, self.v), dot(z, self.v)
 
     def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
-        """Acceleration of a toe, along the ground and normal to it, in m/s²."""
+        """Returns the acceleration of a toe, along the ground and normal to it, in m/s²."""
         (x, z), drift = self.jacobian(toe), self._feet.drifts[toe]
         return dot(x, self.a) + drift[0], dot(z, self.a) + drift[1]
 
     def height(self, frame: str) -> Any:
-        """Distance of a frame from the ground, along its normal, in m."""
+        """Returns the distance of a frame from the ground, along its normal, in m."""
         if frame in self._feet.positions:
             return self._feet.positions[frame][1]
         return self.numbers.ground.above(*self.planar.position(frame, self.q, self.ops), self.ops)
 
     def force(self, toe: str) -> tuple[Any, Any]:
-        """Ground force on a toe, along the ground and normal to it, in N; not for laws."""
+        """Returns the ground force on a toe, along the ground and normal to it, in N; not for laws."""
         if self._in_law:
             refuse_in_law("force")
         return self._solution[1].get(toe, (0.0, 0.0))
 
     def pivot(self, toe: str) -> Any:
-        """Effective inverse mass of the normal force of a slipping toe, in 1/kg; not for laws."""
+        """Returns the effective inverse mass of the normal force of a slipping toe, in 1/kg; not for laws."""
         if self._in_law:
             refuse_in_law("pivot")
         return self._solution[2][toe]
 
     def spring_torque(self, joint: str) -> Any:
-        """Torque of the joint's spring, in N·m; 0 where none is engaged."""
+        """Returns the torque of the joint's spring, in N·m; 0 where none is engaged."""
         return self._springs.get(joint, 0.0)
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
-        """Normal force that the motor torques `u` would give with the toes on the ground at rest, in N."""
+        """Returns the normal force that the motor torques `u` would give with the toes on the ground at rest, in N."""
         applied = list(self._passive)
         for index, torque in zip(self._motors, u, strict=True):
             applied[index] = applied[index] + torque
@@ -212,7 +212,7 @@ class Motion:
         return multipliers[2 * self._taken.index(toe) + 1]
 
     def response(self) -> tuple[list[Any], Matrix]:
-        """(a, A) with v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""
+        """Returns (a, A) of v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""
         rows, drift = self._at_rest()
         free, _, _ = self._constrained(self._passive, rows, rows, drift)
         columns = []
@@ -224,11 +224,11 @@ class Motion:
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[Any], motors: Sequence[int], others: Sequence[tuple[int, Any]]
     ) -> Sequence[Any]:
-        """Torques of some motors that make rows · v̇ = wanted with the toes on the ground at rest.
+        """Finds torques of some motors that make rows · v̇ = wanted with the toes on the ground at rest.
 
-        The rows take the place of the motors' equations of motion, so that v̇ and the forces come first, from half the
-        operations, and the torques from those equations afterwards. That is the motion where the toes are at rest and
-        the law returns these very torques, `others` being all other motors.
+        The rows replace the motors' equations of motion. Thus v̇ and the forces are computed first, with half the
+        operations, and the torques follow from the replaced equations. This is the motion if the toes are at rest and
+        the law returns exactly these torques; `others` has all other motors.
         """
         n, (contacts, drift) = self.planar.nv, self._at_rest()
         applied = list(self._passive)
@@ -253,11 +253,11 @@ class Motion:
     # parts
 
     def _asked(self, what: str, function: Any, call: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-        """Answer of a law, a guard or the ground.
+        """Calls a law, a guard or the ground, and returns its answer.
 
         Raises:
-            NotSymbolic: it does not take such scalars.
-            BadFunction: there is a mistake in it, which is one with numbers, too.
+            NotSymbolic: the function does not take such scalars.
+            BadFunction: there is a mistake in the function, which shows with numbers as well.
         """
         try:
             return call(*arguments)
@@ -284,7 +284,7 @@ class Motion:
 
     @cached_property
     def _passive(self) -> list[Any]:
-        """Springs, dampers and friction of the joints."""
+        """Returns the forces of the joints' springs, dampers and friction."""
         forces = [negated(times(b, rate)) for b, rate in zip(self.numbers.joints, self.v, strict=True)]
         for mount in self.domain.mounts:
             i = self._index[mount.joint]
@@ -294,7 +294,7 @@ class Motion:
         return forces
 
     def _spring(self, mount: Mount) -> Spring:
-        """A mount's spring: the system's numbers, whatever they are, or ones of its own, which do not vary."""
+        """Returns a mount's spring, with the system's numbers where it shares them and its own fixed ones elsewhere."""
         shared = {
             name: getattr(self.numbers.spring, name) for name in structure.shared(mount.spring, self.system.spring)
         }
@@ -326,7 +326,7 @@ class Motion:
         return rows, rows if len(rows) == 2 * len(self._closed) else directions, drift
 
     def _bordered(self, force: Sequence[Any], rows: Matrix, drift: Sequence[Any]) -> tuple[Matrix, list[Any]]:
-        """Matrix and right-hand side of D a = force + Aᵀ λ, A a + drift = 0, for (a, λ)."""
+        """Returns matrix and right-hand side of D a = force + Aᵀ λ, A a + drift = 0, for (a, λ)."""
         system = [[*row, *map(negated, column)] for row, *column in zip(self.mass_matrix, *rows, strict=True)]
         system += [[*row, *[0.0] * len(rows)] for row in rows]
         return system, [*force, *map(negated, drift)]
@@ -334,7 +334,7 @@ class Motion:
     def _constrained(
         self, applied: Sequence[Any], rows: Matrix, directions: Matrix, drift: Sequence[Any], moving: bool = True
     ) -> tuple[list[Any], list[Any], Matrix]:
-        """Solve D a = applied - bias + G λ under A a + drift = 0, as `contact.constrained`; `moving` has bias."""
+        """Solves D a = applied - bias + G λ under A a + drift = 0; without `moving` there is no bias."""
         force = [f - h for f, h in zip(applied, self.bias, strict=True)] if moving else list(applied)
         if directions is rows and rows:
             solution = solve_sparse(*self._bordered(force, rows, drift))
@@ -354,7 +354,7 @@ class Motion:
 
 
 def _complement(schur: Matrix, row: int, others: Sequence[int]) -> Any:
-    """A diagonal entry's Schur complement: what is left of it when the others are eliminated."""
+    """Returns the Schur complement of a diagonal entry, its rest after eliminating the others."""
     if not others:
         return schur[row][row]
     block = [[schur[i][j] for j in others] for i in others]

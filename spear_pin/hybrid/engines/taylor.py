@@ -1,7 +1,7 @@
-"""The Taylor engine: one domain's closed loop compiled by heyoka, for several lanes at a time.
+"""The Taylor engine: heyoka compiles one domain's closed loop for several lanes at a time.
 
-The vector field is `symbolic.Motion` on heyoka's expressions. Every number of law, springs and ground, and what is
-held, is a run-time parameter, so that lanes may differ in them; the robot's numbers are compiled in.
+The vector field is `symbolic.Motion` on heyoka's expressions. Every number of law, springs and ground, and every held
+value, is a run-time parameter, so that lanes may differ in them; the robot's numbers are compiled in.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footin
 from spear_pin.model.planar import Planar
 
 Values = Mapping[str, Any]
-TIME_LIMIT = -1  # ends of an arc that no guard ended
+TIME_LIMIT = -1  # marks the end of an arc that no guard ended
 FAILED = -2
 KINK = -3
 CACHE = 2**28  # bytes of compiled code that heyoka may keep on disk
-LEVEL = 3  # of LLVM's optimisation: with none code runs half as fast, and compiles in a sixth of the time
-MOST = 64  # compiled domains that are kept, some 10 MB each
-UNROLLED = 4  # coordinates: with more, compiling takes too long to do it unasked
-STEPS = 5000  # an arc takes some tens
+LEVEL = 3  # of LLVM's optimisation; code compiled with level 0 runs half as fast, and compiles in a sixth of the time
+MOST = 64  # number of compiled domains that are kept, about 10 MB each
+UNROLLED = 4  # most coordinates that are unrolled by default; with more, compiling takes too long
+STEPS = 5000  # most steps of an arc, which takes some tens
 
 
 def available() -> bool:
-    """Whether heyoka is installed."""
+    """Tells whether heyoka is installed."""
     try:
         require()
     except MissingExtra:
@@ -49,19 +49,19 @@ def available() -> bool:
 
 
 def width() -> int:
-    """Lanes that are integrated at a time: the doubles of a vector register."""
+    """Returns the number of lanes integrated at a time, which is the number of doubles in a vector register."""
     return int(require().recommended_simd_size())
 
 
 @dataclass(frozen=True)
 class Point:
-    """A domain at many states: what its choice and its events depend on.
+    """Values of a domain at many states, on which its choice and its events depend.
 
     Attributes:
         slopes: dy/dt, (2 nv, n).
-        guards: their values, (g, n).
-        kinks: what changes sign where a law is not smooth, (k, n).
-        feet: numbers of `rules.footing.Footing` of each closed toe, (c, 6, n).
+        guards: values of the guards, (g, n).
+        kinks: values that change sign where a law is not smooth, (k, n).
+        feet: numbers of `rules.footing.Footing` for each closed toe, (c, 6, n).
     """
 
     slopes: Array
@@ -70,7 +70,7 @@ class Point:
     feet: Array
 
     def take(self, chosen: Any) -> Point:
-        """At some of the states."""
+        """Returns the values at some of the states."""
         return Point(*(getattr(self, field.name)[..., chosen] for field in fields(self)))
 
 
@@ -80,9 +80,9 @@ class Code:
 
     Attributes:
         tol: tolerance of the integration.
-        observing: whether events that are only observed stop it, too.
-        unrolled: whether loops are, so that it runs two to three times as fast and takes ten times as long to compile.
-        level: of LLVM's optimisation, from 0 to 3.
+        observing: whether events that are only observed stop the integration, too.
+        unrolled: whether loops are unrolled; code then runs two to three times as fast and compiles ten times as long.
+        level: level of LLVM's optimisation, from 0 to 3.
     """
 
     tol: float
@@ -92,7 +92,7 @@ class Code:
 
 
 class Field(NamedTuple):
-    """A domain at a state of symbols: dy/dt, values of guards, kinks, and the motion they are from."""
+    """A domain at a symbolic state: dy/dt, guard values, kinks, and the motion that gave them."""
 
     slopes: list[Any]
     guards: list[Any]
@@ -101,23 +101,23 @@ class Field(NamedTuple):
 
 
 class Compiled:
-    """Motion and guards of a domain with held values of one shape; what its events do is left to `Ready`.
+    """Motion and guards of a domain with held values of one shape; `Ready` adds the effects of its events.
 
     Args:
-        system: the system; of its law, springs and ground the structure counts, not the numbers.
+        system: the system; only the structure of its law, springs and ground is used, not the numbers.
         domain: one of its domains.
-        held: what is held there, for its shape.
-        code: how it is compiled.
+        held: values held in the domain, of which only the shape is used.
+        code: how the domain is compiled.
 
     Attributes:
         closed: toes on the ground, with their modes.
         state: symbols of q and v.
         numbers: the system's numbers, as symbols.
         field: the domain at a time and a state, of symbols.
-        here: the same at `state`.
-        kinks: how many there are.
-        level: of LLVM's optimisation.
-        meaning: of each event of the integrators, the guard's index or `KINK`.
+        here: the domain at `state`.
+        kinks: number of kinks.
+        level: level of LLVM's optimisation.
+        meaning: the guard's index, or `KINK`, for each event of the integrators.
     """
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Values, code: Code) -> None:
@@ -153,7 +153,7 @@ class Compiled:
         # a polynomial does not bend
         self._events = [*((guards[i], falling) for i in watched), *((kink, either) for kink in kinks)]
         self.meaning = np.array([*watched, *[KINK] * len(kinks)], dtype=np.int64)  # of its events
-        # what steps resolve though it is no event: far from where exp and tanh are steep their series tell nothing
+        # steps resolve these though they are no events: far from the steep part of exp and tanh their series fail
         own = not system.ground.plane or any(is_own(guard.value) for guard in domain.guards)
         self._resolved = [2.0 + hy.sin(2.0 * (1.0 + argument**2.0) ** 0.25) for argument in flat] if own else []
         self.level = code.level
@@ -163,7 +163,7 @@ class Compiled:
 
     @cached_property
     def _function(self) -> Any:
-        """All of `Point`."""
+        """Compiles a function that returns all of `Point`."""
         slopes, guards, kinks, motion = self.here
         feet = [number for toe, mode in self.closed for number in footing(motion, toe, mode)]
         outputs = [*slopes, *guards, *kinks, *feet]
@@ -178,14 +178,14 @@ class Compiled:
 
     @cached_property
     def alone(self) -> Any:
-        """The integrator of one lane."""
+        """Makes the integrator of one lane."""
         events = [require().t_event(value, direction=direction) for value, direction in self._events]
         beside = [require().nt_event(value, _nothing) for value in self._resolved]
         start = self._somewhere[:, 0]
         return require().taylor_adaptive(self._motion, start, t_events=events, nt_events=beside, **self._settings)
 
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
-        """Evaluate at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
+        """Evaluates the domain at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
         function, n = self._function, y.shape[1]
         given: dict[str, Array] = {}
         if function.nparams:
@@ -200,17 +200,17 @@ class Compiled:
     def run(
         self, t: Array, y: Array, until: Array, parameters: Array, longest: float = math.inf
     ) -> tuple[Array, Array, NDArray[np.int64]]:
-        """Integrate up to the first guard that falls through zero, or a time.
+        """Integrates up to the first guard that falls through zero, or up to a time.
 
         Args:
-            t: times, (n,).
-            y: states there, (2 nv, n), at which every guard that is watched is positive.
-            until: times at which to stop, (n,).
-            parameters: (p, n).
-            longest: step, in s.
+            t: initial times, in s, (n,).
+            y: initial states, (2 nv, n), at which every watched guard is positive.
+            until: times at which to stop, in s, (n,).
+            parameters: run-time parameters, (p, n).
+            longest: longest step, in s.
 
         Returns:
-            times, states and the guards' indices, or `TIME_LIMIT`, `KINK` or `FAILED`.
+            final times, states, and the guards' indices, or `TIME_LIMIT`, `KINK` or `FAILED`.
         """
         n, width = len(t), self.width
         padded = np.arange(-(-n // width) * width)
@@ -233,7 +233,7 @@ class Compiled:
     def _run(
         self, t: Array, y: Array, until: Array, parameters: Array, codes: NDArray[np.int64], longest: float
     ) -> None:
-        """Integrate as many lanes as go at a time; times, states and heyoka's outcomes are set."""
+        """Integrates one register of lanes; sets times, states and heyoka's outcomes in place."""
         bounds = steps(float(np.max(until - t)), longest)
         integrator, success = self._integrator, int(require().taylor_outcome.success)
         integrator.set_time(t)
@@ -248,7 +248,7 @@ class Compiled:
             t[done], y[:, done], codes[done] = integrator.time[done], integrator.state[:, done], outcomes[done]
             if success not in codes:
                 return
-            # those that are done stay where they are while the others go on
+            # lanes that are done keep their states while the others continue
             ready = codes != success
             integrator.state[:, ready] = self._somewhere
             until = np.where(ready, integrator.time, until)
@@ -256,51 +256,51 @@ class Compiled:
 
 @dataclass(frozen=True, eq=False)
 class Ready:
-    """A domain of a system, and what is compiled of it, which other systems may share.
+    """A domain of a system with its compiled code, which other systems may share.
 
     Attributes:
-        domain: the domain, whose events are this system's own.
-        compiled: its motion and guards.
+        domain: the domain, with the events of this system.
+        compiled: its compiled motion and guards.
     """
 
     domain: Domain
     compiled: Compiled
 
     def fitness(self, point: Point) -> Array:
-        """How well the domain fits each of many states at which it was evaluated, (n,), by `rules.footing.fitness`."""
+        """Returns how well the domain fits each evaluated state, (n,), by `rules.footing.fitness`."""
         feet = [(mode, foot) for (_, mode), foot in zip(self.compiled.closed, point.feet, strict=True)]
         return np.broadcast_to(np.asarray(fitness(feet), np.float64), point.slopes.shape[1:])
 
     def at(self, t: Array, y: Array, parameters: Array) -> Point:
-        """As `Compiled.at`."""
+        """Evaluates the domain at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
         return self.compiled.at(t, y, parameters)
 
     def run(
         self, t: Array, y: Array, until: Array, parameters: Array, longest: float = math.inf
     ) -> tuple[Array, Array, NDArray[np.int64]]:
-        """As `Compiled.run`."""
+        """Integrates up to the first guard that falls through zero, or up to a time; see `Compiled.run`."""
         return self.compiled.run(t, y, until, parameters, longest)
 
 
 @lru_cache(MOST)
 def compiled(structure: Structure, code: Code) -> Compiled:
-    """A domain compiled, once for each structure."""
+    """Compiles a domain, once for each structure."""
     return Compiled(structure.system, structure.domain, structure.held, code)
 
 
 def steps(duration: float, longest: float) -> dict[str, Any]:
-    """Bounds of steps for heyoka: how many, for some time, and how long, in s."""
+    """Returns heyoka's bounds on steps for a duration in s: their number, and the longest in s."""
     if longest == math.inf:
         return {"max_steps": STEPS}
     return {"max_steps": STEPS + math.ceil(duration / longest), "max_delta_t": longest}
 
 
 def operations(kinks: list[Any], flat: list[Any] | None = None) -> Operations:
-    """Elementary functions of expressions.
+    """Returns the elementary functions of expressions.
 
     Args:
-        kinks: takes what changes sign where they are not smooth.
-        flat: takes the arguments of those that are all but constant far from zero.
+        kinks: list that receives the values that change sign where a function is not smooth.
+        flat: list that receives the arguments of functions that are almost constant far from zero.
     """
     hy, arguments = require(), [] if flat is None else flat
 
@@ -321,7 +321,7 @@ def operations(kinks: list[Any], flat: list[Any] | None = None) -> Operations:
 
 
 def _nothing(*_: Any) -> None:
-    """What happens where a guard is only resolved."""
+    """Does nothing where a guard is only resolved."""
 
 
 def _expression(value: Any) -> Any:
@@ -329,10 +329,10 @@ def _expression(value: Any) -> Any:
 
 
 def require() -> Any:
-    """heyoka, settled: it works on its caller's thread, in all of the process. Who first asks waits for it to load.
+    """Returns heyoka, set to work on its caller's thread in the whole process; the first call waits for it to load.
 
     Raises:
-        MissingExtra: it is not installed.
+        MissingExtra: heyoka is not installed.
     """
     try:
         import heyoka
@@ -344,9 +344,9 @@ def require() -> Any:
 
 @cache
 def _settle(heyoka: Any) -> None:
-    """Bound its cache on disk; keep it to its caller's thread: others wait busily between calls as short as ours."""
+    """Bounds heyoka's cache on disk, and keeps it to its caller's thread, as idle threads would wait busily."""
     try:
         heyoka.llvm_state.set_diskcache_limit(CACHE)
-    except RuntimeError:  # it is damaged, or cannot be written: all is compiled anew
+    except RuntimeError:  # the cache is damaged, or cannot be written: all is compiled anew
         heyoka.llvm_state.set_diskcache_enabled(False)
     heyoka.set_nthreads(1)

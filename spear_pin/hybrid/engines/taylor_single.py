@@ -1,4 +1,4 @@
-"""The Taylor engine for one lane: what `taylor.Compiled` does for many, without their arrays."""
+"""The Taylor engine for one lane: does the work of `taylor.Compiled` for a single lane, without its arrays."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
 from spear_pin.hybrid.rules.impact import rises, routh
 from spear_pin.model.scalars import dot
 
-UNCLEAR = -2  # an event on entering a domain that is, or may be, one only later than `AHEAD`
+UNCLEAR = -2  # marks an event on entering a domain that happens, or may happen, only later than `AHEAD`
 AHEAD = AWAY[0]  # s: the only step that is tried
 OF_TOE = len(Footing._fields)
 
@@ -38,8 +38,8 @@ class Entry(NamedTuple):
 
     Attributes:
         fitness: how well it fits, by `rules.footing.fitness`; `LEAVES` at least.
-        t: time at which motion begins, in s.
-        y: state there.
+        t: time at which the motion begins, in s.
+        y: state at that time.
         event: the guard that falls at once, `NONE` or `UNCLEAR`.
     """
 
@@ -69,7 +69,7 @@ class Single:
         self._meaning = code.meaning.tolist()
         guards = self.domain.guards
         self._thresholds = [each for each in enumerate(thresholds(guards)) if each[1] > -math.inf]
-        # where things are in what the function returns, see `entering`
+        # places of the values in the function's output, see `entering`
         self._toes = [(mode, len(guards) + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
         kinks = len(guards) + OF_TOE * len(code.closed)
         self._later, self._bends = kinks + code.kinks, code.kinks > 0
@@ -78,9 +78,9 @@ class Single:
         self._kinks = slice(kinks, self._later), slice(kinks_later, self._state_later)
 
     def enter(self, t: float, y: Array, parameters: Array) -> Entry | None:
-        """Where motion that enters the domain at a state begins, None if its modes do not fit.
+        """Finds where the motion that enters the domain at a state begins; None if the domain's modes do not fit.
 
-        It begins there or, off the guards that rise from zero, a moment later.
+        The motion begins at that state or, if guards rise from zero, a moment later.
 
         Args:
             t: time since the phase began.
@@ -115,19 +115,19 @@ class Single:
     def run(
         self, t: float, y: Array, until: float, parameters: Array, longest: float = math.inf
     ) -> tuple[float, Array, int]:
-        """Integrate up to the first event, or a time, as `Compiled.run`."""
+        """Integrates up to the first event, or up to a time, as `Compiled.run` does for many lanes."""
         self._begin(t, y, parameters)
         outcome = int(self._integrator.propagate_until(until, **steps(until - t, longest))[0])
         return self._integrator.time, self._state.copy(), self._end(outcome)
 
     def follow(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int, Polynomials]:
-        """As `run`, and the motion."""
+        """Integrates as `run` does, and returns the motion as well."""
         self._begin(t, y, parameters)
         integrator, outcome = self._integrator, self._success
         begins, coefficients = list[float](), list[Array]()
         while outcome == self._success and len(begins) < STEPS:
             begins.append(t)
-            outcome = int(integrator.step(until - t, True)[0])  # named arguments take as long as half a step
+            outcome = int(integrator.step(until - t, True)[0])  # named arguments would cost half a step
             t = integrator.time
             coefficients.append(self._coefficients.copy())
         motion = Polynomials(np.array(begins), np.array(coefficients))
@@ -140,7 +140,7 @@ class Single:
         self._integrator.reset_cooldowns()
 
     def _end(self, outcome: int) -> int:
-        """What ends a motion, of heyoka's outcome."""
+        """Translates heyoka's outcome into the end of a motion."""
         if -len(self._meaning) <= outcome < 0:
             end: int = self._meaning[-outcome - 1]
             return end
@@ -149,14 +149,14 @@ class Single:
 
 @lru_cache(MOST)
 def entering(code: Compiled) -> Any:
-    """Compiled function of all that `Single.enter` asks for, made once for each domain that is compiled.
+    """Compiles a function of all that `Single.enter` needs, once for each compiled domain.
 
-    Guards, `OF_TOE` numbers of each closed toe, and kinks; then guards, kinks and the state `AHEAD` later.
+    It returns guards, `OF_TOE` numbers of each closed toe, and kinks; then guards, kinks and the state `AHEAD` later.
     """
     t, y, k1 = require().time, code.state, code.here.slopes
     k2 = code.field(t + 0.5 * AHEAD, [x + 0.5 * AHEAD * k for x, k in zip(y, k1, strict=True)]).slopes
     ends = [x + AHEAD * (2.0 * b - a) for x, a, b in zip(y, k1, k2, strict=True)]
-    k3 = code.field(t + AHEAD, ends).slopes  # Kutta's third order: where toes begin to slide, the second shows
+    k3 = code.field(t + AHEAD, ends).slopes  # Kutta's third order: second order is too coarse where toes begin to slide
     state = [x + AHEAD / 6.0 * (a + 4.0 * b + c) for x, a, b, c in zip(y, k1, k2, k3, strict=True)]
     later = code.field(t + AHEAD, state)
     feet = [number for toe, mode in code.closed for number in footing(code.here.motion, toe, mode)]
@@ -168,9 +168,9 @@ class CompiledImpact:
     """The plastic impact of one toe, compiled.
 
     Args:
-        structure: the system's.
+        structure: structure of the system.
         toe: the toe that strikes.
-        level: of LLVM's optimisation.
+        level: level of LLVM's optimisation.
     """
 
     def __init__(self, structure: Structure, toe: str, level: int) -> None:
@@ -186,7 +186,7 @@ class CompiledImpact:
         self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state, opt_level=level)
 
     def __call__(self, y: Array, parameters: Array) -> Array | None:
-        """The state afterwards, by Routh's method; None where the toe rises."""
+        """Returns the state after the impact, by Routh's method; None where the toe rises."""
         nv, after = self._nv, y.copy()
         numbers = self._function(y, pars=parameters[: self._function.nparams]).tolist()
         a_tt, a_tn, a_nn, slide, approach, friction, *responses = numbers
@@ -200,5 +200,5 @@ class CompiledImpact:
 
 @lru_cache(MOST)
 def impact(structure: Structure, toe: str, level: int) -> CompiledImpact:
-    """An impact compiled, once for each structure."""
+    """Compiles an impact, once for each structure."""
     return CompiledImpact(structure, toe, level)

@@ -1,4 +1,4 @@
-"""One call of a domain's functions with numbers, to tell a mistake from what symbols alone cannot do."""
+"""Calls a domain's functions once with numbers, to distinguish a mistake from a limit of symbols."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from spear_pin.hybrid.flow_names import flow_names
 
 
 def mistaken(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> BadFunction | None:
-    """The first mistake in a domain's functions at the state that its system guesses, if there is one.
+    """Finds the first mistake in a domain's functions at the system's guess; None if there is none.
 
     Args:
         system: the system.
         domain: one of its domains.
-        held: what is held there, by name; the numbers do not count.
+        held: values held in the domain, by name; the numbers do not matter.
     """
     try:
         flow = Flow(system, domain, {name: _ones(value) for name, value in held.items()})
@@ -32,7 +32,7 @@ def mistaken(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> B
             flow.height(toe)
     except BadFunction as found:
         return found
-    except Exception:  # whatever else: it is no mistake that is known
+    except Exception:  # any other exception is no known mistake
         return None
     return None
 

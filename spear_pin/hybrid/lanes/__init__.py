@@ -1,1 +1,1 @@
-"""Many lanes at once: groups in the same domain, their numbers, what they enter, and their way from event to event."""
+"""Many lanes at once: groups of lanes, their numbers, the domains they enter, and integration between events."""

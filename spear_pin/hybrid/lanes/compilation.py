@@ -1,4 +1,4 @@
-"""A system's domains and impacts, compiled when first needed and kept."""
+"""Compiles a system's domains and impacts when they are first needed, and keeps them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from spear_pin.hybrid.engines.taylor_single import CompiledImpact, Single, impac
 from spear_pin.hybrid.lanes.groups import Held
 from spear_pin.model.planar import Planar
 
-KEPT = 16  # systems
+KEPT = 16  # number of systems whose compiled parts are kept
 
 
 class Compilation:
@@ -30,7 +30,7 @@ class Compilation:
         self.system, self.planar = system, Planar(system.robot)
         self.robot = structure.robot_numbers(system, self.planar)
         self._code = code
-        # with what was made of them domains are kept, so that their identities stay their own
+        # domains are kept with their compiled form, so that Python does not reuse their ids
         self._domains: dict[Any, Ready] = {}
         self._singles: dict[Any, Single] = {}
         self._impacts: dict[str, CompiledImpact] = {}
@@ -39,14 +39,14 @@ class Compilation:
             self._reader.identity(function)
 
     def current(self) -> bool:
-        """Whether the functions of the system's domains are still what they were."""
+        """Tells whether the functions of the system's domains are unchanged since they were compiled."""
         return self._reader.current()
 
     def domain(self, domain: Domain, held: Held) -> Ready:
-        """A domain, compiled for what is held.
+        """Returns a domain compiled for the held values.
 
         Raises:
-            TypeError: it cannot be: a latch branches on a value.
+            TypeError: the domain cannot be compiled, since a latch branches on a value.
         """
         key = id(domain), structure.shape_of(held)
         if key not in self._domains:
@@ -55,14 +55,14 @@ class Compilation:
         return self._domains[key]
 
     def single(self, domain: Domain, held: Held) -> Single:
-        """A domain, compiled for one lane and for what is held."""
+        """Returns a domain compiled for one lane and for the held values."""
         key = id(domain), structure.shape_of(held)
         if key not in self._singles:
             self._singles[key] = Single(self.domain(domain, held))
         return self._singles[key]
 
     def impact(self, toe: str) -> CompiledImpact:
-        """A toe's impact."""
+        """Returns the compiled impact of a toe."""
         if toe not in self._impacts:
             whole = structure.Structure(self.system, self.system.domains[0], {}, self.planar)
             self._impacts[toe] = impact(whole, toe, self._code.level)
@@ -73,7 +73,7 @@ _kept: OrderedDict[Any, Compilation] = OrderedDict()
 
 
 def compilation(system: HybridSystem, code: Code) -> Compilation:
-    """A system's, made once as long as that system is among the last that were asked for."""
+    """Returns a system's compilation, and keeps those of the last `KEPT` systems."""
     key = id(system), code
     found = _kept.pop(key, None)
     if found is None or not found.current():

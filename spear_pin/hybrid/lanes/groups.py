@@ -21,10 +21,10 @@ class Group:
     """Lanes in the same domain.
 
     Attributes:
-        lanes: which, (n,).
-        t: clocks of the phase, in s, (n,).
+        lanes: indices of the lanes, (n,).
+        t: time since the phase began, in s, (n,).
         y: states, (2 nv, n).
-        held: what is held, arrays of n or nested tuples of them.
+        held: held values, arrays of n or nested tuples of them.
     """
 
     lanes: Indices
@@ -36,23 +36,23 @@ class Group:
         return len(self.lanes)
 
     def take(self, chosen: Any) -> Group:
-        """Some of the lanes."""
+        """Returns the group of the chosen lanes."""
         held = {name: take(value, chosen) for name, value in self.held.items()}
         return Group(self.lanes[chosen], self.t[chosen], self.y[:, chosen], held)
 
 
-# what is held, by lane
+# held values, by lane
 
 
 def take(value: Any, chosen: Any) -> Any:
-    """Values that some lanes hold."""
+    """Returns the held values of the chosen lanes."""
     if isinstance(value, tuple):
         return tuple(take(item, chosen) for item in value)
     return value[chosen] if isinstance(value, np.ndarray) else value
 
 
 def alone(value: Any) -> Any:
-    """Values that the only lane of a group holds, as plain numbers."""
+    """Returns the held values of a group of one lane as plain numbers."""
     if isinstance(value, dict):
         return {name: alone(item) for name, item in value.items()}
     if isinstance(value, tuple):
@@ -61,7 +61,7 @@ def alone(value: Any) -> Any:
 
 
 def finite(value: Any, n: int) -> Flags:
-    """Which of n lanes hold finite numbers only."""
+    """Tells which of n lanes hold only finite numbers."""
     items = value.values() if isinstance(value, Mapping) else value if isinstance(value, tuple) else None
     if items is None:
         return np.array(np.broadcast_to(np.isfinite(value), (n,)), dtype=bool)
@@ -69,28 +69,28 @@ def finite(value: Any, n: int) -> Flags:
 
 
 def spread(value: Any, n: int) -> Any:
-    """One value for each of n lanes, as arrays."""
+    """Repeats a value, or nested tuples of values, for each of n lanes."""
     if isinstance(value, tuple):
         return tuple(spread(item, n) for item in value)
     return np.array(np.broadcast_to(np.asarray(value, dtype=float), (n,)))
 
 
 def collected(values: list[Any]) -> Any:
-    """Values that lanes hold, given one by one, as arrays."""
+    """Collects the held values of single lanes into arrays."""
     if isinstance(values[0], tuple):
         return tuple(collected(list(items)) for items in zip(*values, strict=True))
     return np.array(values, dtype=float)
 
 
 def appended(values: list[Any]) -> Any:
-    """Values that several groups hold, one group after the other."""
+    """Concatenates the held values of several groups."""
     if isinstance(values[0], tuple):
         return tuple(appended(list(items)) for items in zip(*values, strict=True))
     return np.concatenate(values)
 
 
 def merged(groups: list[Group]) -> Group:
-    """Groups of the same domain as one."""
+    """Merges groups of the same domain into one."""
     if len(groups) == 1:
         return groups[0]
     return Group(
@@ -102,10 +102,10 @@ def merged(groups: list[Group]) -> Group:
 
 
 def stacked(rows: list[list[Any]], n: int) -> Array:
-    """A matrix of arrays as an array of matrices, (n, rows, columns)."""
+    """Turns a matrix of arrays into an array of matrices, (n, rows, columns)."""
     return np.array([[np.broadcast_to(value, n) for value in row] for row in rows], dtype=float).transpose(2, 0, 1)
 
 
 def along(row: list[Any], vector: Array) -> Any:
-    """A row times vectors."""
+    """Returns the product of a row with each vector."""
     return sum(value * rate for value, rate in zip(row, vector, strict=True))

@@ -1,4 +1,4 @@
-"""Impacts of lanes."""
+"""Applies impacts to many lanes at once."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
 
 
 def strike(numbers: Numbers, toes: list[str], lands: tuple[str, ...], group: Group) -> tuple[Group, Group]:
-    """Lanes after an impact on some toes, of which some land, and those left as they are: a toe that lands rises.
+    """Applies an impact on some toes to lanes, and returns them with the lanes that it leaves unchanged.
+
+    A lane is left unchanged where a toe that lands would rise after the impact.
 
     Args:
-        numbers: the lanes'.
-        toes: that take part.
-        lands: those of them that land.
+        numbers: numbers of the lanes.
+        toes: toes that take part in the impact.
+        lands: toes among them that land.
         group: the lanes.
     """
     q, v = group.y[: numbers.nv], group.y[numbers.nv :]

@@ -1,8 +1,7 @@
-"""A lane on its own, from section to section, as long as nothing calls for a second look.
+"""Integrates a single lane from section to section, as long as the cycle has only simple events.
 
-Where `runner` decides for many lanes whatever may come, this goes one cycle through what is clear at a glance: a
-domain that fits, guards that rise from zero, toes that come down for good. At anything else it gives up, and the
-cycle is run again by `runner`.
+`runner` handles every event for many lanes. This module handles only simple cases of one cycle: a domain that fits,
+guards that rise from zero, toes that land and stay. In any other case it gives up, and `runner` runs the cycle again.
 """
 
 from __future__ import annotations
@@ -29,8 +28,8 @@ from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 
-EVENTS = 50  # of a cycle
-FEW_AT_ONCE = 4  # events in an instant
+EVENTS = 50  # most events in a cycle
+FEW_AT_ONCE = 4  # most events in an instant
 RISES = "a toe that comes down rises"
 
 
@@ -38,14 +37,14 @@ class Lap(NamedTuple):
     """A cycle.
 
     Attributes:
-        y: state just behind the section.
-        held: what is held there.
-        spent: seconds in each phase.
-        observed: states at the last of the events that change nothing, by name.
-        phase: the phase that begins there.
-        came: the last domain, and the reset by which it was left.
-        ago: how long ago each toe was on the ground, in s.
-        order: what happened, (domain, event) each.
+        y: state just after the section.
+        held: held values just after the section.
+        spent: time in each phase, in s.
+        observed: state at the last event of each name that changes nothing.
+        phase: the phase that begins at the section.
+        came: the last domain, and the reset by which the lane left it.
+        ago: time since each toe was last on the ground, in s.
+        order: (domain, event) of each event.
         arcs: the motion from event to event.
     """
 
@@ -61,24 +60,24 @@ class Lap(NamedTuple):
 
 
 class _Unclear(Exception):
-    """Something calls for a second look; the text says what."""
+    """The cycle has an event that is not simple; the text says which."""
 
 
 @dataclass(slots=True)
 class _Now:
-    """Where a lane is in its cycle, besides what `Lap` says.
+    """State of a lane within its cycle, in addition to the attributes of `Lap`.
 
     Attributes:
-        domains: among which the one that fits is entered.
-        singles: domains compiled for what is held.
-        parameters: run-time parameters, what is held among them.
+        domains: domains of the phase, of which the lane enters the one that fits.
+        singles: domains compiled for the held values.
+        parameters: run-time parameters, the held values among them.
         t: time since the phase began, in s.
-        past: time of the phases before, in s.
-        switches: scheduled events of the phase.
+        past: total time of the earlier phases, in s.
+        switches: number of scheduled events in the phase so far.
         last: time of the last event, in s.
-        crowd: events in this instant.
+        crowd: number of events in this instant.
         arcs: the motion so far.
-        grounded: when each toe was last on the ground, in s.
+        grounded: time at which each toe was last on the ground, in s.
         happened: the events so far.
     """
 
@@ -101,16 +100,16 @@ class _Now:
 
 
 class LoneRunner:
-    """One lane's cycles.
+    """Runs the cycles of one lane.
 
     Args:
-        numbers: the lanes'.
-        lane: which of them.
-        keep: whether arcs say what their motion was.
-        longest: step, in s; of arcs that say it there is no such bound.
+        numbers: numbers of the lanes.
+        lane: index of the lane.
+        keep: whether arcs keep their motion.
+        longest: longest step, in s; it does not bound arcs that keep their motion.
 
     Attributes:
-        why: what called for a second look in the last cycle that got one.
+        why: why the last cycle that was refused was refused.
     """
 
     def __init__(self, numbers: Numbers, lane: int, *, keep: bool = False, longest: float = math.inf) -> None:
@@ -119,18 +118,18 @@ class LoneRunner:
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
         self._parameters = np.array(self._constants)
         self._struck: dict[tuple[int, int], list[str]] = {}
-        self._singles: dict[Any, dict[int, Single]] = {}  # by the shape of what is held, and the domain
+        self._singles: dict[Any, dict[int, Single]] = {}  # by the shape of the held values, and the domain
         self.why = ""  # the last cycle is left to `runner`
         self._phases = {phase: self._system.of_phase(phase) for phase in self._system.phases}
 
     def lap(self, phase: str, y: Array, held: Held, ago: list[float]) -> Lap | None:
-        """The cycle from a state just behind the section, where a phase begins, or None.
+        """Runs a cycle from a state just after the section, where a phase begins; returns None if it gives up.
 
         Args:
             phase: the phase.
             y: the state.
-            held: what is held there.
-            ago: how long ago each toe was on the ground, in s.
+            held: held values at that state.
+            ago: time since each toe was last on the ground, in s.
         """
         now = self._begin(phase, y, held, ago)
         try:
@@ -152,7 +151,7 @@ class LoneRunner:
         return _Now(phase, self._phases[phase], y, held, *self._given(held), grounded, spent)
 
     def _next(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
-        """The domain that is entered, followed up to its next event, None where that changes nothing."""
+        """Enters a domain, integrates to its next event, and returns both; the event is None if it changes nothing."""
         begun, start = now.t, now.y
         ready, (_, now.t, now.y, end) = self._enter(now)
         domain = ready.domain
@@ -176,7 +175,7 @@ class LoneRunner:
         return domain, event
 
     def _event(self, now: _Now, domain: Domain, end: int, due_now: bool) -> Guard | Switch | None:
-        """What ended an arc, None for a kink."""
+        """Returns the event that ended an arc, None for a kink."""
         if end >= 0:
             return domain.guards[end]
         if end == TIME_LIMIT and due_now:
@@ -187,7 +186,7 @@ class LoneRunner:
         raise _Unclear(f"{domain.name} does not end" if end == TIME_LIMIT else f"the motion in {domain.name} diverges")
 
     def _happen(self, now: _Now, domain: Domain, event: Guard | Switch) -> Reset:
-        """An event: impact, latch, phase."""
+        """Carries out an event: impact, latch, and change of phase."""
         time, reset = now.past + now.t, event.reset
         now.crowd, now.last = crowded(now.crowd, time - now.last), time
         if reset is None:
@@ -208,7 +207,7 @@ class LoneRunner:
         return reset
 
     def _strike(self, now: _Now, domain: Domain, reset: Reset) -> None:
-        """The impact of a toe that was in the air, and of those on the ground beside it."""
+        """Applies the impact of a toe that was in the air to it and to the toes on the ground."""
         key = id(domain), id(reset)
         if key not in self._struck:
             self._struck[key] = struck_toes(self._system, domain, reset)
@@ -238,7 +237,7 @@ class LoneRunner:
         now.singles, now.parameters = self._given(now.held)
 
     def _closed(self, now: _Now, domain: Domain, reset: Reset) -> Lap:
-        """The cycle that ends with a reset."""
+        """Returns the cycle that a reset ends."""
         if reset.phase is None or not whole(now.past):
             raise _Unclear("the cycle is of an instant")
         ago = [now.past - time for time in now.grounded]
@@ -246,7 +245,7 @@ class LoneRunner:
         return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago, order, now.arcs)
 
     def _enter(self, now: _Now) -> tuple[Single, Entry]:
-        """The domain that fits best."""
+        """Returns the domain that fits best."""
         best = None
         for domain in now.domains:
             ready = now.singles.get(id(domain))
@@ -264,9 +263,9 @@ class LoneRunner:
         return best
 
     def _given(self, held: Held) -> tuple[dict[int, Single], Array]:
-        """Domains compiled for what is held, as far as they were asked for, and the run-time parameters.
+        """Returns the domains compiled so far for the held values, and the run-time parameters.
 
-        These are overwritten by the next call.
+        The next call overwrites the parameters.
         """
         now, parameters = flattened(held.values()), self._parameters
         if len(parameters) != len(self._constants) + len(now):

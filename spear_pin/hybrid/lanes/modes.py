@@ -1,6 +1,6 @@
-"""Lanes that enter a phase: which domain fits them, and what happens there at once.
+"""Lanes that enter a phase: chooses the domain that fits each of them, and finds its immediate events.
 
-What `modes.fitting` and `events.Watch` decide for one state, for many.
+This module decides for many states what `modes.fitting` and `events.Watch` decide for one.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from spear_pin.hybrid.rules.footing import LEAVES
 
 
 def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Ready, Group, Point]], Group]:
-    """The domain of a phase that fits each lane, evaluated there, and the lanes that none fits.
+    """Chooses the domain of a phase that fits each lane, evaluates it, and returns it with the lanes that none fits.
 
-    By `rules.footing.fitness`; where none fits, it is one in which all toes that cannot stay leave.
+    The choice is by `rules.footing.fitness`; where none fits, it is one in which all toes that cannot stay leave.
     """
     domains, chosen = numbers.system.of_phase(phase), []
     best, which = np.full(len(group), -np.inf), np.zeros(len(group), np.int64)
@@ -42,7 +42,10 @@ def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Ready
 
 
 def first_event(numbers: Numbers, ready: Ready, group: Group, point: Point) -> tuple[Indices, Flags]:
-    """Of each lane the guard that is an event on entering a domain, or `NONE`, and whether something is on zero."""
+    """Returns the guard of each lane that is an event on entering a domain, or `NONE`, and whether any guard is zero.
+
+    A kink on zero counts as well.
+    """
     waiting = (point.guards <= np.array(thresholds(ready.domain.guards))[:, None]).any(axis=0)
     found = np.full(len(group), NONE)
     if waiting.any():
@@ -53,7 +56,7 @@ def first_event(numbers: Numbers, ready: Ready, group: Group, point: Point) -> t
 
 
 def away(numbers: Numbers, ready: Ready, group: Group) -> tuple[list[Group], Group]:
-    """Lanes a moment later, where no guard is on zero any more, and those that do not get there."""
+    """Returns lanes a moment later, where no guard is zero any more, and the lanes for which that fails."""
     gone, happening = [], np.isfinite(thresholds(ready.domain.guards))
     for h in AWAY:
         if not len(group):

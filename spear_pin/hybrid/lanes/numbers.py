@@ -1,4 +1,4 @@
-"""The numbers of lanes that may differ in them, and what depends on those: compiled domains, what events latch."""
+"""The numbers in which lanes may differ, and results that depend on them: compiled domains, latched values."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, tak
 from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.latching import latched
 
-OTHERS = (*structure.OF_SPRINGS, "friction", *structure.OF_GROUND)  # numbers beside the law's in which lanes may differ
+OTHERS = (*structure.OF_SPRINGS, "friction", *structure.OF_GROUND)  # may differ, besides the law's
 
 
 class Numbers:
-    """A system's numbers in every lane.
+    """The numbers of a system in every lane.
 
     Args:
         system: the system.
@@ -39,47 +39,47 @@ class Numbers:
         self._others = {name: given.get(name, value) for name, value in structure.others(system).items()}
 
     def of_lane(self, lane: int) -> dict[str, float]:
-        """The numbers in which a lane differs."""
+        """Returns the values of a lane for the numbers in which lanes differ."""
         return {name: float(values[lane]) for name, values in self._given.items()}
 
     def law_of(self, lane: int) -> Any:
-        """Parameters of the law in one lane."""
+        """Returns the parameters of the law in one lane."""
         return with_fields(self.system.law, self.of_lane(lane))
 
     def constants(self, lane: int) -> list[float]:
-        """A lane's run-time parameters ahead of what is held."""
+        """Returns a lane's run-time parameters, which come before the held values."""
         law, others = self.law_of(lane), [float(take(value, lane)) for value in self._others.values()]
         return structure.flattened(
             (*(getattr(law, field.name) for field in fields(law)), *others, *self.compilation.robot)
         )
 
     def law(self, lanes: Indices) -> Any:
-        """Parameters of the law in some lanes."""
+        """Returns the parameters of the law in some lanes."""
         return with_fields(self.system.law, {name: values[lanes] for name, values in self._given.items()})
 
     def ground(self, lanes: Indices) -> Ground:
-        """The ground under some lanes, its numbers arrays where lanes may differ in them."""
+        """Returns the ground under some lanes; its numbers are arrays where lanes may differ in them."""
         return with_fields(self.system.ground, {name: take(value, lanes) for name, value in self._others.items()})
 
     def parameters(self, group: Group) -> Array:
-        """Run-time parameters of a group, (p, n)."""
+        """Returns the run-time parameters of a group, (p, n)."""
         others = [take(value, group.lanes) for value in self._others.values()]
         return structure.parameters(self.law(group.lanes), others, self.compilation.robot, group.held, len(group))
 
     def compiled(self, domain: Domain, group: Group) -> Ready:
-        """The domain, compiled for what the group holds.
+        """Returns the domain compiled for the held values of a group.
 
         Raises:
-            TypeError: it cannot be: a latch branches on a value.
+            TypeError: the domain cannot be compiled, since a latch branches on a value.
         """
         return self.compilation.domain(domain, group.held)
 
     def at(self, ready: Ready, group: Group) -> Point:
-        """A domain evaluated where a group is."""
+        """Evaluates a domain at the states of a group."""
         return ready.at(group.t, group.y, self.parameters(group))
 
     def ahead(self, ready: Ready, group: Group, h: float) -> Group:
-        """The group after one Runge-Kutta step."""
+        """Returns the group after one Runge-Kutta step of h seconds."""
         parameters = self.parameters(group)
 
         def slope(t: Array, y: Array) -> Array:
@@ -88,7 +88,9 @@ class Numbers:
         return replace(group, t=group.t + h, y=ahead(slope, group.t, group.y, h))
 
     def latch(self, group: Group, reset: Reset) -> Group:
-        """Group after an event's latch, which is for all lanes at once if it is plain arithmetic, else lane by lane.
+        """Returns the group after an event's latch.
+
+        A latch that is plain arithmetic is called once for all lanes, any other lane by lane.
 
         Raises:
             BadFunction: there is a mistake in the latch.
@@ -97,7 +99,7 @@ class Numbers:
             return group
         n, q, v = len(group), group.y[: self.nv], group.y[self.nv :]
         try:
-            if n == 1:  # whose array NumPy may take for a number, or not
+            if n == 1:  # NumPy may take an array of one for a number, or not
                 raise TypeError
             held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes))
             return replace(group, held={name: spread(value, n) for name, value in held.items()})
@@ -111,7 +113,7 @@ class Numbers:
             return replace(group, held={**group.held, **new})
 
     def _latch_alone(self, group: Group, reset: Reset, i: int) -> Mapping[str, Any] | None:
-        """Values held after an event in the i-th lane of a group, None where one is undefined."""
+        """Returns the values held after an event in the i-th lane of a group, None where one is undefined."""
         assert reset.latch is not None
         held = {name: take(value, i) for name, value in group.held.items()}
         q, v = group.y[: self.nv, i].tolist(), group.y[self.nv :, i].tolist()
@@ -122,7 +124,7 @@ class Numbers:
 
 
 def _undefined(value: Any) -> Any:
-    """Value of the same form with NaN for numbers."""
+    """Returns a value of the same form with NaN in place of numbers."""
     if isinstance(value, Mapping):
         return {name: _undefined(item) for name, item in value.items()}
     return tuple(map(_undefined, value)) if isinstance(value, tuple) else math.nan

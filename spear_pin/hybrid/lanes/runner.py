@@ -1,7 +1,7 @@
-"""Lanes on their way from event to event.
+"""Integrates many states (lanes) from event to event.
 
-Where a lane meets something rare (a choice of modes that none fits, events that crowd in an instant) the reference
-engine runs it again from the beginning of its cycle: what is rare is slow, never different.
+In rare cases (no choice of modes fits, too many events in an instant) the reference engine runs the lane again from the
+beginning of its cycle. Rare cases are slower, but their results are the same.
 """
 
 from __future__ import annotations
@@ -35,16 +35,16 @@ from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
 from spear_pin.hybrid.run import run
 
-FEW = 16  # lanes that are faster one by one
-PATIENCE = 3  # cycles of a lane that its lone runner refuses before it is left
-CROWD = 10  # events in an instant, of a lane that is then left to the reference engine, as may be a Zeno point
+FEW = 16  # most lanes for which running one by one is faster
+PATIENCE = 3  # cycles that a lane's lone runner may refuse before it is no longer tried
+CROWD = 10  # events in an instant after which the reference engine takes over, as it may be a Zeno point
 
 
 class Lanes:
-    """The lanes of a chunk: what became of each so far, and what is to be done with those under way.
+    """Runs the lanes of a chunk, and keeps their results.
 
-    Groups wait in two queues: those that enter a phase, by where they came from, and those to be integrated in a
-    domain.
+    Groups wait in two queues: groups that enter a phase, sorted by the domain they left, and groups to be integrated
+    in a domain.
     """
 
     def __init__(
@@ -61,16 +61,16 @@ class Lanes:
         self.system, self.options, self.wanted = system, options, cycles
         self._longest = options.max_step or math.inf
         self.numbers = Numbers(system, given, code)
-        # what the reference engine can begin at: the last state on the section that says everything, the cycles before
+        # where the reference engine can begin: the last state on the section that defines all else, the cycles before
         self.start, self.before = np.concatenate([q.T, v.T]), np.zeros(n, np.int64)
         self.end = self.start.copy()
         lands = system.landing[1]
-        # the reset after which nothing but the state matters for what follows: a phase begins with all it holds
+        # the reset after which the later motion depends on the state alone: a phase begins and latches all it holds
         self._fresh = lands if lands.phase is not None else None
         self.began, self.switches = np.zeros(n), np.zeros(n, np.int64)
         self.events, self.crowd, self.last = np.zeros(n, np.int64), np.zeros(n, np.int64), np.full(n, -np.inf)
         self.grounded = np.full((len(system.robot.toes), n), -np.inf)  # when each toe was last on the ground
-        self.resets, self._bits = np.zeros(n, np.int64), dict[int, int]()  # into other phases, of the present instant
+        self.resets, self._bits = np.zeros(n, np.int64), dict[int, int]()  # into other phases, in this instant
         self.refused = np.zeros(n, np.int64)
         self.cycles, self.on_section = np.zeros(n, np.int64), np.zeros(n, bool)
         self.spent = {phase: np.zeros(n) for phase in system.phases}
@@ -81,14 +81,14 @@ class Lanes:
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
         longest = self._longest
         self._lone = [LoneRunner(self.numbers, lane, longest=longest) for lane in range(n)] if n <= FEW else []
-        self.orders: list[Order] = [()] * n  # of the last whole cycle
-        self._happened: list[list[Happening]] = [[] for _ in self._lone]  # in the one under way
+        self.orders: list[Order] = [()] * n  # order of events in the last whole cycle
+        self._happened: list[list[Happening]] = [[] for _ in self._lone]  # events of the present cycle
         self._alone: list[tuple[str, Group, Came | None]] = []
         self._entering: dict[Any, tuple[str, Came | None, list[Group]]] = {}
         self._flying: dict[int, tuple[Ready, list[Group]]] = {}
 
     def go(self) -> None:
-        """Run to the end of every lane."""
+        """Runs every lane to its end."""
         with np.errstate(all="ignore"):
             self.begin()
             while self._alone or self._entering or self._flying:
@@ -106,12 +106,12 @@ class Lanes:
                 self.repeat(int(lane))
 
     def begin(self) -> None:
-        """Sort the lanes into the phases where they begin."""
+        """Sorts the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
         feet = self.numbers.planar.feet(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
         ground = self.numbers.ground(np.arange(n))
         for toe in system.robot.toes if n and not ground.plane else ():
-            system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a mistake shows with numbers
+            system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a call with numbers reveals a mistake
         try:
             feet = ground.seen(feet, np)
         except FOR_SYMBOLS as error:
@@ -136,7 +136,10 @@ class Lanes:
             self.go_on(phase, group, None)
 
     def go_on(self, phase: str, group: Group, came: Came | None) -> None:
-        """Have lanes begin a cycle, one by one if they are few, that has not failed too often, and a phase begins."""
+        """Starts the next cycle of lanes.
+
+        Lanes run one by one if they are few, if a phase begins, and if running alone has not failed too often.
+        """
         lanes = group.lanes
         single = bool(self._lone) & self.on_section[lanes] & (self.refused[lanes] < PATIENCE) & (group.t == 0.0)
         self._alone += [(phase, group.take([i]), came) for i in np.flatnonzero(single)]
@@ -144,7 +147,7 @@ class Lanes:
             self.put(phase, group.take(~single), came)
 
     def go_round(self, phase: str, group: Group, came: Came | None) -> None:
-        """Run the cycles of one lane that need no second look."""
+        """Runs the cycles of one lane as long as its lone runner accepts them."""
         lane, n, y, held = int(group.lanes[0]), 0, group.y[:, 0], alone(group.held)
         spent: Mapping[str, float] = {}
         start, fresh, began = y, 0, float(self.began[lane])
@@ -175,23 +178,23 @@ class Lanes:
             self.put(phase, Group(group.lanes, np.zeros(1), y[:, None].copy(), held), came)
 
     def put(self, phase: str, group: Group, came: Came | None) -> None:
-        """Have lanes enter a phase, or go on with it after an event within it."""
+        """Queues lanes to enter a phase, or to continue it after an event within it."""
         key = phase, shape_of(group.held), None if came is None else (id(came[0]), id(came[1]))
         self._entering.setdefault(key, (phase, came, []))[2].append(group)
 
     def fly(self, ready: Ready, group: Group) -> None:
-        """Have lanes integrated in a domain."""
+        """Queues lanes to be integrated in a domain."""
         self._flying.setdefault(id(ready), (ready, []))[1].append(group)
 
     def enter(self, phase: str, group: Group, came: Came | None) -> None:
-        """Find each lane's domain of a phase."""
+        """Finds the domain of a phase that each lane enters."""
         chosen, left = choose(self.numbers, phase, group)
         self.give_up(left)
         for ready, part, point in chosen:
             self.watch(ready, part, point, came)
 
     def watch(self, ready: Ready, group: Group, point: Point, came: Came | None) -> None:
-        """Let happen what happens as soon as a domain is entered; the other lanes are to be integrated."""
+        """Carries out the events that happen on entering a domain, and queues the other lanes for integration."""
         domain = ready.domain
         defined = np.isfinite(point.guards).all(axis=0) & np.isfinite(group.y).all(axis=0)
         self.give_up(group.take(~defined))
@@ -212,7 +215,7 @@ class Lanes:
             self.fly(ready, each)
 
     def slide(self, ready: Ready, index: int, came: Came, group: Group) -> Group:
-        """Motion on the switching surface of lanes that would leave a phase by a guard at once; returns the others."""
+        """Moves lanes that would leave a phase at once by a guard onto the switching surface; returns the others."""
         reset = ready.domain.guards[index].reset
         assert reset is not None
         try:
@@ -226,7 +229,7 @@ class Lanes:
         return rest
 
     def advance(self, ready: Ready, group: Group) -> None:
-        """Integrate up to the next event, and let it happen."""
+        """Integrates up to the next event, and carries it out."""
         until = self.until(ready.domain, group)
         late = until <= group.t
         self.give_up(group.take(late))
@@ -245,7 +248,10 @@ class Lanes:
                 self.happen(ready.domain, end, part)
 
     def until(self, domain: Domain, group: Group) -> Array:
-        """Up to which time of the phase each lane is integrated: to the scheduled event, or the limit of a phase."""
+        """Returns the time of the phase up to which each lane is integrated.
+
+        That is the time of the scheduled event, or the limit of a phase.
+        """
         until = np.full(len(group), self.system.phase_limit)
         switches = self.switches[group.lanes]
         for n in np.unique(switches):
@@ -254,21 +260,21 @@ class Lanes:
         return until
 
     def time_over(self, domain: Domain, group: Group, over: Flags) -> None:
-        """The scheduled event, or the end of lanes whose phase is over its limit."""
+        """Carries out the scheduled event, and ends lanes whose phase has exceeded its limit."""
         self.finish(group.lanes[over], "no_event", f"{self.system.phase_limit:g} s in {domain.phase}")
         self.switches[group.lanes] += 1
         if not over.all():
             self.happen(domain, -1, group.take(~over))
 
     def pass_by(self, ready: Ready, group: Group, end: int) -> None:
-        """Go on behind a kink, or a guard that is only observed."""
+        """Continues after a kink, or after a guard that is only observed."""
         if end != KINK:
             self.observed[ready.domain.guards[end].name][:, group.lanes] = group.y
         group = self.count(group)
         self.watch(ready, group, self.numbers.at(ready, group), None)
 
     def happen(self, domain: Domain, index: int, group: Group) -> None:
-        """An event of a domain, a guard's or with -1 the scheduled one: impact, latch, phase."""
+        """Carries out an event of a domain: impact, latch, and change of phase; index -1 is the scheduled event."""
         guard = domain.guards[index] if index >= 0 else domain.switch
         assert guard is not None
         ends, reset = (guard.ends, guard.reset) if isinstance(guard, Guard) else (None, guard.reset)
@@ -278,7 +284,7 @@ class Lanes:
             return
         assert reset is not None
         if domain.alternating and reset.phase is None and {*domain.contacts} != {OPEN}:
-            self.give_up(group)  # another toe may slip, or its spring slacken, while one alternates on
+            self.give_up(group)  # while one toe alternates on, another may slip, or its spring may slacken
             return
         now = self.began[group.lanes] + group.t
         self.grounded[np.array(domain.on_ground, int)[:, None], group.lanes] = now
@@ -287,7 +293,7 @@ class Lanes:
             self.carry_out(domain, guard, reset, group.take(touching == again), bool(again))
 
     def carry_out(self, domain: Domain, guard: Guard | Switch, reset: Reset, group: Group, again: bool) -> None:
-        """Carry out an event; `again` says whether toes only touch again."""
+        """Carries out an event; `again` tells whether toes only touch again."""
         group = self.count(group)
         if reset.phase is not None:
             group = self.new(reset, group)
@@ -313,13 +319,13 @@ class Lanes:
             self.put(reset.phase or domain.phase, group, None if reset.phase is None else (domain, reset))
 
     def leave(self, phase: str, group: Group) -> None:
-        """Count the time spent in a phase."""
+        """Adds up the time spent in a phase."""
         self.spent[phase][group.lanes] += group.t
         self.began[group.lanes] += group.t
         self.switches[group.lanes] = 0
 
     def close_cycle(self, group: Group, reset: Reset) -> Group:
-        """The section is crossed; returns the lanes that go on."""
+        """Completes a cycle of lanes that cross the section; returns the lanes that continue."""
         lanes, counts = group.lanes, self.on_section[group.lanes]
         instant = counts & ~whole(np.sum([spent[lanes] for spent in self.spent.values()], axis=0))
         self.give_up(group.take(instant))
@@ -339,7 +345,7 @@ class Lanes:
         return group.take(~done & ~instant)
 
     def repeat(self, lane: int) -> None:
-        """Run a lane again by the reference engine from where its cycle began, or an earlier one."""
+        """Runs a lane again by the reference engine from where its present cycle, or an earlier one, began."""
         nq, before = self.system.robot.nq, int(self.before[lane])
         system = with_parameters(self.system, self.numbers.of_lane(lane))
         state = self.start[:nq, lane].copy(), self.start[nq:, lane].copy()
@@ -360,7 +366,7 @@ class Lanes:
     # bookkeeping
 
     def count(self, group: Group) -> Group:
-        """Count an event; returns those lanes that have not had too many in an instant or a cycle."""
+        """Counts an event; returns the lanes that have not had too many events in an instant or a cycle."""
         lanes = group.lanes
         now = self.began[lanes] + group.t
         self.crowd[lanes] = crowded(self.crowd[lanes], now - self.last[lanes])
@@ -371,7 +377,7 @@ class Lanes:
         return group.take(~many)
 
     def new(self, reset: Reset, group: Group) -> Group:
-        """Those lanes to which a reset into another phase has not happened in this instant already."""
+        """Returns the lanes that have not had this reset into another phase in the present instant."""
         lanes, bit = group.lanes, 1 << self._bits.setdefault(id(reset), len(self._bits))
         self.resets[lanes] = np.where(self.crowd[lanes] > 0, self.resets[lanes], 0)
         again = self.resets[lanes] & bit != 0
@@ -380,10 +386,10 @@ class Lanes:
         return group.take(~again)
 
     def give_up(self, group: Group) -> None:
-        """Leave lanes to the reference engine."""
+        """Leaves lanes to the reference engine."""
         self.repeated[group.lanes] = True
 
     def finish(self, lanes: Indices, reason: str, detail: str) -> None:
-        """Some lanes end."""
+        """Ends some lanes with a reason."""
         self.reason[lanes] = reason
         self.message[lanes] = REASONS[reason] + (f" ({detail})" if detail else "")

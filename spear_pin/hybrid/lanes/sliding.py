@@ -1,4 +1,4 @@
-"""Lanes that two phases would send back and forth: motion on the switching surface, as `filippov.sliding` finds it."""
+"""Moves lanes that would alternate between two phases along the switching surface, as `filippov.sliding` does."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.rules.surface import BEYOND, MOST_AT_ONCE, alternation, begins, chatter, leads_round
 
-Came = tuple[Domain, Reset]  # from where a phase was entered, and by which reset
+Came = tuple[Domain, Reset]  # the domain that was left, and the reset that left it
 
 
 def slide(
     numbers: Numbers, domain: Domain, reset: Reset, came: Came, group: Group
 ) -> tuple[list[tuple[Ready, Group, Point]], Group]:
-    """The motion between two domains that lanes go into, evaluated there, and the lanes that do not.
+    """Finds the motion between two domains for lanes, evaluates it, and returns it with the lanes that do not slide.
 
     Args:
-        numbers: the lanes'.
-        domain: that they are in, having just entered it.
-        reset: by which they would leave it at once.
-        came: the domain before, and the reset by which they left that.
+        numbers: numbers of the lanes.
+        domain: the domain that the lanes have just entered.
+        reset: the reset by which they would leave it at once.
+        came: the domain before, and the reset by which they left it.
         group: the lanes.
 
     Raises:
-        TypeError: the motion cannot be compiled: a latch branches on a value.
+        TypeError: the motion cannot be compiled, since a latch branches on a value.
     """
     between = alternation(numbers.system, (domain, came[0]), (reset, came[1]))
     if between is None:
@@ -55,7 +55,10 @@ def slide(
 def _at_once_after(
     numbers: Numbers, reset: Reset, group: Group
 ) -> Iterator[tuple[Reset | None, tuple[Reset, ...], Group]]:
-    """Resets that would come at once after a reset: the one that leaves its phase, those before it, what is held."""
+    """Yields the resets that would follow at once after a reset.
+
+    Each item is the reset that leaves its phase, the resets before it, and the group with its held values.
+    """
     assert reset.phase is not None
     waiting: list[tuple[tuple[Reset, ...], Group]] = [
         ((), numbers.latch(replace(group, t=np.zeros(len(group))), reset))
@@ -74,7 +77,7 @@ def _at_once_after(
 
 
 def _begin(numbers: Numbers, between: Alternation, group: Group) -> Iterator[tuple[Ready, Group, Point]]:
-    """Motion between two domains, of those lanes whose laws' shares allow it."""
+    """Yields the motion between two domains for the lanes in which the shares of the two laws allow it."""
     group = replace(group, t=np.zeros(len(group)))
     for beyond in BEYOND:
         if not len(group):

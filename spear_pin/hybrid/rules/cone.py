@@ -1,8 +1,8 @@
 """Coulomb's cone in space: how one toe meets the ground, in forces and accelerations or in impulses and velocities.
 
-With A = J D⁻¹ Jᵀ of the toe, along x, y and z, and b what its acceleration (its velocity) would be without force
-(without impulse), the same law holds of both: 0 ≤ F_z ⊥ (b + A F)_z ≥ 0, and it sticks with |F_t| ≤ μ F_z or slides
-along the unit vector d with F_t = -μ F_z d.
+Let A = J D⁻¹ Jᵀ of the toe, along x, y and z, and let b be its acceleration (velocity) without force (impulse). The
+same law holds for both: 0 ≤ F_z ⊥ (b + A F)_z ≥ 0, and the toe sticks with |F_t| ≤ μ F_z or slides along the unit
+vector d with F_t = -μ F_z d.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 
-ON_CIRCLE = 1e-6  # by which the modulus of a root that is a direction may be off 1
+ON_CIRCLE = 1e-6  # largest difference from 1 of the modulus of a root that is a direction
 POLISH = 3  # steps of Newton's method, each of which doubles a root's digits
-WITHIN = 1e-12  # of the normal force: by so much more than the cone allows a toe may stick
+WITHIN = 1e-12  # of the normal force: a toe may stick by this much outside the cone
 
 
 class Slide(NamedTuple):
@@ -25,8 +25,8 @@ class Slide(NamedTuple):
 
     Attributes:
         direction: unit vector along the ground, (x, y).
-        normal: force or impulse normal to it.
-        rate: of b + A F along the direction, positive.
+        normal: force or impulse normal to the ground.
+        rate: component of b + A F along the direction, positive.
     """
 
     direction: tuple[float, float]
@@ -38,9 +38,9 @@ class Foothold(NamedTuple):
     """How a toe meets the ground.
 
     Attributes:
-        force: on it, (3,).
+        force: force on the toe, (3,).
         mode: "open", "stick" or "slip".
-        direction: in which it begins to slide, if it does.
+        direction: direction in which the toe begins to slide, if it does.
     """
 
     force: Array
@@ -49,21 +49,21 @@ class Foothold(NamedTuple):
 
 
 def pivot(A: Array, direction: tuple[float, float], friction: float) -> float:
-    """p(d) = A_zz - μ A_zt·d, the effective inverse mass of the normal force of a toe that slides along d, in 1/kg."""
+    """Returns p(d) = A_zz - μ A_zt·d, in 1/kg, the effective inverse mass of a sliding toe's normal force."""
     return float(A[2, 2] - friction * (A[2, 0] * direction[0] + A[2, 1] * direction[1]))
 
 
 def slides(A: Array, b: Array, friction: float, least: float = 0.0) -> list[Slide]:
-    """The directions in which a toe at rest can begin to slide, the fastest first.
+    """Finds the directions in which a toe at rest can begin to slide, the fastest first.
 
-    Those with d x (b + A F)_t = 0 and d·(b + A F)_t > 0 under F = F_z (e_z - μ d), F_z = -b_z / p(d). Cleared of p, the
-    first is a trigonometric polynomial of second degree in the angle of d, a quartic in exp(iθ).
+    They satisfy d x (b + A F)_t = 0 and d·(b + A F)_t > 0 under F = F_z (e_z - μ d), F_z = -b_z / p(d). Multiplied by
+    p, the first equation is a trigonometric polynomial of second degree in the angle of d, a quartic in exp(iθ).
 
     Args:
-        A: (3, 3).
-        b: (3,).
+        A: J D⁻¹ Jᵀ of the toe, (3, 3).
+        b: acceleration without force, or velocity without impulse, (3,).
         friction: μ.
-        least: rate that counts as one; on the cone's edge rounding makes it negative.
+        least: least rate of a slide; on the cone's edge rounding makes the rate negative.
     """
     constant = A[2, 2] * b[:2] - b[2] * A[:2, 2]
     linear = friction * (b[2] * A[:2, :2] - np.outer(b[:2], A[2, :2]))
@@ -88,14 +88,14 @@ def slides(A: Array, b: Array, friction: float, least: float = 0.0) -> list[Slid
 
 
 def foothold(A: Array, b: Array, friction: float) -> Foothold:
-    """How one toe meets the ground: open, sticking, or sliding along the direction in which it begins to.
+    """Decides how one toe meets the ground: open, sticking, or sliding along the direction in which it begins to.
 
-    Of several ways to slide, which one in ten thousand random toes has, it takes the fastest. Where nothing holds
-    (Painlevé's paradox) it sticks outside the cone.
+    Of several ways to slide, which one in ten thousand random toes has, it takes the fastest. If no mode is consistent
+    (Painlevé's paradox) the toe sticks outside the cone.
 
     Args:
-        A: (3, 3).
-        b: (3,).
+        A: J D⁻¹ Jᵀ of the toe, (3, 3).
+        b: acceleration without force, or velocity without impulse, (3,).
         friction: μ.
     """
     if b[2] >= 0.0:
@@ -117,7 +117,7 @@ def _roots(quartic: NDArray[np.complex128]) -> NDArray[np.complex128]:
 
 
 def _polished(quartic: NDArray[np.complex128], angle: float) -> tuple[float, float]:
-    """The unit vector at an angle, after Newton's method on the trigonometric polynomial."""
+    """Returns the unit vector at an angle, after Newton's method on the trigonometric polynomial."""
     twice, once, still = 2.0 * quartic[0], 2.0 * quartic[1], quartic[2].real
     for _ in range(POLISH):
         z = complex(math.cos(angle), math.sin(angle))

@@ -1,8 +1,8 @@
-"""Events on entering a domain: which guard is an event at once.
+"""Events on entering a domain: decides which guard is an immediate event.
 
-A guard can only be crossed once it has been positive. One that is on zero when the domain is entered is an event at
-once if it falls from there, and waits to become positive if it rises. One that stays there is an event if it ends the
-phase, and none within it. Of several the first in the domain's order happens.
+A guard can only be crossed once it has been positive. A guard that is on zero when the domain is entered is an
+immediate event if it falls, and waits to become positive if it rises. If it stays on zero, it is an event if it ends
+the phase, and no event otherwise. Of several events the first in the domain's order happens.
 """
 
 from __future__ import annotations
@@ -17,29 +17,29 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Guard
 
-GLIMPSES = (1e-7, 1e-6, 1e-5)  # s: how far a guard on zero is followed to tell whether it rises or falls
-AWAY = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: steps, tried in turn, that take guards on zero off it before none falls
-CHANGE = 1e-14  # of a guard's value, in its unit: less is rounding
-BENT = 1e-9  # what changes sign at a kink is on zero within this, in its unit
+GLIMPSES = (1e-7, 1e-6, 1e-5)  # s: how far a guard on zero is followed to decide whether it rises or falls
+AWAY = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: steps, tried in turn, that take guards off zero before any guard falls
+CHANGE = 1e-14  # smallest change of a guard's value, in its unit, that is not rounding
+BENT = 1e-9  # a value that changes sign at a kink is on zero within this, in its unit
 NONE = -1
 
 
 def thresholds(guards: Sequence[Guard]) -> list[float]:
-    """Values up to which guards count as on zero where the domain is entered; infinite for those that have to wait."""
+    """Returns the values up to which guards count as zero on entering a domain; infinite for guards that must wait."""
     return [-math.inf if guard.waits else guard.tolerance for guard in guards]
 
 
 def bent(kink: Any) -> Any:
-    """Whether what changes sign at a kink of a law is on zero."""
+    """Tells whether a value that changes sign at a kink of a law is on zero."""
     return abs(kink) <= BENT
 
 
 def clear(values: Iterable[Any], kinks: Iterable[Any]) -> Any:
-    """Whether no guard and no kink is on zero, so that a step can begin there.
+    """Tells whether no guard and no kink is on zero, so that a step can begin.
 
     Args:
-        values: of the guards that are more than observed.
-        kinks: what changes sign where the law is not smooth.
+        values: values of the guards that are not only observed.
+        kinks: values that change sign where the law is not smooth.
     """
     free: Any = True
     for value in values:
@@ -50,28 +50,28 @@ def clear(values: Iterable[Any], kinks: Iterable[Any]) -> Any:
 
 
 def stays_on_zero(guard: Guard, value: Any, change: Any) -> Any:
-    """Whether a guard that waits stays on zero, as far as that was followed."""
+    """Tells whether a waiting guard stays on zero, as far as it was followed."""
     return (abs(change) <= CHANGE) & (value >= -guard.tolerance)
 
 
 def falls(guard: Guard, value: Any, change: Any) -> Any:
-    """Whether a guard that waits is an event at once.
+    """Tells whether a waiting guard is an immediate event.
 
     Args:
         guard: the guard.
         value: its value, in its unit.
-        change: by how much it differs a moment later.
+        change: change of its value a moment later.
     """
     return (value < -guard.tolerance) | (change < -CHANGE) | ((change <= CHANGE) & guard.leaves)
 
 
 def at_once(guards: Sequence[Guard], values: Array, later: Callable[[float], Array]) -> NDArray[np.int64]:
-    """Index of the guard that is an event at once in each of n lanes, or `NONE`, (n,).
+    """Returns the index of the guard that is an immediate event in each of n lanes, or `NONE`, (n,).
 
     Args:
-        guards: the domain's.
-        values: of the guards, (g, n).
-        later: their values some seconds after, (g, n).
+        guards: guards of the domain.
+        values: values of the guards, (g, n).
+        later: returns their values some seconds later, (g, n).
     """
     rows = list(zip(guards, values, strict=True))
     waiting = values <= np.array(thresholds(guards))[:, None]
@@ -91,12 +91,12 @@ def at_once(guards: Sequence[Guard], values: Array, later: Callable[[float], Arr
 
 
 def ahead(slope: Callable[[Any, Array], Array], t: Any, y: Array, h: float) -> Array:
-    """State one Runge-Kutta step on: a toe at rest leaves by its acceleration or jerk.
+    """Returns the state after one Runge-Kutta step, in which a toe at rest may leave by its acceleration or jerk.
 
     Args:
-        slope: dy/dt at a time and a state.
-        t: time, in s, or that of each lane, (n,).
-        y: state, or those of n lanes as columns.
+        slope: returns dy/dt at a time and a state.
+        t: time, in s, or the time of each lane, (n,).
+        y: state, or the states of n lanes as columns.
         h: step, in s.
     """
     k1 = slope(t, y)

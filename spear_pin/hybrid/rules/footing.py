@@ -1,4 +1,4 @@
-"""Modes of contact and of dry friction: which domain of a phase fits a state."""
+"""Modes of contact and of dry friction: decides which domain of a phase fits a state."""
 
 from __future__ import annotations
 
@@ -13,25 +13,26 @@ from spear_pin.hybrid.rules.scalars import first, where
 
 AT_REST = 1e-7  # m/s
 UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
-LET_GO = 1e-9  # N, N·m: of dry friction; where a robot comes to rest its friction often is all but exhausted
+LET_GO = 1e-9  # N, N·m: margin of dry friction, which is often almost exhausted where a robot comes to rest
 STARTS_TO_SLIDE = 1e-3  # m/s²: on the cone's edge a sliding toe begins with no acceleration
-BORE = 1e-3  # N: well above what is left of a force that fades to nothing
+BORE = 1e-3  # N: well above the rest of a force that fades to zero
 
-# fitness of a domain whose modes the forces do not keep; one that fits is above all of them, see `fitness`
+# fitness of a domain whose modes the forces do not keep; a domain that fits has a greater one, see `fitness`
 LEAVES, SOME_LEAVE, ILL_POSED, MOVES, TURNS = -1.0, -2.0, -3.0, -4.0, -5.0
 UNFIT = -math.inf
 
 
 class Footing(NamedTuple):
-    """Numbers of a toe on the ground by which its mode is told, scalars of any kind.
+    """Numbers of a toe on the ground that decide its mode, as scalars of any kind.
 
     Attributes:
-        speed: of its sliding, along the mode's direction if it slides, in m/s; if it sticks forward, in space its size.
-        tangential: force along the ground, in N; in space its size.
+        speed: sliding speed, in m/s: along the mode's direction if the toe slides; if it sticks, forward in the plane
+            and the modulus in space.
+        tangential: force along the ground, in N; in space its modulus.
         normal: force out of the ground, in N.
         grip: μ times the normal force, in N.
-        acceleration: along the mode's direction, in m/s²; of a sliding toe.
-        pivot: of a sliding toe, in 1/kg; not positive means Painlevé's paradox.
+        acceleration: acceleration of a sliding toe along the mode's direction, in m/s².
+        pivot: pivot of a sliding toe, in 1/kg; not positive means Painlevé's paradox.
     """
 
     speed: Any
@@ -43,12 +44,12 @@ class Footing(NamedTuple):
 
 
 class Rubbing(NamedTuple):
-    """Numbers of a joint with dry friction by which its mode is told, scalars of any kind.
+    """Numbers of a joint with dry friction that decide its mode, as scalars of any kind.
 
     Attributes:
-        rate: of the joint, in m/s or rad/s.
-        acceleration: in m/s² or rad/s².
-        holding: force that holds it at rest, in N or N·m; 0 where it moves.
+        rate: rate of the joint, in m/s or rad/s.
+        acceleration: acceleration of the joint, in m/s² or rad/s².
+        holding: force that holds the joint at rest, in N or N·m; 0 while it moves.
     """
 
     rate: Any
@@ -57,12 +58,12 @@ class Rubbing(NamedTuple):
 
 
 def closed_toes(toes: Sequence[str], domain: Domain) -> list[tuple[str, str]]:
-    """The toes on the ground, with their modes."""
+    """Returns the toes on the ground, with their modes."""
     return [(toe, mode) for toe, mode in zip(toes, domain.contacts, strict=True) if mode != OPEN]
 
 
 def footing(dynamics: Dynamics, toe: str, mode: str) -> Footing:
-    """A toe's footing in a mode."""
+    """Returns a toe's footing in a mode."""
     *tangential, normal = dynamics.force(toe)
     velocity, grip = dynamics.toe_velocity(toe)[:-1], dynamics.friction_coefficient * normal
     if mode == STICK:
@@ -73,38 +74,38 @@ def footing(dynamics: Dynamics, toe: str, mode: str) -> Footing:
 
 
 def size(tangential: Sequence[Any]) -> Any:
-    """Size of what is along the ground: in the plane, where that is one number, with its sign."""
+    """Returns the modulus of a vector along the ground; in the plane, where it is one number, with its sign."""
     return tangential[0] if len(tangential) == 1 else math.hypot(*tangential)
 
 
 def along(way: Iterable[Any], tangential: Iterable[Any]) -> Any:
-    """Part along a unit vector of what is along the ground."""
+    """Returns the component of a vector along the ground in the direction of a unit vector."""
     first, *others = (one * other for one, other in zip(way, tangential, strict=True))
     return sum(others, first)
 
 
 def still(speed: Any) -> Any:
-    """Whether a toe is at rest along a direction in which it moves at a speed, in m/s."""
+    """Tells whether a toe with this speed along a direction, in m/s, counts as at rest."""
     return abs(speed) <= AT_REST
 
 
 def rate_fits(rub: Rub, rate: Any) -> Any:
-    """Whether a joint's rate fits a mode of its dry friction."""
+    """Tells whether a joint's rate fits a mode of its dry friction."""
     return abs(rate) <= AT_REST if rub.sign == 0 else rub.sign * rate >= -AT_REST
 
 
 def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Rub, Rubbing]] = ()) -> Any:
-    """How well a domain fits a state: of those of a phase the one that fits best is taken, of equals the first.
+    """Returns how well a domain fits a state; of a phase's domains the fittest is taken, of equal ones the first.
 
-    Where its modes fit and the forces keep them, it is the least acceleration, in m/s², at which a toe begins to slide,
-    infinite if none does: with next to no force on a toe both ways may pass, and the one that pushes it off better is
-    taken. Else it is why they do not, whose guard then is an event at once: `LEAVES` where all toes that cannot stay
-    would have to be held down, `SOME_LEAVE` where some of them would, `ILL_POSED` at Painlevé's paradox, `MOVES` where
-    a toe moves as its mode says and its force is outside, `TURNS` where a joint's dry friction does not hold, `UNFIT`
-    where velocities do not fit.
+    If the domain's modes fit and the forces keep them, the fitness is the least acceleration, in m/s², at which a toe
+    begins to slide, infinite if none does. With almost no force on a toe both directions may be consistent, and the one
+    that accelerates it more is taken. Else the fitness is the cause, whose guard then is an immediate event: `LEAVES`
+    if all toes that cannot stay would have to be held down, `SOME_LEAVE` if some of them would, `ILL_POSED` at
+    Painlevé's paradox, `MOVES` if a toe moves according to its mode but its force is outside the cone, `TURNS` if a
+    joint's dry friction does not hold, `UNFIT` if velocities do not fit.
 
     Args:
-        feet: mode of each toe on the ground, and its footing or the numbers of one in their order.
+        feet: mode of each toe on the ground, and its footing or the numbers of a footing in their order.
         joints: mode and numbers of each joint with dry friction.
 
     Returns:
@@ -114,7 +115,7 @@ def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Ru
     for mode, (speed, tangential, normal, grip, acceleration, pivot) in feet:
         if mode == STICK:
             fits = fits & (abs(speed) <= AT_REST)
-            stays = abs(tangential) < grip - UNLOADED  # on the cone's edge it is about to slide
+            stays = abs(tangential) < grip - UNLOADED  # on the cone's edge the toe is about to slide
         else:
             fits = fits & (speed >= -AT_REST)
             posed = posed & (pivot > 0.0)
@@ -139,17 +140,17 @@ def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Ru
 
 
 def torn_off(mode: str, bore: Any, next_mode: str, bears: Any) -> Any:
-    """Whether a toe that stuck and bore has to leave because the slip that would begin is a Painlevé paradox.
+    """Tells whether a toe that stuck and bore has to leave because the slip that would begin is a Painlevé paradox.
 
-    On the cone's edge, the force that lets the toe stick is the one of slip to that side as well. Where that has no
-    positive pivot, the force only grows with the toe's acceleration into the ground: beyond the edge such slip would
-    turn back at once. Slip to the other side would pull at the toe. Lifting off is all that is consistent: without
-    force the toe accelerates upward.
+    Then only lift-off is consistent: without force the toe accelerates upward. On the cone's edge, sticking and slip to
+    that side have the same force. If the pivot of this slip is not positive, the force grows with the toe's
+    acceleration into the ground, and beyond the edge the slip would reverse at once. Slip to the other side would pull
+    at the toe.
 
     Args:
-        mode: of the toe in the motion that ends.
-        bore: its normal force there, in N.
-        next_mode: in the motion that fits best.
-        bears: its normal force there, in N.
+        mode: mode of the toe in the motion that ends.
+        bore: its normal force in the motion that ends, in N.
+        next_mode: its mode in the motion that fits best.
+        bears: its normal force in the motion that fits best, in N.
     """
     return (mode == STICK and next_mode in SLIPS) & (bore > BORE) & (bears <= 0.0)

@@ -1,4 +1,4 @@
-"""Plastic impacts with Coulomb friction: of one toe, of several, and which toes take part in an event's."""
+"""Plastic impacts with Coulomb friction of one toe and of several, and the toes that take part in an impact."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.rules.scalars import nowhere, quotient, where
 
-RESTING = 1e-9  # m/s: a toe that approaches more slowly does not strike, whatever friction might make of it
-AGREES, ROUNDING = 1e-9, 1e-12  # of the toes' speed, and in m/s: by so much a joint impact may violate its law
+RESTING = 1e-9  # m/s: a toe that approaches more slowly does not strike, whatever its friction
+AGREES, ROUNDING = 1e-9, 1e-12  # relative to the toes' speed, and in m/s: largest violation of a joint impact's law
 
 
 @dataclass(frozen=True)
@@ -26,11 +26,11 @@ class Impact:
     """A plastic impact.
 
     Attributes:
-        v: velocity afterwards, (nv,).
-        impulse: Λ = (Λ_x, Λ_z) on the toe, along the ground and normal to it, as all of x and z here, in N·s.
-            Where toes are `caught`, on all of them, in the order of their rows.
+        v: velocity after the impact, (nv,).
+        impulse: Λ = (Λ_x, Λ_z) on the toe, in N·s; x is along the ground and z normal to it in this module. If toes
+            are `caught`, it has the impulses on all of them, in the order of their rows.
         loss: kinetic energy lost, in J: -½ Λᵀ (J v⁺ + J v⁻).
-        slides: whether the toe still slides afterwards.
+        slides: whether the toe still slides after the impact.
     """
 
     v: Array
@@ -41,10 +41,10 @@ class Impact:
 
 @dataclass(frozen=True)
 class JointImpact:
-    """A plastic impact that several toes take part in.
+    """A plastic impact in which several toes take part.
 
     Attributes:
-        v: velocity afterwards, (nv,).
+        v: velocity after the impact, (nv,).
         impulse: Λ on each toe, along the ground and normal to it, in N·s, (m, 2), in space (m, 3).
         loss: kinetic energy lost, in J: -½ Σ Λᵀ (J v⁺ + J v⁻).
         slides: for each toe, whether it stays on the ground and slides.
@@ -59,9 +59,9 @@ class JointImpact:
 
 
 def struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]:
-    """The toes that take part in an impact: those that strike, and those on the ground before and after it.
+    """Returns the toes that take part in an impact: those that strike, and those on the ground before and after it.
 
-    One that alternates is on the ground.
+    An alternating toe counts as on the ground.
     """
     if not reset.impact:
         return []
@@ -75,13 +75,12 @@ def struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]
 
 
 def plastic_impact(D: Array, J: Array, v: Array, friction: float) -> Impact:
-    """Impact of one toe on the ground with zero normal restitution, by Routh's method.
+    """Computes the impact of one toe on the ground with zero normal restitution, by Routh's method.
 
-    The normal impulse grows until the toe no longer approaches; meanwhile the toe slides with
-    Coulomb friction, and once its sliding stops it sticks if the cone allows, |a_tn| ≤ μ a_tt with
-    a = J D⁻¹ Jᵀ, or else slides back. Where sliding stops before the impact ends and the toe then
-    sticks, this is D (v⁺ - v⁻) = Jᵀ Λ with J v⁺ = 0, and Λ lies inside the cone. A Λ that does so
-    does not suffice: where |a_tn| > μ a_tt, the toe slides back all the same.
+    The normal impulse grows until the toe no longer approaches. Meanwhile the toe slides with Coulomb friction. Once
+    its sliding stops, it sticks if the cone allows, |a_tn| ≤ μ a_tt with a = J D⁻¹ Jᵀ, or else slides back. If sliding
+    stops before the impact ends and the toe then sticks, this is D (v⁺ - v⁻) = Jᵀ Λ with J v⁺ = 0, and Λ lies inside
+    the cone. A Λ inside the cone does not suffice: if |a_tn| > μ a_tt, the toe slides back all the same.
 
     Args:
         D: mass matrix, (nv, nv).
@@ -99,11 +98,11 @@ def plastic_impact(D: Array, J: Array, v: Array, friction: float) -> Impact:
 
 
 def caught(D: Array, J: Array, v: Array) -> Impact:
-    """Impact of toes that come to rest whatever it takes, D (v⁺ - v⁻) = Jᵀ Λ with J v⁺ = 0: no friction limits it.
+    """Computes the impact of toes that come to rest without a limit of friction, D (v⁺ - v⁻) = Jᵀ Λ with J v⁺ = 0.
 
     Args:
         D: mass matrix, (nv, nv).
-        J: Jacobians of the toes, all rows of each, (m, nv).
+        J: Jacobians of the toes, with all rows of each toe, (m, nv).
         v: velocity before, (nv,).
     """
     response = np.linalg.solve(D, J.T)
@@ -113,11 +112,11 @@ def caught(D: Array, J: Array, v: Array) -> Impact:
 
 
 def routh(A: Any, before: Any, friction: Any) -> tuple[tuple[Any, Any], Any]:
-    """Impulse of a plastic impact of one toe, by Routh's method as in `plastic_impact`.
+    """Returns the impulse of a plastic impact of one toe, by Routh's method as in `plastic_impact`.
 
     Args:
         A: J D⁻¹ Jᵀ, rows of numbers, or (2, 2, n).
-        before: J v before, numbers, or (2, n).
+        before: J v before the impact, numbers, or (2, n).
         friction: coefficient of friction.
 
     Returns:
@@ -128,14 +127,14 @@ def routh(A: Any, before: Any, friction: Any) -> tuple[tuple[Any, Any], Any]:
     strikes = approach < -RESTING
     if nowhere(strikes):
         return (0.0 * slide, 0.0 * slide), slide != 0.0
-    # it slides until it stops, or the impact ends
+    # the toe slides until it stops, or the impact ends
     grip = where(slide > 0.0, -friction, friction)
     slide_rate, approach_rate = a_tn + a_tt * grip, a_nn + a_tn * grip
     to_end = quotient(approach_rate > 0.0, -approach, approach_rate, math.inf)
     to_stop = quotient(slide * slide_rate < 0.0, -slide, slide_rate, where(slide == 0.0, 0.0, math.inf))
     stops = to_stop <= to_end
     first = where(stops, to_stop, to_end)
-    # then it sticks, or slides back
+    # then the toe sticks, or slides back
     sticks = abs(a_tn) <= friction * a_tt
     turn = where(a_tn > 0.0, -friction, friction)
     back = quotient(sticks & (a_tt > 0.0), -a_tn, a_tt, where(sticks, 0.0, turn))
@@ -147,28 +146,27 @@ def routh(A: Any, before: Any, friction: Any) -> tuple[tuple[Any, Any], Any]:
 
 
 def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
-    """Plastic impact on several toes at once, by Moreau's law with zero restitution.
+    """Computes a plastic impact on several toes at once, by Moreau's law with zero restitution.
 
-    With u = J v⁺ the toes' velocities afterwards, for each toe 0 ≤ Λ_z ⊥ u_z ≥ 0, and it sticks with
-    |Λ_x| ≤ μ Λ_z or slides with Λ_x = -μ sgn(u_x) Λ_z. So Λᵀ u ≤ 0, and with A = J D⁻¹ Jᵀ the loss is
-    ½ Λᵀ A Λ - Λᵀ u ≥ 0. There always is such an impulse, if not always just one. Every combination of
-    open, sticking and sliding toes is tried: the one with the most sticking toes is taken, of those
-    the one with the most on the ground, then the first in order; if rounding leaves none that
-    satisfies the law to `AGREES`, the one that violates it least. Where the rows of sticking toes
-    depend on each other, their impulse is the smallest.
+    Let u = J v⁺ be the toes' velocities after the impact. Each toe has 0 ≤ Λ_z ⊥ u_z ≥ 0, and sticks with |Λ_x| ≤ μ Λ_z
+    or slides with Λ_x = -μ sgn(u_x) Λ_z. So Λᵀ u ≤ 0, and with A = J D⁻¹ Jᵀ the loss is ½ Λᵀ A Λ - Λᵀ u ≥ 0. Such an
+    impulse always exists, but need not be unique. Every combination of open, sticking and sliding toes is tried. The
+    one with the most sticking toes is taken, of these the one with the most toes on the ground, then the first in
+    order. If rounding leaves none that satisfies the law to `AGREES`, the one that violates it least is taken. If the
+    rows of sticking toes depend on each other, their impulse is the smallest.
 
-    It compares velocities before and after only. Where a single toe sticks in the end, this is
-    `plastic_impact`; where its sliding turns round on the way, the two may differ.
+    The law compares only the velocities before and after. If a single toe sticks in the end, the result is that of
+    `plastic_impact`; if its sliding reverses during the impact, the two may differ.
 
     Args:
         D: mass matrix, (nv, nv).
-        J: Jacobians of the toes, rows x and z of each, (2 m, nv).
+        J: Jacobians of the toes, with rows x and z of each toe, (2 m, nv).
         v: velocity before, (nv,).
         friction: coefficient of friction.
     """
     response = np.linalg.solve(D, J.T)
     A, before = J @ response, J @ v
-    weight = np.trace(A) / len(A)  # impulses count as the velocities that they cause
+    weight = np.trace(A) / len(A)  # impulses are measured by the velocities that they cause
     allowed = max(AGREES * float(np.abs(before).max()), ROUNDING)
     m = len(J) // 2
     least, modes, impulse = math.inf, (_OPEN,) * m, np.zeros(len(J))
@@ -191,20 +189,20 @@ def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
 
 
 def rises(speed: Any) -> Any:
-    """Whether a toe that should strike moves away from the ground, by its normal speed in m/s."""
+    """Tells whether a toe that should strike moves away from the ground, by its normal speed in m/s."""
     return speed > RESTING
 
 
 def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, Array]:
-    """Stop toes that rise, but are back on the ground within an instant, before the impact: they rise no more.
+    """Stops toes that rise but return to the ground within an instant, before the impact, so that they rise no more.
 
-    So end the bounces, ever shorter, of toes that lift each other off.
+    This ends the ever shorter bounces of toes that lift each other off.
 
     Args:
         D: mass matrix, (nv, nv).
         J: Jacobians of the toes on the ground, rows x and z of each, (2 m, nv), or x, y and z, (3 m, nv).
         v: velocity before, (nv,).
-        lands: which of them touch down.
+        lands: which of the toes touch down.
 
     Returns:
         the velocity, (nv,), and the normal impulses that took the toes' speed, (m,).
@@ -225,13 +223,13 @@ _SIDES = (1, -1)  # a toe that slides forward, or backward
 
 @cache
 def _combinations(m: int) -> tuple[tuple[int, ...], ...]:
-    """Combinations of the modes that m toes may have, in order of preference."""
+    """Returns the combinations of the modes that m toes may have, in order of preference."""
     modes = product((_STICK, *_SIDES, _OPEN), repeat=m)
     return tuple(sorted(modes, key=lambda each: (-each.count(_STICK), each.count(_OPEN))))
 
 
 def _impulse(A: Array, before: Array, modes: tuple[int, ...], friction: float) -> Array:
-    """The impulse by which the toes do what they are said to, whether or not the law allows it."""
+    """Returns the impulse for which the toes keep to these modes, whether or not the law allows it."""
     rows: list[int] = []
     directions: list[Array] = []
     unit = np.eye(len(A))
@@ -250,7 +248,7 @@ def _impulse(A: Array, before: Array, modes: tuple[int, ...], friction: float) -
 
 
 def _violation(u: Array, impulse: Array, modes: tuple[int, ...], friction: float, weight: float) -> float:
-    """By how much the law is violated, in m/s: by velocities u afterwards, or by impulses."""
+    """Returns how much the velocities u after the impact, or the impulses, violate the law, in m/s."""
     worst = 0.0
     for i, mode in enumerate(modes):
         slide, rise = u[2 * i : 2 * i + 2].tolist()

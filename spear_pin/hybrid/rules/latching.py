@@ -1,4 +1,4 @@
-"""Latching: what is held after events."""
+"""Latching: computes the values held after events."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from spear_pin.hybrid.domain import Held, Reset
 def latched(
     held: Held, resets: Iterable[Reset], q: Any, v: Any, law: Any, place_of: Callable[[Reset], str] = str
 ) -> Held:
-    """Values held after resets, one after the other; unchanged those that they do not latch.
+    """Returns the values held after resets, one after the other; values that no reset latches stay unchanged.
 
     Args:
-        held: before.
-        resets: of events, in their order.
+        held: values held before.
+        resets: resets of events, in their order.
         q: configuration, a sequence of scalars.
         v: velocity after the impact, a sequence of scalars.
         law: parameters of the control law.
-        place_of: says of which event one is.
+        place_of: names the event of a reset.
 
     Raises:
-        ArithmeticError: a latch has no value there.
-        BadFunction: there is a mistake in a latch of one's own, which was asked with numbers.
+        ArithmeticError: a latch has no value at this state.
+        BadFunction: there is a mistake in a user's latch, which was called with numbers.
     """
     numbers = isinstance(q[0], float)
     for reset in resets:

@@ -1,4 +1,4 @@
-"""Plastic impact of one toe in space whose sliding turns on the way: Keller's law, Routh's in three dimensions."""
+"""Plastic impact of one toe in space whose sliding changes direction: Keller's law, Routh's in three dimensions."""
 
 from __future__ import annotations
 
@@ -12,17 +12,18 @@ from spear_pin.hybrid.rules.cone import foothold
 from spear_pin.hybrid.rules.impact import RESTING, JointImpact
 
 ACCURACY = 1e-12  # of the integration
-STOPPED = math.log(1e-13)  # of the toe's first speed, where its sliding is over
-LONGEST = 1e4  # s, times the largest of A
+STOPPED = math.log(1e-13)  # logarithm of the speed, relative to the initial speed, at which sliding is over
+LONGEST = 1e4  # s, times the largest entry of A
 
 
 def sliding_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
-    """Plastic impact of one toe in space, by Keller, J. Appl. Mech. 53 (1986): friction opposes the sliding throughout.
+    """Computes a plastic impact of one toe in space, with friction against the sliding at every instant.
 
-    The normal impulse l grows until the toe no longer approaches. While it slides along the unit vector d, which turns
-    on the way, du/dl = A (e_z - μ d) with u its velocity and A = J D⁻¹ Jᵀ. Where sliding stops before, it sticks if
-    |A_tt⁻¹ A_tz| ≤ μ, or else slides on along a d that stays. Moreau's law, `spatial_impact`, compares the velocities
-    before and after only; both are the same where the toe sticks by both, or d does not turn.
+    The law is Keller's, J. Appl. Mech. 53 (1986). The normal impulse l grows until the toe no longer approaches. The
+    toe slides along the unit vector d, which may turn, with du/dl = A (e_z - μ d), its velocity u and A = J D⁻¹ Jᵀ. If
+    sliding stops before the end, the toe sticks if |A_tt⁻¹ A_tz| ≤ μ, or else slides on along a constant d. Moreau's
+    law, `spatial_impact`, compares only the velocities before and after. Both agree if the toe sticks by both laws, or
+    if d does not turn.
 
     Args:
         D: mass matrix, (nv, nv).
@@ -41,7 +42,7 @@ def sliding_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact
 
 
 def _impulse(A: Array, before: Array, friction: float) -> tuple[Array, bool]:
-    """The impulse, and whether the toe slides afterwards."""
+    """Returns the impulse, and whether the toe slides after the impact."""
     slid = np.zeros(3)
     if math.hypot(before[0], before[1]) > RESTING:
         slid, over = _while_it_slides(A, before, friction)
@@ -52,10 +53,10 @@ def _impulse(A: Array, before: Array, friction: float) -> tuple[Array, bool]:
 
 
 def _while_it_slides(A: Array, before: Array, friction: float) -> tuple[Array, bool]:
-    """The impulse until sliding stops, or the toe no longer approaches; whether it does not.
+    """Returns the impulse until sliding stops or the toe no longer approaches, and whether the latter came first.
 
-    In polar coordinates of the sliding and over s with dl = r ds, so that nothing is singular where r vanishes: the
-    direction follows an equation of its own, along which r falls or grows exponentially.
+    It integrates in polar coordinates of the sliding velocity over s with dl = r ds, so that the equations are regular
+    where r vanishes. The direction follows its own equation, along which r falls or grows exponentially.
     """
     first = math.hypot(before[0], before[1])
 
@@ -78,6 +79,6 @@ def _while_it_slides(A: Array, before: Array, friction: float) -> tuple[Array, b
         slope, (0.0, until), start, "DOP853", events=(approach, stops), rtol=ACCURACY, atol=ACCURACY
     )
     if found.status != 1:
-        raise ArithmeticError("sliding in an impact neither stops nor ends it")  # which energy rules out
+        raise ArithmeticError("sliding in an impact neither stops nor ends it")  # conservation of energy rules this out
     end: Array = found.y[2:, -1]
     return end, bool(len(found.t_events[0]))

@@ -11,8 +11,8 @@ from spear_pin.hybrid.rules.cone import Foothold, foothold
 from spear_pin.hybrid.rules.impact import AGREES, ROUNDING, JointImpact
 
 SWEEPS = 500
-SETTLED = 1e-15  # of the largest impulse: by so much it changes in the last sweep
-GAINED = 1e-12  # of the kinetic energy that goes through the toes: rounding
+SETTLED = 1e-15  # largest change of an impulse in the last sweep, relative to the largest impulse
+GAINED = 1e-12  # gain of energy due to rounding, relative to the kinetic energy that passes through the toes
 
 
 class _Answer(NamedTuple):
@@ -23,18 +23,19 @@ class _Answer(NamedTuple):
 
 
 def spatial_impact(D: Array, J: Array, v: Array, friction: float, before: Array | None = None) -> JointImpact:
-    """Plastic impact on several toes at once, by Moreau's law with zero restitution.
+    """Computes a plastic impact on several toes at once, by Moreau's law with zero restitution.
 
-    With u = J v⁺ the toes' velocities afterwards, for each toe 0 ≤ Λ_z ⊥ u_z ≥ 0, and it sticks with |Λ_t| ≤ μ Λ_z or
-    slides along d with Λ_t = -μ Λ_z d. So Λᵀ u ≤ 0, and with A = J D⁻¹ Jᵀ the loss is ½ Λᵀ A Λ - Λᵀ u ≥ 0. If all toes
-    can stick, they do; else Gauss and Seidel's method goes round exact solutions of one toe each.
+    Let u = J v⁺ be the toes' velocities after the impact. Each toe has 0 ≤ Λ_z ⊥ u_z ≥ 0, and sticks with |Λ_t| ≤ μ Λ_z
+    or slides along d with Λ_t = -μ Λ_z d. So Λᵀ u ≤ 0, and with A = J D⁻¹ Jᵀ the loss is ½ Λᵀ A Λ - Λᵀ u ≥ 0. If all
+    toes can stick, they do; else Gauss and Seidel's method iterates over exact solutions for one toe each.
 
-    Where impacts overlap, `before` is what toes have received so far: the sum obeys the law, so that a toe stays as
-    long as the sum of its normal impulses is positive. If that were to gain energy, each impact obeys it alone.
+    If impacts overlap, `before` has the impulses that toes have received so far. The sum obeys the law, so that a toe
+    stays as long as the sum of its normal impulses is positive. If this would gain energy, each impact obeys the law
+    alone.
 
     Args:
         D: mass matrix, (nv, nv).
-        J: Jacobians of the toes, rows x, y and z of each, (3 m, nv).
+        J: Jacobians of the toes, with rows x, y and z of each toe, (3 m, nv).
         v: velocity before, (nv,).
         friction: coefficient of friction.
         before: impulses of impacts that have not ended yet, (m, 3), in N·s.
@@ -55,16 +56,16 @@ def spatial_impact(D: Array, J: Array, v: Array, friction: float, before: Array 
 
 
 def violation(A: Array, u: Array, impulse: Array, friction: float) -> float:
-    """By how much impulses violate Moreau's law, in m/s.
+    """Returns how much impulses violate Moreau's law, in m/s.
 
     Args:
         A: J D⁻¹ Jᵀ, (3 m, 3 m).
         u: velocities of the toes before, (3 m,).
-        impulse: (m, 3).
+        impulse: impulses on the toes, (m, 3), in N·s.
         friction: coefficient of friction.
     """
     after = (u + A @ impulse.ravel()).reshape(-1, 3)
-    weight = np.trace(A) / len(A)  # impulses count as the velocities that they cause
+    weight = np.trace(A) / len(A)  # impulses are measured by the velocities that they cause
     worst = 0.0
     for (x, y, z), (px, py, pz) in zip(after.tolist(), impulse.tolist(), strict=True):
         pressed, pushed, speed = weight * pz, weight * np.hypot(px, py), np.hypot(x, y)
@@ -78,7 +79,7 @@ def violation(A: Array, u: Array, impulse: Array, friction: float) -> float:
 
 
 def _together(A: Array, u: Array, friction: float) -> _Answer:
-    """Impulses by which all toes obey the law together."""
+    """Finds impulses for which all toes obey the law together."""
     m = len(u) // 3
     sticking = np.asarray(-np.linalg.lstsq(A, u, rcond=None)[0].reshape(-1, 3), np.float64)
     if all(np.hypot(x, y) <= friction * z for x, y, z in sticking.tolist()):

@@ -1,4 +1,4 @@
-"""Start of a run from a state alone: in which phase it lies, and what is held there."""
+"""Start of a run from a state alone: finds the phase of the state, and the values held in it."""
 
 from __future__ import annotations
 
@@ -9,51 +9,52 @@ from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.rules.guards import NEAR_GROUND, ON_GROUND
 
-FALLING = 1e-5  # m/s: above what integration leaves of a toe's rest on the ground, below what it strikes with
-STATE_AT_REST = 10.0 * AT_REST  # m/s: of a state that is given
-PLACED = 1e-15  # m: what rounding leaves of the height of a toe that is put on the ground
+FALLING = 1e-5  # m/s: above the integration's error for a resting toe, below a toe's speed when it strikes
+STATE_AT_REST = 10.0 * AT_REST  # m/s: for a state given by the user
+PLACED = 1e-15  # m: rounding error of the height of a toe that is placed on the ground
 
 
 def placed(height: Any) -> Any:
-    """Whether a toe at a distance from the ground, in m, is on it as exactly as one can be put there."""
+    """Tells whether a toe at this distance from the ground, in m, is on it up to rounding."""
     return abs(height) < PLACED
 
 
 def below_ground(height: Any) -> Any:
-    """Whether a toe at a distance from the ground, in m, is below it."""
+    """Tells whether a toe at this distance from the ground, in m, is below it."""
     return height < -ON_GROUND
 
 
 def aloft(height: Any, rising: Any) -> Any:
-    """Whether a toe that bounces is off the ground, leaves it, or is about to strike it.
+    """Tells whether a bouncing toe is off the ground, leaves it, or is about to strike it.
 
     Args:
-        height: of the toe above the ground, in m.
-        rising: its speed along the ground's normal, in m/s.
+        height: height of the toe above the ground, in m.
+        rising: speed of the toe along the ground's normal, in m/s.
     """
     return (height > NEAR_GROUND) | (rising > AT_REST) | (rising < -FALLING)
 
 
 def rests(height: Any, rising: Any, at_rest: float = AT_REST) -> Any:
-    """Whether a toe is on the ground and moves neither from nor into it.
+    """Tells whether a toe is on the ground and moves neither from nor into it.
 
     Args:
-        height: of the toe above the ground, in m.
-        rising: its speed along the ground's normal, in m/s.
-        at_rest: up to which speed it is at rest, in m/s.
+        height: height of the toe above the ground, in m.
+        rising: speed of the toe along the ground's normal, in m/s.
+        at_rest: largest speed that counts as rest, in m/s.
     """
     return (height <= ON_GROUND) & (abs(rising) <= at_rest)
 
 
 def start(system: HybridSystem, standing: bool) -> tuple[str, tuple[Reset, ...]]:
-    """The phase in which a run begins, and the resets whose latches say what is held there.
+    """Returns the phase in which a run begins, and the resets that latch the values held in it.
 
-    It is as if the phase had just begun: that which follows the section if the state is on it, else flight before it.
+    The phase is treated as if it had just begun. It is the phase after the section if the state is on the section, else
+    the flight before it.
 
     Args:
         system: the system.
-        standing: whether the state is on the section: all toes that are on the ground after it rest there by
-            `STATE_AT_REST`, or where it lies before the impact a toe of it touches the ground.
+        standing: whether the state is on the section: all toes on the ground after it are at rest by `STATE_AT_REST`
+            or, if the section lies before the impact, one of its toes touches the ground.
     """
     flight, lands = system.landing
     into_flight = system.reset_into(flight)

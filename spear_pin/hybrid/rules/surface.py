@@ -1,4 +1,4 @@
-"""Switching surfaces: which domains alternate, the domain of that motion, and when it begins.
+"""Switching surfaces: finds which domains alternate, the domain of that motion, and when it begins.
 
 Where the stance law unloads the toe and the flight law presses it down, an ideal foot switch alternates between them
 without end, see `spear_pin.hybrid.filippov`.
@@ -16,13 +16,13 @@ from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, GuardV
 from spear_pin.hybrid.rules.latching import latched
 
 CHATTER = "chatter"
-MOST_AT_ONCE = 8  # events within a phase before it is left
-ON_EDGE = 1e-6  # of a share: where a force fades to zero, the motion begins with one law's share all but whole
-BEYOND = (0.0, 1e-4, 1e-3, 1e-2)  # of a share: tried in turn
+MOST_AT_ONCE = 8  # most immediate events within a phase before it is left
+ON_EDGE = 1e-6  # margin of a share: where a force fades to zero, the motion begins with one law's share near 1
+BEYOND = (0.0, 1e-4, 1e-3, 1e-2)  # how far a share may exceed its range, tried in turn
 
 
 def alternation(system: HybridSystem, domains: Sequence[Domain], resets: Sequence[Reset]) -> Alternation | None:
-    """Alternation of two domains that lead into each other: None unless just one has a toe on the ground.
+    """Returns the alternation of two domains that lead into each other; None unless only one has a toe on the ground.
 
     Args:
         system: the system.
@@ -41,21 +41,21 @@ def alternation(system: HybridSystem, domains: Sequence[Domain], resets: Sequenc
 
 
 def leads_round(between: Alternation, left: Reset | None, again: Reset | None) -> bool:
-    """Whether two domains alternate: a touch is followed at once by leaving, and that by a touch.
+    """Tells whether two domains alternate: lift-off follows a touch immediately, and a touch follows lift-off.
 
     Args:
         between: the domains.
-        left: the reset by which the phase is left at once that a touch leads into.
-        again: the one by which that is left at once that leaving leads into.
+        left: the reset that immediately leaves the phase into which a touch leads.
+        again: the reset that immediately leaves the phase into which lift-off leads.
     """
     return left is between.leave and again is between.touch
 
 
 def chatter(between: Alternation | Crossing, beyond: float = 0.0) -> Domain:
-    """The domain of motion between others; it ends when a toe's switch can stay as it is.
+    """Makes the domain of motion between other domains, which ends when a toe's switch can keep its state.
 
-    It belongs to the phase in which the toes are in the air, whose other events may happen in it: they bear nothing
-    and their springs are not engaged.
+    It belongs to the phase in which the toes are in the air, and the other events of this phase may happen in it. The
+    toes bear no force and their springs are not engaged.
 
     Args:
         between: the domains.
@@ -77,7 +77,7 @@ def chatter(between: Alternation | Crossing, beyond: float = 0.0) -> Domain:
 
 
 def _after(others: Sequence[Reset], reset: Reset) -> Reset:
-    """A reset that latches what others do first."""
+    """Returns a reset that first latches the values of other resets."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
         return latched(held, (*others, reset), q, v, p)
@@ -86,7 +86,7 @@ def _after(others: Sequence[Reset], reset: Reset) -> Reset:
 
 
 def _to_spare(i: int, end: float, beyond: float) -> GuardValue:
-    """Distance of a toe's share from 0 or 1."""
+    """Returns a guard on the distance of a toe's share from 0 or 1."""
 
     def spare(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
         return end + (1.0 - 2.0 * end) * dyn.shares[i] + beyond  # shares are of motion on switching surfaces only
@@ -95,18 +95,18 @@ def _to_spare(i: int, end: float, beyond: float) -> GuardValue:
 
 
 def within(share: Any, beyond: float) -> Any:
-    """Whether motion with a share can begin; where the share may go beyond its ends, it has to be well inside."""
+    """Tells whether motion with a share can begin; a share that may exceed its range has to begin well inside."""
     margin = ON_EDGE if beyond == 0.0 else -0.1 * beyond
     return (share > -beyond - margin) & (share < 1.0 + beyond + margin)
 
 
 def begins(event: Any, shares: Sequence[Any], beyond: float) -> Any:
-    """Whether motion on switching surfaces can begin.
+    """Tells whether motion on switching surfaces can begin.
 
     Args:
-        event: index of the guard of `chatter` that is an event at once, or `entry.NONE`.
-        shares: of each toe.
-        beyond: how far beyond 0 and 1 they may go.
+        event: index of the guard of `chatter` that is an immediate event, or `entry.NONE`.
+        shares: share of each toe.
+        beyond: how far beyond 0 and 1 shares may go.
     """
     can = (event < 0) | (event >= 2 * len(shares))
     for share in shares:

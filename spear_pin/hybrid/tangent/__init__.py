@@ -1,1 +1,1 @@
-"""Exact derivatives of a cycle: dual numbers, the record of a cycle, and how derivatives pass arcs and events."""
+"""Exact derivatives of a cycle: dual numbers, the record of a cycle, and derivatives along arcs and across events."""

@@ -1,8 +1,8 @@
-"""The derivative of a flow by collocation: linear equations along a motion that is known.
+"""The derivative of a flow by collocation: linear equations along a known motion.
 
-Along an arc Ṡ = A(t) S + B(t) is linear, and A and B are as smooth as the motion. At Gauss's points of panels it is a
-linear system of equations for all columns of S at once. At the points its solution is as accurate as polynomials of
-degree `POINTS` are for the motion, which `roughness` asks for; at the ends of panels, and in integrals over them, it
+Along an arc Ṡ = A(t) S + B(t) is linear, and A and B are as smooth as the motion. At the Gauss points of panels this is
+a linear system of equations for all columns of S at once. At the points its solution is as accurate as polynomials of
+degree `POINTS` are for the motion, which `roughness` measures. At the ends of panels, and in integrals over them, it
 has twice as many digits.
 """
 
@@ -17,15 +17,15 @@ from scipy.linalg import lapack
 from spear_pin.arrays import Array
 
 POINTS = 16
-TAIL = 1e-11  # of a motion's Legendre coefficients, by which the last ones are to be smaller than itself
+TAIL = 1e-11  # largest size of a motion's last Legendre coefficients, relative to the motion
 
 
 class Fineness(NamedTuple):
-    """Of panels.
+    """How fine panels are.
 
     Attributes:
-        tail: as `TAIL`, at most.
-        steps: of Taylor's method in a panel, at most.
+        tail: largest size of a motion's last Legendre coefficients, relative to the motion.
+        steps: most steps of Taylor's method in a panel.
     """
 
     tail: float
@@ -43,12 +43,12 @@ class Rule(NamedTuple):
 
     Attributes:
         nodes: the points, (k,).
-        weights: of the integral over the whole, (k,).
-        partial: of the integrals up to each point, (k, k).
-        twice: of the integrals of those, (k, k).
-        both: `twice` and `partial`, of each point, (k, 2, k).
-        whole: weights of both integrals over the whole, (2, k).
-        legendre: from values at the points to Legendre coefficients, (k, k).
+        weights: weights of the integral over the interval, (k,).
+        partial: weights of the integrals up to each point, (k, k).
+        twice: weights of the double integrals up to each point, (k, k).
+        both: `twice` and `partial` for each point, (k, 2, k).
+        whole: weights of the double and the single integral over the interval, (2, k).
+        legendre: matrix from values at the points to Legendre coefficients, (k, k).
     """
 
     nodes: Array
@@ -62,7 +62,7 @@ class Rule(NamedTuple):
 
 @cache
 def rule(points: int = POINTS) -> Rule:
-    """Gauss's rule."""
+    """Returns Gauss's rule with `points` points."""
     x, w = np.polynomial.legendre.leggauss(points)
     values = np.polynomial.legendre.legvander(x, points)  # P_0 to P_k
     degrees = np.arange(points)
@@ -78,10 +78,10 @@ def rule(points: int = POINTS) -> Rule:
 
 @cache
 def through(*ends: float) -> Array:
-    """From values at Gauss's points, and at ends of the panel beside them, to Legendre coefficients, (k, k).
+    """Returns the matrix from values at Gauss's points and at panel ends to Legendre coefficients, (k, k).
 
     Args:
-        ends: which ends, -1 and 1.
+        ends: the ends that are used, -1 and 1.
     """
     gauss = rule()
     if not ends:
@@ -93,9 +93,9 @@ def through(*ends: float) -> Array:
 
 
 def roughness(states: Array) -> float:
-    """Size of the last Legendre coefficients of motion by its own, given at points, (panels, points, rows).
+    """Returns the size of a motion's last Legendre coefficients, relative to the motion.
 
-    Below `TAIL` polynomials are as good as the motion.
+    The motion is given at the points, (panels, points, rows). Below `TAIL` polynomials are as accurate as the motion.
     """
     rows = states.shape[2]
     last = np.abs(rule(states.shape[1]).legendre[-2:] @ states).reshape(-1, rows).max(axis=0)
@@ -107,9 +107,9 @@ class Carried(NamedTuple):
     """S along panels.
 
     Attributes:
-        K: its accelerations at the points, times h, (panels, nv, points, c).
-        begins: S where the panels begin, and where the last one ends, (panels + 1, 2 nv, c).
-        h: length of a panel.
+        K: accelerations of S at the points, times h, (panels, nv, points, c).
+        begins: S at the beginning of each panel and at the end of the last, (panels + 1, 2 nv, c).
+        h: length of a panel, in s.
     """
 
     K: Array
@@ -118,12 +118,12 @@ class Carried(NamedTuple):
 
     @property
     def end(self) -> Array:
-        """S where the last panel ends, (2 nv, c)."""
+        """S at the end of the last panel, (2 nv, c)."""
         last: Array = self.begins[-1]
         return last
 
     def inside(self) -> Array:
-        """S at the points, (2 nv, panels · points, c)."""
+        """Returns S at the points, (2 nv, panels · points, c)."""
         panels, nv, k, c = self.K.shape
         gauss, h, begins = rule(k), self.h, self.begins[:-1]
         q, v = begins[:, :nv, None], begins[:, nv:, None]
@@ -134,17 +134,17 @@ class Carried(NamedTuple):
 
 
 def carried(slopes: Array, h: float, start: Array) -> Carried:
-    """S along panels one after the other, where the state is (q, v) with q̇ = v.
+    """Computes S along successive panels, where the state is (q, v) with q̇ = v.
 
     Args:
-        slopes: derivatives of the acceleration at the points, by the state and along c directions beside,
-            (panels, points, nv, 2 nv + c).
-        h: length of a panel.
-        start: S where the first begins, (2 nv, c).
+        slopes: derivatives of the acceleration at the points, with respect to the state and along c further
+            directions, (panels, points, nv, 2 nv + c).
+        h: length of a panel, in s.
+        start: S at the beginning of the first panel, (2 nv, c).
     """
     panels, k, nv, columns = slopes.shape
     c, gauss, size = columns - 2 * nv, rule(k), k * nv
-    # unknown are the accelerations at the points, times h: v_i = v_0 + Σ_j a_ij K_j,
+    # the unknowns are the accelerations at the points, times h: v_i = v_0 + Σ_j a_ij K_j,
     # q_i = q_0 + h c_i v_0 + h Σ_j a²_ij K_j
     given = np.multiply(slopes, h, order="C")
     by = given[..., : 2 * nv].reshape(panels, k, nv, 2, nv).swapaxes(3, 4).reshape(panels, k, nv * nv, 2)
@@ -163,9 +163,9 @@ def carried(slopes: Array, h: float, start: Array) -> Carried:
 
 @cache
 def _unit(k: int, nv: int) -> Array:
-    """1 where an equation's own unknown stands, (points, nv nv, points).
+    """Returns an array with 1 at each equation's own unknown, (points, nv nv, points).
 
-    Equations are of each point, and there of each coordinate; unknowns of each coordinate, and of that at each point.
+    Equations are sorted by point, then by coordinate; unknowns by coordinate, then by point.
     """
     unit: Array = np.einsum("ij,ab->iabj", np.eye(k), np.eye(nv)).reshape(k, nv * nv, k)
     unit.setflags(write=False)
@@ -173,7 +173,7 @@ def _unit(k: int, nv: int) -> Array:
 
 
 def _solved(matrix: Array, right: Array) -> Array:
-    """As NumPy's solver, which takes longer for so few equations."""
+    """Solves linear equations, faster than NumPy's solver does for so few."""
     *_, found, singular = lapack.dgesv(matrix, right)
     if singular:
         raise np.linalg.LinAlgError("a motion has no derivative: equations along it are singular")

@@ -1,8 +1,8 @@
-"""The derivative of a cycle along its record, from the section to the section.
+"""Differentiates a cycle along its record, from section to section.
 
-Derivatives are taken at a fixed clock of the phase. An event happens τ later for each unit of a direction; into another
-phase the clock starts anew, so that nothing else is to be done; within a phase the motion after the event is followed
-back to the fixed clock. That is the saltation matrix, with what is held, schedules and parameters in it.
+Derivatives are taken at a fixed time since the phase began. An event happens τ later per unit of a direction. If it
+leads into another phase, the clock starts anew and nothing else is needed. Within a phase the motion after the event is
+followed back to the fixed time. This is the saltation matrix, extended to held values, schedules and parameters.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, struck
 
-GRAZING = 1e-6  # of a guard's mean fall over its arc: it falls more slowly through zero
+GRAZING = 1e-6  # slope of a guard at zero, relative to its mean slope over the arc, below which it grazes
 
 
 @dataclass
 class _Now:
-    """On the way: derivatives of the state, of what is held, and of the last event's time.
+    """Present derivatives of the state, of the held values, and of the last event's time.
 
     Attributes:
-        behind: whether those of the state are at that event, not yet at a fixed clock.
-        bent: the arc before, if it ended at a kink.
+        behind: whether the state's derivatives are still at the last event, not yet at a fixed time.
+        bent: the previous arc, if it ended at a kink.
     """
 
     dy: Array
@@ -53,18 +53,18 @@ class _Now:
 def differentiated(
     system: HybridSystem, recorder: Recorder, y: Array, dy: Array, seeds: Array, fineness: Fineness = INSIDE
 ) -> Derivative:
-    """A cycle from a state on the section, with derivatives.
+    """Runs a cycle from a state on the section, and differentiates it along c directions.
 
     Args:
         system: the system.
         recorder: runs the cycle and keeps its arcs.
         y: the state, (2 nv,).
         dy: derivatives of the state, (2 nv, c).
-        seeds: of the system's numbers, (p, c).
-        fineness: of panels; `ENDS` where nothing inside of arcs is asked for.
+        seeds: derivatives of the system's numbers, (p, c).
+        fineness: how fine panels are; `ENDS` where no values inside arcs are needed.
 
     Raises:
-        NotDifferentiable: the cycle does not close, or something in it has no derivative; the text says what.
+        NotDifferentiable: the cycle does not close, or an event in it has no derivative; the text says which.
     """
     whole = _Whole(system, recorder, seeds, fineness)
     held = whole.begun(y, dy)
@@ -78,7 +78,7 @@ def differentiated(
 
 
 class _Whole:
-    """What stays the same along a cycle: the system, its numbers, and their derivatives."""
+    """The data that are constant along a cycle: the system, its numbers, and their derivatives."""
 
     def __init__(self, system: HybridSystem, recorder: Recorder, seeds: Array, fineness: Fineness) -> None:
         self.system, self.recorder, self.seeds, self.fineness = system, recorder, seeds, fineness
@@ -86,19 +86,19 @@ class _Whole:
         self.law = _dual_law(system, self.raw, seeds)
 
     def begun(self, y: Array, dy: Array) -> dict[str, Any]:
-        """What is held where the cycle begins."""
+        """Returns the values held at the beginning of the cycle."""
         _, resets = self.recorder.start
         state = duals(y, dy)
         return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law))
 
     def carry(self, arc: Arc, now: _Now) -> Stretch:
-        """Derivatives along an arc."""
+        """Carries the derivatives along an arc."""
         n, nv, c, domain = 2 * self.nv, self.nv, self.c, self.recorder.field(arc.domain, arc.held)
         raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
         held = {name: now.held[name] for name in arc.held}
         given = np.concatenate([self.seeds, derivatives(flat(held), c)])
         t, h, y = points(arc, self.fineness)
-        # directions are the state's, then those given, then the clock; at the points, at the beginning and at the end
+        # directions: the state's, the given ones, the clock; places: the points, the beginning, the end
         directions = _directions(n, c)
         every = np.zeros((len(raw), n + c + 1))
         every[:, n:-1] = given
@@ -121,7 +121,7 @@ class _Whole:
         return stretch
 
     def _tau(self, stretch: Stretch, now: _Now) -> Array:
-        """How much later the event that ends an arc happens."""
+        """Returns how much later the event that ends an arc happens, per unit of each direction, (c,)."""
         arc = stretch.arc
         if arc.event is None:
             return np.zeros(self.c)
@@ -131,7 +131,7 @@ class _Whole:
         i = stretch.place
         fall, change = stretch.at(END, stretch.slopes.guards[i, END])
         if stretch.at_once:
-            # beside this cycle a guard on zero that falls is an event of its own, another one stays at once
+            # near this cycle a falling guard on zero is a separate event; any other event still happens at once
             met = abs(stretch.end.guards[i]) <= arc.event.tolerance and falling(fall)
             return -change / fall if met else now.tau
         highest = np.abs(stretch.said.guards[i]).max()
@@ -143,11 +143,11 @@ class _Whole:
         return later
 
     def pass_event(self, stretch: Stretch, now: _Now) -> None:
-        """What an event does to derivatives; at the end of a phase its duration is noted."""
+        """Applies an event to the derivatives, and records the duration of a phase that it ends."""
         arc, tau = stretch.arc, stretch.tau
         now.dy, now.tau, now.behind = stretch.dstate, tau, False
         if arc.event is None or arc.event.reset is None:
-            return  # the motion goes on as it was
+            return  # the same motion continues
         reset = arc.event.reset
         now.dy = stretch.dstate + stretch.end.slopes[:, None] * tau
         state = duals(self._strike(arc, reset, now), now.dy)
@@ -161,7 +161,7 @@ class _Whole:
             now.tau, now.behind = tau, True
 
     def _strike(self, arc: Arc, reset: Reset, now: _Now) -> Array:
-        """What an impact does to derivatives, and to what is held; returns the state behind it."""
+        """Applies an impact to the derivatives and to the held values; returns the state after it."""
         toes, y, nv = struck_toes(self.system, arc.domain, reset), arc.after, self.nv
         if not toes:
             return y
@@ -174,14 +174,14 @@ class _Whole:
 
 @cache
 def _directions(n: int, c: int) -> Array:
-    """Along each of n numbers, along c others, and along a clock: (n + 1, n + c + 1)."""
+    """Returns the directions along n numbers, along c others, and along a clock, (n + 1, n + c + 1)."""
     found: Array = np.concatenate([np.eye(n, n + c + 1), np.eye(1, n + c + 1, n + c)])
     found.setflags(write=False)
     return found
 
 
 def _dual_law(system: HybridSystem, raw: Array, seeds: Array) -> Any:
-    """Parameters of the law, dual."""
+    """Returns the parameters of the law as dual numbers."""
     changes = enumerate(np.any(seeds, axis=1).tolist())
 
     def dual(value: Any) -> Any:

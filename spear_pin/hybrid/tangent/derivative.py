@@ -1,4 +1,4 @@
-"""A cycle's derivatives along its arcs, in what order its events come, and which of them meet."""
+"""The derivatives of a cycle along its arcs, the order of its events, and the events that coincide."""
 
 from __future__ import annotations
 
@@ -18,24 +18,25 @@ from spear_pin.hybrid.rules.entry import AWAY, CHANGE
 from spear_pin.hybrid.tangent.collocation import Carried, rule
 from spear_pin.hybrid.tangent.fields import Values
 
-SHORTEST = 1e-9  # s: there is nothing to be carried along a shorter arc
+SHORTEST = 1e-9  # s: along a shorter arc derivatives do not change
 BEGIN, END = -2, -1  # places behind Gauss's points
 
 
 @dataclass(eq=False)
 class Stretch:
-    """An arc with derivatives at k places: Gauss's points of its panels in rising time, its beginning and its end.
+    """An arc with derivatives at k places: Gauss's points of its panels in order of time, its beginning, its end.
 
     Attributes:
         arc: the arc.
         y: states, (2 nv, k).
-        carried: their derivatives.
-        dstate: derivatives of the state at its end, at the fixed clock, (2 nv, c).
-        said: what the domain says there, (..., k).
-        slopes: derivatives of that along the state, directions beside and the clock, (..., k, 2 nv + c + 1).
-        held: what is held, dual where it has a derivative.
-        since: derivative of the time at which it begins, (c,).
-        tau: of the time at which it ends, (c,), of which the cycle says what it is once it knows the rest.
+        carried: derivatives of the states.
+        dstate: derivatives of the state at the arc's end, at the fixed clock, (2 nv, c).
+        said: the domain's values at the places, (..., k).
+        slopes: derivatives of those values along the state, c further directions and the clock,
+            (..., k, 2 nv + c + 1).
+        held: held values, dual where they have a derivative.
+        since: derivative of the time at which the arc begins, (c,).
+        tau: derivative of the time at which the arc ends, (c,); set last.
     """
 
     arc: Arc
@@ -50,12 +51,12 @@ class Stretch:
 
     @property
     def weights(self) -> Array:
-        """Of an integral over the arc, (k,), zero at its ends."""
+        """Weights of an integral over the arc, (k,), zero at its ends."""
         return np.append(np.tile(self.carried.h * rule().weights, len(self.carried.K)), [0.0, 0.0])
 
     @property
     def state(self) -> Array:
-        """At its end, just before the event, (2 nv,)."""
+        """State at the arc's end, just before the event, (2 nv,)."""
         return self.arc.after
 
     @cached_property
@@ -66,56 +67,56 @@ class Stretch:
 
     @cached_property
     def dsaid(self) -> Values:
-        """Derivatives of what the domain says at a fixed clock, (..., k, c)."""
+        """Derivatives of the domain's values at a fixed clock, (..., k, c)."""
         n, slopes = len(self.y), self.slopes.rows
         chained = (slopes[..., :n].swapaxes(0, 1) @ self.dy.swapaxes(0, 1)).swapaxes(0, 1)
         return self.said._replace(rows=chained + slopes[..., n:-1])
 
     @property
     def end(self) -> Values:
-        """What the domain says at the end, (...)."""
+        """The domain's values at the arc's end, (...)."""
         return self.said._replace(rows=self.said.rows[:, END])
 
     def at(self, place: int, slopes: Array) -> tuple[Any, Array]:
-        """Rates along the motion at the beginning or the end, (...), and derivatives at the fixed clock, (..., c).
+        """Returns rates along the motion at one end of the arc, (...), and derivatives at the fixed clock, (..., c).
 
         Args:
             place: `BEGIN` or `END`.
-            slopes: of something that the domain says there, (..., 2 nv + c + 1).
+            slopes: slopes of some of the domain's values at that end, (..., 2 nv + c + 1).
         """
         n, along, dy = len(self.y), self.said.slopes[:, place], self._dy_at(place)
         return slopes[..., :n] @ along + slopes[..., -1], slopes[..., :n] @ dy + slopes[..., n:-1]
 
     def _dy_at(self, place: int) -> Array:
-        """Derivatives of the state at the beginning or the end, (2 nv, c)."""
+        """Returns the derivatives of the state at the beginning or the end, (2 nv, c)."""
         begins: Array = self.carried.begins[0]
         return begins if place == BEGIN else self.dstate
 
     @cached_property
     def rates(self) -> Values:
-        """Rates of what the domain says along the motion, at the beginning and at the end, (..., 2)."""
+        """Rates of the domain's values along the motion, at the beginning and at the end, (..., 2)."""
         rates = [self.at(place, self.slopes.rows[:, place])[0] for place in (BEGIN, END)]
         return self.said._replace(rows=np.stack(rates, axis=1))
 
     @property
     def rate(self) -> Values:
-        """Those at the end, (...)."""
+        """Rates of the domain's values at the end, (...)."""
         return self.said._replace(rows=self.rates.rows[:, END])
 
     @property
     def at_once(self) -> bool:
-        """Whether its event happens as it begins."""
+        """Tells whether the arc's event happens as the arc begins."""
         return self.arc.end - self.arc.t <= SHORTEST
 
     @property
     def late(self) -> bool:
-        """Whether its event happens as it begins, though nothing but chance brings its guard to zero there."""
+        """Tells whether the arc's event happens as the arc begins, with its guard on zero only by chance."""
         event = self.arc.event
         return isinstance(event, Guard) and self.at_once and bool(self._falls[self.place])
 
     @property
     def place(self) -> int:
-        """Which of the guards is its event."""
+        """Index of the guard that is the arc's event."""
         return next(i for i, guard in enumerate(self.arc.domain.guards) if guard is self.arc.event)
 
     @property
@@ -130,7 +131,7 @@ class Stretch:
 
     @property
     def _falls(self) -> NDArray[np.bool_]:
-        """Which guards are on zero at the end, and fall."""
+        """Tells which guards are on zero at the end, and fall."""
         tolerances = np.array([guard.tolerance for guard in self.arc.domain.guards])
         found: NDArray[np.bool_] = (np.abs(self.end.guards) <= tolerances) & falling(self.rate.guards)
         return found
@@ -142,13 +143,13 @@ class Derivative:
 
     Attributes:
         system: the system.
-        y: state just behind the section, (2 nv,).
+        y: state just after the section, (2 nv,).
         dy: its derivatives, (2 nv, c).
-        durations: of each phase, in s, dual.
+        durations: duration of each phase, in s, dual.
         stretches: the arcs.
-        numbers: run-time parameters without what is held, (p,).
+        numbers: run-time parameters without the held values, (p,).
         dnumbers: their derivatives, (p, c).
-        steepness: of the guard that falls most slowly through zero, in its mean fall over its arc.
+        steepness: slope at zero of the guard that falls most slowly, relative to its mean slope over its arc.
     """
 
     system: HybridSystem
@@ -162,7 +163,7 @@ class Derivative:
 
     @property
     def order(self) -> tuple[frozenset[str], ...]:
-        """Names of the events that change something, in order; of those that meet, together."""
+        """Names of the events that change something, in order; names of events that coincide are in one set."""
         found: list[frozenset[str]] = []
         for each in self.stretches:
             event = each.arc.event
@@ -174,14 +175,14 @@ class Derivative:
 
     @property
     def borders(self) -> tuple[str, ...]:
-        """Names of events that meet another: derivatives are of the order that happens, and one-sided.
+        """Names of events that coincide with another; there derivatives are one-sided, for the order that happens.
 
-        An event at once whose guard is far below zero meets none: it stays at once beside this cycle.
+        An immediate event whose guard is far below zero coincides with none: it stays immediate near this cycle.
         """
         met = [each.arc.event.name for each in self.stretches if each.late or each.meets]
         return tuple(dict.fromkeys(met))
 
 
 def falling(rate: Any) -> Any:
-    """Whether a guard falls as fast as engines see."""
+    """Tells whether a guard falls fast enough for engines to notice."""
     return rate * AWAY[0] < -CHANGE

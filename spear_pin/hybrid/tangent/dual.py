@@ -1,7 +1,7 @@
-"""Dual numbers: a value with its derivative along a direction, or along several at a time.
+"""Dual numbers: a value with its derivative along one direction, or along several at a time.
 
-Value and derivative are whatever scalars have +, -, * and /: heyoka's expressions, numbers with an array of
-derivatives, arrays of states with arrays of derivatives. Laws, guards, latches and impacts take them as they are.
+Value and derivative are any scalars with +, -, * and /: heyoka's expressions, numbers with an array of derivatives,
+arrays of states with arrays of derivatives. Laws, guards, latches and impacts take dual numbers as they take numbers.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from spear_pin.model.scalars import negated, plus, times, vanishes
 class Dual:
     """A value with its derivative.
 
-    It has no `float()`: what asks for that would lose the derivative silently.
+    It has no `float()`, which would lose the derivative silently.
 
     Args:
         x: the value.
@@ -30,7 +30,7 @@ class Dual:
     """
 
     __slots__ = ("d", "x")
-    __hash__ = None  # type: ignore[assignment]  # it is compared by value
+    __hash__ = None  # type: ignore[assignment]  # dual numbers are compared by value
 
     def __init__(self, x: Any, d: Any) -> None:
         self.x, self.d = x, d
@@ -39,7 +39,7 @@ class Dual:
         return f"Dual({self.x!r}, {self.d!r})"
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **settings: Any) -> Any:
-        """NumPy's functions of numbers, of which some latches make use."""
+        """Applies NumPy's functions of numbers, which some latches use."""
         if method != "__call__" or settings or ufunc not in _UFUNCS:
             return NotImplemented
         return _UFUNCS[ufunc](*inputs)
@@ -113,7 +113,7 @@ class Dual:
 
 
 def value_of(scalar: Any) -> Any:
-    """The value of a scalar, dual or not; of nested tuples and mappings of them in the same form."""
+    """Returns the value of a scalar, dual or not; nested tuples and mappings of scalars keep their form."""
     if isinstance(scalar, Dual):
         return scalar.x
     if isinstance(scalar, tuple):
@@ -124,17 +124,17 @@ def value_of(scalar: Any) -> Any:
 
 
 def derivative_of(scalar: Any) -> Any:
-    """The derivative of a scalar, 0 of what has none."""
+    """Returns the derivative of a scalar, 0 for a scalar without one."""
     return scalar.d if isinstance(scalar, Dual) else 0.0
 
 
 def duals(values: Sequence[float] | Array, slopes: Array) -> list[Dual]:
-    """Numbers with their derivatives along several directions, (n, c)."""
+    """Makes dual numbers of n values with their derivatives along c directions, (n, c)."""
     return [Dual(float(x), d) for x, d in zip(values, slopes, strict=True)]
 
 
 def derivatives(scalars: Sequence[Any], c: int) -> Array:
-    """Derivatives of scalars, dual or not, along c directions, (n, c)."""
+    """Returns the derivatives of n scalars, dual or not, along c directions, (n, c)."""
     found = np.zeros((len(scalars), c))
     for i, scalar in enumerate(scalars):
         if isinstance(scalar, Dual):
@@ -143,10 +143,10 @@ def derivatives(scalars: Sequence[Any], c: int) -> Array:
 
 
 def operations(base: Any, step: Callable[[Any], Any]) -> Operations:
-    """Elementary functions of dual numbers and others.
+    """Returns the elementary functions of dual and other numbers.
 
     Args:
-        base: those of the values.
+        base: elementary functions of the values.
         step: the derivative of max(x, 0).
     """
 

@@ -1,7 +1,7 @@
 """Directional derivatives of a domain's motion and of an impact's numbers, at many states and in many directions.
 
-One function for each domain, compiled by heyoka where that is installed: dual numbers of its expressions go through the
-very `Motion` that is integrated. Every number is an argument, so that one function serves whatever is asked for.
+Each domain has one function, which heyoka compiles where it is installed. Dual numbers of heyoka's expressions pass
+through the same `Motion` that is integrated. Every number is an argument, so that one function serves all derivatives.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from spear_pin.model.scalars import dot
 
 
 class Values(NamedTuple):
-    """What a domain says at a state, or the same of anything else there.
+    """The values of a domain at a state, or their derivatives.
 
     Attributes:
-        rows: all of it, (rows, ...).
-        ends: where the first three of its parts end.
+        rows: all values, (rows, ...).
+        ends: rows at which the first three of the four parts end.
     """
 
     rows: Array
@@ -53,30 +53,30 @@ class Values(NamedTuple):
 
     @property
     def forces(self) -> Array:
-        """On each closed toe, along the ground and normal to it, (2 closed, ...)."""
+        """Ground force on each closed toe, along the ground and normal to it, in N, (2 closed, ...)."""
         return self.rows[self.ends[2] :]
 
 
 @dataclass(frozen=True, eq=False)
 class TangentField:
-    """A domain's motion, its guards, torques and forces, each with a derivative along any direction.
+    """Motion, guards, torques and forces of a domain, each with a derivative along any direction.
 
     Attributes:
-        structure: what is compiled in.
+        structure: the structure that is compiled in.
     """
 
     structure: Structure
 
     def at(self, t: Array, y: Array, numbers: Array, dt: Any, dy: Array, dnumbers: Array) -> tuple[Values, Values]:
-        """Values at n states, and derivatives along c directions at each: (..., n) and (..., n, c).
+        """Returns values at n states, (..., n), and derivatives along c directions at each, (..., n, c).
 
         Args:
-            t: times since the phase began, (n,).
+            t: times since the phase began, in s, (n,).
             y: states, (2 nv, n).
-            numbers: run-time parameters with what is held, (p,).
+            numbers: run-time parameters with the held values, (p,).
             dt: derivative of the time, a number, (c,) or (n, c).
-            dy: of the states, (2 nv, n, c), or (2 nv, 1, c) where they are all the same.
-            dnumbers: of the parameters, (p, c).
+            dy: derivatives of the states, (2 nv, n, c), or (2 nv, 1, c) where they are all the same.
+            dnumbers: derivatives of the parameters, (p, c).
         """
         rows, n, c = len(y), len(t), dy.shape[2]
         if not taylor.available():
@@ -90,7 +90,7 @@ class TangentField:
         return Values(found[:half, :, 0], self._ends), Values(found[half:], self._ends)
 
     def values(self, t: Array, y: Array, numbers: Array) -> Values:
-        """Values at n states, each with numbers of its own, (p, n), without derivatives; heyoka has to be there."""
+        """Returns values at n states, each with its own numbers, (p, n), without derivatives; this needs heyoka."""
         inputs = np.concatenate([t[None], y, numbers])
         found = self._function(np.concatenate([inputs, np.zeros_like(inputs)]))
         return Values(found[: len(found) // 2], self._ends)
@@ -102,14 +102,14 @@ class TangentField:
 
     @cached_property
     def _function(self) -> Any:
-        """The compiled function: values, then derivatives."""
+        """Compiles the function that returns values, then derivatives."""
         system, planar, held = self.structure.system, self.structure.planar, self.structure.held
         counter = _Counting()
         symbols(system, planar, held, counter)
         return compiled(self._of, 1 + 2 * system.robot.nv + counter.count, system.robot.nv)
 
     def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
-        """All outputs, of whatever scalars."""
+        """Returns all outputs, for scalars of any kind."""
         system, domain, nv = self.structure.system, self.structure.domain, self.structure.system.robot.nv
         t, q, v = duals[0], duals[1 : 1 + nv], duals[1 + nv : 1 + 2 * nv]
         planar, numbers, held = symbols(system, self.structure.planar, self.structure.held, duals[1 + 2 * nv :])
@@ -120,7 +120,7 @@ class TangentField:
     def _interpreted(
         self, t: Array, y: Array, numbers: Array, dt: Any, dy: Array, dnumbers: Array
     ) -> tuple[Values, Values]:
-        """The same without heyoka, from arrays."""
+        """Returns what `at` returns, without heyoka, from arrays."""
         n, c = len(t), dy.shape[2]
         parts = [(t[:, None], np.broadcast_to(dt, (n, c)))]
         parts += [(x[:, None], d) for x, d in zip(y, dy, strict=True)]
@@ -136,21 +136,21 @@ class TangentFeet:
     """Numbers of toes and of the mass matrix on which impacts and sections depend, with derivatives.
 
     Attributes:
-        structure: the system's.
-        toes: which.
+        structure: structure of the system.
+        toes: names of the toes.
     """
 
     structure: Structure
     toes: tuple[str, ...]
 
     def at(self, y: Array, numbers: Array, dy: Array, dnumbers: Array) -> tuple[ToeNumbers, ToeNumbers]:
-        """At a state, and derivatives along c directions, (..., c).
+        """Returns the numbers at a state, and their derivatives along c directions, (..., c).
 
         Args:
             y: the state, (2 nv,).
-            numbers: run-time parameters without what is held, (p,).
-            dy: (2 nv, c).
-            dnumbers: (p, c).
+            numbers: run-time parameters without the held values, (p,).
+            dy: derivatives of the state, (2 nv, c).
+            dnumbers: derivatives of the parameters, (p, c).
         """
         x, d = np.concatenate([y, numbers]), np.concatenate([dy, dnumbers])
         if not taylor.available():
@@ -167,7 +167,7 @@ class TangentFeet:
 
     @cached_property
     def _parts(self) -> list[tuple[slice, tuple[int, ...]]]:
-        """Where each of `ToeNumbers` but the first is among the outputs, and its shape."""
+        """Place among the outputs, and shape, of each of `ToeNumbers` except the first."""
         nv, m = self.structure.system.robot.nv, len(self.toes)
         shapes: list[tuple[int, ...]] = [(m,), (m, 2, nv), (m, 2, nv), (2 * m, 2 * m), (2 * m,)]
         ends = np.cumsum([1, *map(math.prod, shapes)]).tolist()
@@ -193,13 +193,13 @@ class TangentFeet:
 
 
 class ToeNumbers(NamedTuple):
-    """Numbers of m toes, or derivatives of them.
+    """Numbers of m toes, or their derivatives.
 
     Attributes:
         friction: the coefficient of friction.
-        heights: of the toes, (m, ...).
-        rows: of their Jacobians, along the ground and normal to it, (m, 2, nv, ...).
-        responses: D⁻¹ times those, (m, 2, nv, ...).
+        heights: heights of the toes, in m, (m, ...).
+        rows: rows of their Jacobians, along the ground and normal to it, (m, 2, nv, ...).
+        responses: D⁻¹ times those rows, (m, 2, nv, ...).
         inverse_inertia: J D⁻¹ Jᵀ of all toes together, (2 m, 2 m, ...).
         speeds: J v, (2 m, ...).
     """
@@ -213,12 +213,12 @@ class ToeNumbers(NamedTuple):
 
 
 def compiled(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, nv: int) -> Any:
-    """A function compiled: of its inputs, then their derivatives, its values, then their derivatives.
+    """Compiles a function that takes inputs, then their derivatives, and returns values, then their derivatives.
 
     Args:
-        of: the function, of whatever scalars and operations.
-        count: of its inputs.
-        nv: of the robot.
+        of: the function, for scalars and operations of any kind.
+        count: number of its inputs.
+        nv: number of the robot's velocities.
     """
     hy = taylor.require()
     variables = hy.make_vars(*[f"{kind}{i}" for kind in "xd" for i in range(count)])
@@ -230,18 +230,18 @@ def compiled(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, n
 
 @lru_cache(taylor.MOST)
 def tangent_field(structure: Structure) -> TangentField:
-    """A domain's, made once for each structure."""
+    """Returns the tangent field of a domain, made once for each structure."""
     return TangentField(structure)
 
 
 @lru_cache(taylor.MOST)
 def tangent_feet(structure: Structure, toes: tuple[str, ...]) -> TangentFeet:
-    """A system's, made once for each structure and choice of toes."""
+    """Returns the tangent feet of a system, made once for each structure and choice of toes."""
     return TangentFeet(structure, toes)
 
 
 class _Counting:
-    """In the place of parameters: how many are asked for."""
+    """Stands for the parameters, and counts how many are used."""
 
     def __init__(self) -> None:
         self.count = 0

@@ -1,4 +1,4 @@
-"""How high toes are above the ground, at many states at once, with derivatives or without."""
+"""Heights of toes above the ground, at many states at once, with or without derivatives."""
 
 from __future__ import annotations
 
@@ -21,22 +21,25 @@ class Heights:
     """Heights of toes.
 
     Attributes:
-        planar: the robot, whose lengths may be dual.
-        ground: whose numbers may be dual, or arrays of lanes.
+        planar: the robot; its lengths may be dual.
+        ground: the ground; its numbers may be dual, or arrays of lanes.
     """
 
     planar: Planar
     ground: Ground
 
     def at(self, toe: str, q: Sequence[Any]) -> Any:
-        """Distance of a toe from the ground, along its normal, in m, as the coordinates are: arrays, dual or not."""
+        """Returns the distance of a toe from the ground, along its normal, in m; coordinates are arrays, dual or not.
+
+        The distance is of the same kind as the coordinates.
+        """
         return self.ground.above(*self.planar.position(toe, q, ARRAYS), ARRAYS)
 
     def along(self, toe: str, q: Array, dq: Array) -> tuple[Array, Array]:
-        """Heights at n states, (n,), and derivatives along c directions at each, (n, c).
+        """Returns heights at n states, in m, (n,), and derivatives along c directions at each, (n, c).
 
         Args:
-            toe: its name.
+            toe: name of the toe.
             q: coordinates, (nv, n).
             dq: their derivatives, (nv, n, c).
         """
@@ -46,11 +49,11 @@ class Heights:
 
 
 def dual_heights(system: HybridSystem, numbers: Array, dnumbers: Array) -> Heights:
-    """Heights that depend on a system's numbers, too.
+    """Returns heights that depend on a system's numbers as well.
 
     Args:
         system: the system.
-        numbers: its run-time parameters without what is held, (p,).
+        numbers: its run-time parameters without the held values, (p,).
         dnumbers: their derivatives, (p, c).
     """
     duals = [Dual(x, d) if d.any() else x for x, d in zip(numbers.tolist(), dnumbers, strict=True)]

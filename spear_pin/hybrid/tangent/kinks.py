@@ -1,4 +1,4 @@
-"""Where a law is not smooth: an arc ends, the same motion goes on, and what the domain says has other rates."""
+"""Kinks of a law, where it is not smooth: an arc ends, the same motion continues, and the domain's rates jump."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Stretch
 
-SEEN = 1e-6  # of rates: a smaller jump is none, and when it happens does not matter
+SEEN = 1e-6  # relative jump of rates below which a kink, and its time, does not matter
 
 
 def of_the_inside(slopes: Array, place: int) -> Array:
-    """Slopes at an end that lies on a kink, (..., n), from Gauss's points beside it.
+    """Extrapolates the slopes at an end that lies on a kink, (..., n), from the nearby Gauss points.
 
-    There a law has those of either side, which rounding chooses.
+    On the kink itself the law has the slopes of either side, and rounding decides which.
 
     Args:
-        slopes: at the points, at the beginning and at the end, (..., k + 2, n).
+        slopes: slopes at the points, at the beginning and at the end, (..., k + 2, n).
         place: `BEGIN` or `END`.
     """
     signs = (-1.0) ** np.arange(POINTS) if place == BEGIN else np.ones(POINTS)
@@ -27,10 +27,10 @@ def of_the_inside(slopes: Array, place: int) -> Array:
 
 
 def later(before: Stretch, after: Stretch) -> Array:
-    """How much later the kink between two arcs happens, (c,).
+    """Returns how much later the kink between two arcs happens, per unit of each direction, (c,).
 
-    All that the domain says has one value on both sides: d⁻ + ṙ⁻ τ = d⁺ + ṙ⁺ τ. It is told by what has its rate jump
-    most, as a share of it.
+    Every value of the domain is equal on both sides: d⁻ + ṙ⁻ τ = d⁺ + ṙ⁺ τ. The value with the largest relative jump
+    of its rate gives τ.
     """
     (left, dleft), (right, dright) = (
         stretch.at(place, stretch.slopes.rows[:, place]) for stretch, place in ((before, END), (after, BEGIN))

@@ -1,4 +1,4 @@
-"""Gauss's points along an arc, in as many panels as its motion needs."""
+"""Gauss's points along an arc, in as many panels as the motion needs."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, rough
 from spear_pin.hybrid.tangent.derivative import SHORTEST
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
-MOST_PANELS = 64  # of an arc
-EARLY = 4  # points that do not count yet where panels are long
+MOST_PANELS = 64  # most panels of an arc
+EARLY = 4  # number of points that do not count yet where panels are long
 
 
 def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, float, Array]:
-    """Clocks of the points, (k,), length of a panel in s, and states there, (2 nv, k).
+    """Returns the times of the points, in s, (k,), the length of a panel, in s, and the states, (2 nv, k).
 
     Args:
         arc: the arc.
-        fineness: of panels.
+        fineness: how fine panels are.
 
     Raises:
         NotDifferentiable: the motion is not smooth, or cannot be followed again.
@@ -43,6 +43,6 @@ def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, float, Array]:
             raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
         if panels == MOST_PANELS:
             raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
-        # shorter by a factor, coefficients fall by that to the power of the points, at first of fewer
+        # coefficients of a panel shorter by a factor fall by its power of the number of points, at first of fewer
         wanted = panels * (left / fineness.tail) ** (1.0 / (POINTS - EARLY))
         panels = min(max(panels + 1, math.ceil(wanted)), MOST_PANELS)

@@ -1,4 +1,4 @@
-"""Run a cycle and keep its arcs, by the fast engine where heyoka is installed; what is not plain is refused."""
+"""Runs a cycle and keeps its arcs, by the fast engine where heyoka is installed; refuses cycles that are not plain."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ _feet: WeakKeyDictionary[Compilation, dict[tuple[str, ...], TangentFeet]] = Weak
 
 
 def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
-    """The numbers of lanes for `Recorder`, which differ in those that are given, (n,) each."""
-    # optimised, code would run in half the time, and take twelve times as long to compile
+    """Returns the numbers of lanes for `Recorder`; lanes differ in the given numbers, (n,) each."""
+    # optimised code would run in half the time, but take twelve times as long to compile
     return Numbers(system, given, Code(TOL, unrolled=system.robot.nv <= taylor.UNROLLED, level=0))
 
 
 class CompiledRunner:
-    """A lane's cycles by the fast engine, see `hybrid.arc.Runner`.
+    """Runs the cycles of a lane by the fast engine, see `hybrid.arc.Runner`.
 
     Args:
-        numbers: the lanes'.
-        lane: which of them.
+        numbers: numbers of the lanes.
+        lane: index of the lane.
     """
 
     def __init__(self, numbers: Numbers, lane: int) -> None:
@@ -52,28 +52,28 @@ class CompiledRunner:
 
     @property
     def why(self) -> str:
-        """What the last cycle of which there is no record was refused for."""
+        """Why the last cycle that was refused was refused."""
         return self._runner.why
 
     def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
-        """The cycle, None where it calls for a second look."""
+        """Runs the cycle from the beginning of a phase just after the section; returns None if it is not simple."""
         return self._runner.lap(phase, y, held, [math.inf] * self._toes)
 
 
 class Recorder:
-    """Cycles of a system, as records.
+    """Runs cycles of a system, and keeps them as records.
 
     Args:
         system: the system.
-        numbers: of many lanes, which takes heyoka (default: the system's own alone).
-        lane: which of them.
+        numbers: numbers of many lanes, which needs heyoka (default: only the system's own numbers).
+        lane: index of the lane.
 
     Attributes:
         planar: the robot's dynamics.
         law: parameters of the law.
-        numbers: run-time parameters ahead of what is held, (p,).
+        numbers: run-time parameters, which come before the held values, (p,).
         end: state at the end of the last cycle, (2 nv,).
-        order: the order of its events.
+        order: order of the events of the last cycle.
     """
 
     def __init__(self, system: HybridSystem, numbers: Numbers | None = None, lane: int = 0) -> None:
@@ -85,30 +85,30 @@ class Recorder:
         self.numbers = np.array(self._numbers.constants(lane), dtype=float)
         self.end = np.empty(0)
         self.order: Order = ()
-        # the system keeps its domains, so that their identities stay
+        # the system keeps its domains, so that their ids stay the same
         self._fields = _fields.setdefault(self._numbers.compilation, {})
         self._feet = _feet.setdefault(self._numbers.compilation, {})
 
     @cached_property
     def start(self) -> tuple[str, tuple[Reset, ...]]:
-        """The phase that begins at the section, and the resets that say what is held."""
+        """The phase that begins at the section, and the resets that latch the held values."""
         return start(self.system, True)
 
     def cycle(self, y: Array) -> Sequence[Arc]:
-        """The arcs of a cycle from a state just behind the section, (2 nv,).
+        """Runs a cycle from a state just after the section, (2 nv,), and returns its arcs.
 
         Raises:
-            NotDifferentiable: it does not close, or what happens in it is not plain.
+            NotDifferentiable: the cycle does not close, or has an event that is not plain.
         """
         lap = self.lap(y)
         self.end, self.order = lap.y, lap.order
         return lap.arcs
 
     def lap(self, y: Array) -> Record:
-        """A cycle from a state just behind the section, (2 nv,).
+        """Runs a cycle from a state just after the section, (2 nv,), and returns its record.
 
         Raises:
-            NotDifferentiable: it does not close, or what happens in it is not plain.
+            NotDifferentiable: the cycle does not close, or has an event that is not plain.
         """
         phase, resets = self.start
         held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
@@ -118,24 +118,24 @@ class Recorder:
         return lap
 
     def motion(self, phase: str, y: Array, held: Held) -> Record | None:
-        """The motion from the beginning of a phase to the section, None where it does not close plainly.
+        """Runs the motion from the beginning of a phase to the section; returns None if it does not close plainly.
 
         Args:
             phase: the phase.
-            y: state there, (2 nv,).
-            held: what is held there.
+            y: state at the beginning of the phase, (2 nv,).
+            held: values held at that state.
         """
         return self._runner.lap(phase, y, held)
 
     def field(self, domain: Domain, held: Held) -> TangentField:
-        """What a domain's derivatives are taken from."""
+        """Returns the tangent field that gives a domain's derivatives."""
         key = id(domain), shape_of(held)
         if key not in self._fields:
             self._fields[key] = tangent_field(Structure(self.system, domain, held, self.planar))
         return self._fields[key]
 
     def feet(self, toes: tuple[str, ...]) -> TangentFeet:
-        """What the derivatives of an impact are taken from."""
+        """Returns the tangent feet that give the derivatives of an impact."""
         if toes not in self._feet:
             self._feet[toes] = tangent_feet(Structure(self.system, self.system.domains[0], {}, self.planar), toes)
         return self._feet[toes]

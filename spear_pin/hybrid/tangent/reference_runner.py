@@ -1,4 +1,4 @@
-"""Cycles by the reference engine, as records: slower, where nothing compiles them."""
+"""Runs cycles by the reference engine and records them: slower, for systems that are not compiled."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class ReferenceLap:
 
 
 class ReferenceRunner:
-    """A system's cycles, see `hybrid.arc.Runner`.
+    """Runs the cycles of a system, see `hybrid.arc.Runner`.
 
     Args:
         system: the system.
@@ -42,7 +42,7 @@ class ReferenceRunner:
         self.why = ""
 
     def lap(self, phase: str, y: Array, held: Held) -> ReferenceLap | None:
-        """The cycle, at the finest tolerance; None where it does not close, toes bounce, or share their load."""
+        """Runs the cycle at the finest tolerance; returns None if it does not close, or toes bounce or alternate."""
         begun = Moment(y[: self._nv], y[self._nv :], phase, held)
         found = run(self._system, begun, 1, Options(FINEST, keep=True))
         self.why = ""
@@ -64,7 +64,7 @@ class ReferenceRunner:
         return ReferenceLap(end, found.domain.phase, found.held, found.durations, order_of(self._system, found), arcs)
 
     def _not_plain(self, segment: Segment) -> str:
-        """Why a cycle with a motion in it is not recorded, "" where it is."""
+        """Returns why a cycle that contains a motion is not recorded, "" if it is."""
         domain = segment.domain
         if not any(domain is each for each in self._system.domains):
             return f"toes alternate in {domain.phase}"
@@ -79,7 +79,7 @@ class ReferenceRunner:
         return Arc(segment.domain, segment.held, begin, y, end, after, event, switches, motion)
 
     def _motion(self, segment: Segment) -> Callable[[Array], Array]:
-        """States over time, by the integrator's own interpolants."""
+        """Returns a function that gives states over time, by the integrator's own interpolants."""
         pieces = segment.pieces
         ends = np.array([piece.end for piece in pieces[:-1]])
 
@@ -93,6 +93,6 @@ class ReferenceRunner:
 
 
 def _event(segment: Segment) -> Guard | Switch | None:
-    """What ends a motion: a guard of its domain, or what was scheduled."""
+    """Returns the event that ends a motion: a guard of its domain, or the scheduled event."""
     guards, ended = segment.domain.guards, segment.ended
     return ended if ended is None or any(ended is guard for guard in guards) else segment.domain.switch

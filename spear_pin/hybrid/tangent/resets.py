@@ -1,4 +1,4 @@
-"""Derivatives of what an event does: dual numbers through the rules of impacts and latches."""
+"""Derivatives of an event's effects: dual numbers pass through the rules of impacts and latches."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
 
-DEGENERATE = 1e-9  # of the largest of a joint impact's speeds and impulses: an active set so near to another
+DEGENERATE = 1e-9  # relative to the largest speed or impulse: an active set this close to another is degenerate
 BORDER = "an impact of several toes is on the border between two outcomes"
-SINGULAR = 1e12  # condition of J D⁻¹ Jᵀ, from which on toes depend on each other
+SINGULAR = 1e12  # condition number of J D⁻¹ Jᵀ above which toes depend on each other
 
 
 class NotDifferentiable(SpearError):
-    """A cycle has no derivative, or none that is found here; the text says why."""
+    """Raised when a cycle has no derivative, or none that can be computed here; the text says why."""
 
 
 def struck(
     feet: ToeNumbers, slopes: ToeNumbers, toes: Sequence[str], lands: Sequence[str]
 ) -> tuple[Array, Array, dict[str, Any]]:
-    """Change of the velocity in an impact, (nv,), its derivatives, (nv, c), and what is held of toes that it lifts.
+    """Returns an impact's change of velocity, (nv,), its derivatives, (nv, c), and the values held for lifted toes.
 
     Args:
         feet: numbers of the toes that take part.
-        slopes: their derivatives.
-        toes: names of them.
-        lands: those that come down.
+        slopes: derivatives of these numbers.
+        toes: names of these toes.
+        lands: names of the toes that land.
 
     Raises:
-        NotDifferentiable: a toe that comes down rises, as at the end of bounces, or the set of sticking, sliding and
-            lifted toes may change with any change.
+        NotDifferentiable: a toe that lands rises again, as at the end of bounces, or the smallest perturbation may
+            change the set of sticking, sliding and lifted toes.
     """
     size, lifted = 2 * len(toes), dict[str, Any]()
     if any(rises(float(speed)) for toe, speed in zip(toes, feet.speeds[1::2], strict=True) if toe in lands):
@@ -58,13 +58,13 @@ def struck(
 
 
 def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
-    """Impulses of a joint impact, and the speeds with which toes are lifted, by the set that the rule finds active."""
+    """Returns the impulses of a joint impact, and the lift speeds of toes, for the active set that the rule finds."""
     size, values, mu = len(feet.speeds), feet.inverse_inertia, float(feet.friction)
     if not np.linalg.cond(values) < SINGULAR:
         raise NotDifferentiable("toes in an impact cannot move each by itself, so that their impulses are not unique")
-    if np.abs(feet.speeds).max() < DEGENERATE:  # in m/s: they only touch, and what they do is rounding's
+    if np.abs(feet.speeds).max() < DEGENERATE:  # in m/s: the toes only touch, and rounding decides the rest
         raise NotDifferentiable(BORDER)
-    # in the coordinates of the toes' own velocities the rule wants the inverse of A for a mass matrix
+    # in the coordinates of the toes' own velocities the rule needs the inverse of A as the mass matrix
     impact = joint_impact(np.asarray(np.linalg.inv(values), dtype=np.float64), np.eye(size), feet.speeds, mu)
     after, given = impact.v, impact.impulse.ravel()
     _check_set(impact.slides, impact.leaves, after, given, mu)
@@ -100,7 +100,7 @@ def _check_set(slides: Any, leaves: Any, after: Array, impulse: Array, friction:
 
 
 def flat(held: Mapping[str, Any]) -> list[Any]:
-    """What is held, as numbers in the order of run-time parameters."""
+    """Returns the held values as numbers in the order of run-time parameters."""
     return [item for value in held.values() for item in _items(value)]
 
 

@@ -1,4 +1,4 @@
-"""The numbers of a system that a cycle depends on, and their derivatives with respect to named parameters."""
+"""The numbers of a system on which a cycle depends, and their derivatives with respect to named parameters."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from spear_pin.model.numbers import body_numbers
 from spear_pin.model.planar import Planar
 from spear_pin.model.variants import parameters_of
 
-# of a parameter: numbers are polynomials in it of the second degree at most, so that no step is too long
+# relative to a parameter: numbers are polynomials of degree two at most in it, so that no step is too long
 STEP = 2.0**-8
-ROUNDING = 1e-9  # of a derivative: what turning a body's frame back and forth leaves
+ROUNDING = 1e-9  # size of a derivative that may result from rounding when a body's frame turns back and forth
 
 
 def numbers(system: HybridSystem, held: Mapping[str, Any] | None = None) -> Array:
-    """Run-time parameters of a system, in the order of `structure.parameters`."""
+    """Returns the run-time parameters of a system, in the order of `structure.parameters`."""
     others = list(structure.others(system).values())
     robot = structure.robot_numbers(system, Planar(system.robot))
     found: Array = structure.parameters(system.law, others, robot, held or {}, 1)[:, 0]
@@ -33,11 +33,11 @@ def numbers(system: HybridSystem, held: Mapping[str, Any] | None = None) -> Arra
 
 
 def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
-    """Derivatives of `numbers` with respect to parameters, (p, m).
+    """Returns the derivatives of `numbers` with respect to parameters, (p, m).
 
     Raises:
         UnknownName: there is no parameter of a name.
-        BadValue: a parameter is zero, and with it part of the equations, or is none of the numbers.
+        BadValue: a parameter is zero, so that part of the equations vanishes, or is none of the numbers.
     """
     whole, of_robot = changes(system, names, _everything), {*parameters_of(system.robot), *body_numbers(system.robot)}
     kept = _kept(system)
@@ -53,7 +53,7 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
 
 
 def _everything(system: HybridSystem) -> Array:
-    """Numbers of a system, those that are zero among them, in the order of `numbers`."""
+    """Returns all numbers of a system, including zeros, in the order of `numbers`."""
     others = list(structure.all_others(system).values())
     robot = structure.all_robot_numbers(system, Planar(system.robot))
     found: Array = structure.parameters(system.law, others, robot, {}, 1)[:, 0]
@@ -61,7 +61,7 @@ def _everything(system: HybridSystem) -> Array:
 
 
 def _kept(system: HybridSystem) -> NDArray[np.bool_]:
-    """Which of all numbers of a system are those of `numbers`."""
+    """Tells which of all numbers of a system `numbers` returns."""
     others = structure.all_others(system)
     robot = structure.all_robot_numbers(system, Planar(system.robot))
     of_law = len(structure.parameters(system.law, [], [], {}, 1))
@@ -70,22 +70,22 @@ def _kept(system: HybridSystem) -> NDArray[np.bool_]:
 
 
 def weight_seeds(system: HybridSystem, names: Sequence[str]) -> Array:
-    """Derivatives of the robot's weight with respect to parameters, in N, (m,)."""
+    """Returns the derivatives of the robot's weight, in N, with respect to parameters, (m,)."""
     found: Array = changes(system, names, lambda other: np.array([other.robot.weight]))[0]
     return found
 
 
 def changes(system: HybridSystem, names: Sequence[str], of: Callable[[HybridSystem], Array]) -> Array:
-    """Derivatives of numbers of a system with respect to parameters, (p, m).
+    """Differentiates numbers of a system with respect to parameters, (p, m).
 
     Args:
         system: the system.
-        names: of the parameters.
-        of: the numbers, (p,), polynomials in each parameter of the second degree at most.
+        names: names of the parameters.
+        of: returns the numbers, (p,), which are polynomials of degree two at most in each parameter.
 
     Raises:
         UnknownName: there is no parameter of a name.
-        BadValue: a parameter is zero, and with it part of the equations, or may have no other value.
+        BadValue: a parameter is zero, so that part of the equations vanishes, or can have no other value.
     """
     found = [_change(system, name, of) for name in names]
     return np.array(found).T.reshape(-1, len(names)) if names else np.empty((len(of(system)), 0))

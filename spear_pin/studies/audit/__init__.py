@@ -1,1 +1,1 @@
-"""The source audited: its numbers and equations as printed, the `runs` that answer it, `statements`, and `errata`."""
+"""Audit of the source: its numbers and equations as printed, `runs` that check them, `statements`, and `errata`."""

@@ -1,4 +1,4 @@
-"""Corrections of the source, and why; `python -m docs.make_errata` writes `docs/explanation/errata.md` from this."""
+"""Corrections of the source with reasons; `python -m docs.make_errata` writes `docs/explanation/errata.md` from it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Erratum:
-    """A correction.
+    """A correction of the source.
 
     Attributes:
         title: what is corrected.

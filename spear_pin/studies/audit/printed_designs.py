@@ -1,4 +1,4 @@
-"""Tables 2.2, 2.4 and 5.1 of the source, as printed, and what the shipped robots and the catalogue make of them."""
+"""Tables 2.2, 2.4 and 5.1 of the source, as printed, and the same numbers from shipped robots and the catalogue."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ class LegDesign:
     """A column of Table 2.4.
 
     Attributes:
-        leg_mass: in kg.
-        thigh_mass: in kg.
-        shank_mass: in kg.
+        leg_mass: mass of the leg, in kg.
+        thigh_mass: mass of the thigh, in kg.
+        shank_mass: mass of the shank, in kg.
         thigh_inertia: "thigh link inertia", in kg·m².
         shank_inertia: "shank link inertia", in kg·m².
         hip_inertia: "hip motor inertia", in kg·m²; N² J.
@@ -25,7 +25,7 @@ class LegDesign:
         shank_com: distance of the centre of mass from the knee, in m.
         hip_ratio: N of the hip's gears.
         knee_ratio: N of the knee's gears.
-        thigh_width: in m.
+        thigh_width: width of the thigh, in m.
     """
 
     leg_mass: float
@@ -44,26 +44,26 @@ class LegDesign:
 
 @dataclass(frozen=True)
 class QuadrupedDesign:
-    """Table 5.1.
+    """Numbers of Table 5.1.
 
     Attributes:
-        torso_mass: in kg.
-        thigh_mass: of one leg, in kg.
-        shank_mass: of one leg, in kg.
-        total_mass: in kg.
-        torso_inertia: in kg·m² (printed: kg/m²).
+        torso_mass: mass of the torso, in kg.
+        thigh_mass: mass of the thigh of one leg, in kg.
+        shank_mass: mass of the shank of one leg, in kg.
+        total_mass: total mass, in kg.
+        torso_inertia: inertia of the torso, in kg·m² (printed: kg/m²).
         thigh_inertia: "link only", in kg·m².
         shank_inertia: "link only", in kg·m².
         hip_inertia: effective rotor inertia, in kg·m².
         knee_inertia: effective rotor inertia, in kg·m².
         knee_ratio: N of the knee's gears.
         hip_ratio: N of the hip's gears.
-        thigh_length: in m.
-        shank_length: in m.
+        thigh_length: length of the thigh, in m.
+        shank_length: length of the shank, in m.
         thigh_com: distance of the centre of mass from the hip, in m.
         shank_com: distance of the centre of mass from the knee, in m.
         stiffness: k_rot of one leg, in N·m/rad.
-        speed: nominal, in m/s.
+        speed: nominal speed, in m/s.
     """
 
     torso_mass: float
@@ -103,56 +103,56 @@ ROTORS = {  # the catalogue's motor that stands for the source's
 
 
 def links_mass(robot: str) -> float:
-    """Thigh and shank of Table 2.4 together, in kg."""
+    """Returns the mass of thigh and shank of Table 2.4 together, in kg."""
     column = _column(robot)
     return column.thigh_mass + column.shank_mass
 
 
 def improvement(quantity: str) -> float:
-    """A quantity of Table 2.4 of SPEAR-II over that of SPEAR-I."""
+    """Returns a quantity of Table 2.4 for SPEAR-II over that for SPEAR-I."""
     return float(getattr(SPEAR_II, quantity) / getattr(SPEAR_I, quantity))
 
 
 def imbalance(robot: str) -> float:
-    """First moment of the thigh about the hip, m d, in kg·m."""
+    """Returns the first moment of the thigh about the hip, m d, in kg·m."""
     column = _column(robot)
     return column.thigh_mass * column.thigh_com
 
 
 def bare_rotor(robot: str, joint: str) -> float:
-    """A "motor inertia" of Table 2.4 over the square of its gear ratio, in kg·m²."""
+    """Returns a "motor inertia" of Table 2.4 over the square of its gear ratio, in kg·m²."""
     column = _column(robot)
     return float(getattr(column, f"{joint}_inertia") / getattr(column, f"{joint}_ratio") ** 2)
 
 
 def reflected_rotor(robot: str, joint: str) -> float:
-    """N² J of the motor in the catalogue that stands for the source's, in kg·m²; its gears' own inertia is left out."""
+    """Returns N² J of the catalogue's motor for the source's motor, in kg·m², without the gears' own inertia."""
     rotor = catalogue.motor(ROTORS[robot, joint]).known("rotor_inertia")
     return float(getattr(_column(robot), f"{joint}_ratio") ** 2 * rotor)
 
 
 def flat_over_cylindrical() -> float:
-    """Rotor inertia of SPEAR-II's flat knee motor over that of SPEAR-I's cylindrical one, by Table 2.4."""
+    """Returns the rotor inertia of SPEAR-II's flat knee motor over that of SPEAR-I's cylindrical one, by Table 2.4."""
     return bare_rotor("SPEAR-II", "knee") / bare_rotor("SPEAR-I", "knee")
 
 
 def knee_by_hip_rotor() -> float:
-    """SPEAR-I's knee motor at the joint if it is SPEAR-II's hip motor, by Table 2.4, in kg·m²."""
+    """Returns the joint inertia of SPEAR-I's knee motor if it is SPEAR-II's hip motor, by Table 2.4, in kg·m²."""
     return SPEAR_I.knee_ratio**2 * bare_rotor("SPEAR-II", "hip")
 
 
 def printed(robot: str, quantity: str) -> float:
-    """A quantity of a column of Table 2.4 as printed."""
+    """Returns a quantity of a column of Table 2.4 as printed."""
     return float(getattr(_column(robot), quantity))
 
 
 def shank_about_com_by_table_2_4() -> float:
-    """Table 2.4's inertia of the shank less m d²: about the centre of mass, were it about the knee, in kg·m²."""
+    """Returns Table 2.4's shank inertia less m d², in kg·m²: about the centre of mass if printed about the knee."""
     return SPEAR_II.shank_inertia - SPEAR_II.shank_mass * SPEAR_II.shank_com**2
 
 
 def shipped_leg() -> LegDesign:
-    """Column of Table 2.4 as SPEAR-II's URDF has it: thigh about the hip, shank about the knee; no width."""
+    """Returns Table 2.4's column by SPEAR-II's URDF: thigh about the hip, shank about the knee; without width."""
     robot = load("spear_ii")
     hip, knee = (robot.model.getJointId(joint) for joint in ("hip", "knee"))
     links = [robot.model.inertias[index] for index in (hip, knee)]
@@ -176,33 +176,33 @@ def shipped_leg() -> LegDesign:
 
 
 def shipped(quantity: str) -> float:
-    """A quantity of Table 2.4 by SPEAR-II's URDF, see `shipped_leg`."""
+    """Returns a quantity of Table 2.4 by SPEAR-II's URDF, see `shipped_leg`."""
     return float(getattr(shipped_leg(), quantity))
 
 
 def shank_about_com() -> float:
-    """Inertia of SPEAR-II's shank about its centre of mass, in kg·m²."""
+    """Returns the inertia of SPEAR-II's shank about its centre of mass, in kg·m²."""
     robot = load("spear_ii")
     return float(robot.model.inertias[robot.model.getJointId("knee")].inertia[1, 1])
 
 
 def quadruped_mass() -> float:
-    """Mass of the shipped Q-SPEAR, in kg."""
+    """Returns the mass of the shipped Q-SPEAR, in kg."""
     return float(load("q_spear").mass)
 
 
 def biped_over_monopod() -> float:
-    """Mass of the shipped biped, which one leg bears at a time, over that of SPEAR-II and its boom."""
+    """Returns the mass of the shipped biped, which one leg carries at a time, over that of SPEAR-II and its boom."""
     return float(load("biped").mass / load("spear_ii").mass)
 
 
 def torso_share() -> float:
-    """Mass of the torso that each leg of the standing quadruped bears, in kg."""
+    """Returns the mass of the torso that each leg of the standing quadruped carries, in kg."""
     return Q_SPEAR.torso_mass / LEGS
 
 
 def straight_leg_inertia() -> float:
-    """Of thigh and shank of Table 5.1 about the hip with the knee straight, without rotors, in kg·m²."""
+    """Returns the inertia of Table 5.1's straight leg about the hip, without rotors, in kg·m²."""
     table = Q_SPEAR
     reach = table.thigh_length + table.shank_com
     return (
@@ -211,12 +211,12 @@ def straight_leg_inertia() -> float:
 
 
 def hip_against_leg(ratio: float) -> tuple[float, float]:
-    """Hip rotor reflected by a gear ratio, and the straight leg about the hip, in kg·m²."""
+    """Returns the hip rotor's inertia reflected by a gear ratio, and the straight leg's about the hip, in kg·m²."""
     return ratio**2 * Q_SPEAR.hip_inertia / Q_SPEAR.hip_ratio**2, straight_leg_inertia()
 
 
 def quantities() -> tuple[str, ...]:
-    """Names of the rows of Table 2.4."""
+    """Returns the names of the rows of Table 2.4."""
     return tuple(field.name for field in fields(LegDesign))
 
 

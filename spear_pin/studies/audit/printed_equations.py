@@ -1,6 +1,6 @@
-"""Equations of the source as printed, beside their corrections: by how much they miss.
+"""Equations of the source as printed and corrected, and the differences between both.
 
-Only for comparison; nothing else in this package uses a printed form that is wrong.
+They serve only for comparison; nothing else in this package uses a printed form that is wrong.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SAMPLES, SEED = 50, 0
 
 
 def _parts(robot: Robot) -> tuple[float, float, float, Any, Any]:
-    """Length of thigh and of shank, mass of the boom, inertias of thigh and shank."""
+    """Returns lengths of thigh and shank, mass of the boom, and inertias of thigh and shank."""
     boom, thigh, shank = (robot.model.inertias[robot.model.getJointId(name)] for name in ("boom_z", "hip", "knee"))
     q = np.zeros(robot.nq)
     hip, knee, toe = (robot.frame_position(q, name) for name in ("thigh", "shank", "toe"))
@@ -35,13 +35,13 @@ def _parts(robot: Robot) -> tuple[float, float, float, Any, Any]:
 
 
 def _along(length: float, angle: float) -> tuple[Array, Array]:
-    """Configuration of the push test with equal links, and its derivative with respect to the knee."""
+    """Returns the configuration of the push test with equal links, and its derivative with respect to the knee."""
     q = np.array([0.0, 2.0 * length * np.cos(0.5 * angle), 0.5 * angle, angle])
     return q, np.array([0.0, -length * np.sin(0.5 * angle), 0.5, 1.0])
 
 
 def effective_inertia(angle: float = ANGLE) -> tuple[float, float]:
-    """The knee's inertia in the push test by (3.14) as printed, and corrected, in kg·m²."""
+    """Returns the knee's inertia in the push test by (3.14) as printed, and corrected, in kg·m²."""
     robot = load("spear_ii")
     length, _, boom, thigh, shank = _parts(robot)
     q, slope = _along(length, angle)
@@ -53,7 +53,7 @@ def effective_inertia(angle: float = ANGLE) -> tuple[float, float]:
 
 
 def gravity_torque(angle: float = ANGLE) -> tuple[float, float]:
-    """The weight's torque on the knee in the push test by (3.15) as printed, and corrected, in N·m; flexing is > 0."""
+    """Returns the weight's torque on the push test's knee by (3.15) printed, and corrected, in N·m, flexing > 0."""
     robot = load("spear_ii")
     length, shank_length, boom, thigh, shank = _parts(robot)
     q, slope = _along(length, angle)
@@ -67,9 +67,9 @@ def gravity_torque(angle: float = ANGLE) -> tuple[float, float]:
 
 
 def spring_growth(static_rest: bool = False) -> tuple[float, float]:
-    """Largest growth rate about rest with the spring of (3.24) as printed, and corrected, in 1/s.
+    """Returns the largest growth rate about rest with the spring of (3.24) as printed, and corrected, in 1/s.
 
-    Of J θ̈ + b θ̇ + (∓k + dG/dθ) θ = 0, the leg pinned at its toe.
+    The equation is J θ̈ + b θ̇ + (∓k + dG/dθ) θ = 0, with the leg pinned at its toe.
 
     Args:
         static_rest: whether RA is the angle at rest.
@@ -84,23 +84,23 @@ def spring_growth(static_rest: bool = False) -> tuple[float, float]:
 
 
 def friction_power() -> tuple[float, float]:
-    """Power of the ground on a toe that slides at 1 m/s under 1 N, over μ, by (3.18) as printed and corrected, in W."""
+    """Returns the ground's power on a toe sliding at 1 m/s under 1 N, over μ, by (3.18) printed and corrected, in W."""
     force, speed = 1.0, 1.0
     return force * speed, -force * math.copysign(1.0, speed) * speed
 
 
 def knee_rotor_by_table_3_1() -> float:
-    """The knee's reflected rotor if N_Knee were the hip motor's ratio, as Table 3.1 describes it, in kg·m²."""
+    """Returns the knee's reflected rotor with the hip motor's ratio as N_Knee, as in Table 3.1, in kg·m²."""
     return SPEAR_II.knee_inertia / SPEAR_II.knee_ratio**2 * SPEAR_II.hip_ratio**2
 
 
 def independent_inputs() -> float:
-    """Rank of B: how many torques the motors of hip and knee can give independently."""
+    """Returns the rank of B: how many torques the motors of hip and knee can give independently."""
     return float(np.linalg.matrix_rank(load("spear_ii").actuation_matrix))
 
 
 def stator_coupling(angle: float = ANGLE) -> tuple[float, float]:
-    """Coupling of hip and knee that (3.13) leaves out, N J of the knee's rotor, and the whole of it, in kg·m²."""
+    """Returns the coupling of hip and knee that (3.13) leaves out, N J of the knee's rotor, and all of it, in kg·m²."""
     robot = load("spear_ii")
     q, _ = _along(_parts(robot)[0], angle)
     row = robot.index("knee")
@@ -109,7 +109,7 @@ def stator_coupling(angle: float = ANGLE) -> tuple[float, float]:
 
 
 def rotor_in_mass_matrix() -> tuple[float, float]:
-    """Rotors' part of the diagonal of D at hip and knee, in kg·m², by the kinetic energies (3.12) and (3.13)."""
+    """Returns the rotors' part of D's diagonal at hip and knee, in kg·m², by the kinetic energies (3.12) and (3.13)."""
     robot = load("spear_ii")
     added, q = [], np.zeros(robot.nq)
     for joint, name in (("hip", "hip_rotor"), ("knee", "knee_rotor")):
@@ -119,7 +119,7 @@ def rotor_in_mass_matrix() -> tuple[float, float]:
 
 
 def kinematics_error() -> float:
-    """Largest difference of (3.20) and (3.21) from forward kinematics, over random angles, in m."""
+    """Returns the largest difference of (3.20) and (3.21) from forward kinematics, over random angles, in m."""
     robot = load("spear_ii")
     thigh, shank, *_ = _parts(robot)
     worst = 0.0
@@ -132,7 +132,7 @@ def kinematics_error() -> float:
 
 
 def crank_error() -> float:
-    """Largest difference of (4.1) to (4.4) from the pinned leg: angle in rad, height in m, and both by its rate."""
+    """Returns the largest differences of (4.1) to (4.4) from the pinned leg: angle in rad, height in m, and rates."""
     leg = spear_ii()
     thigh, shank, *_ = _parts(load("spear_ii"))
     angles = np.linspace(0.2, 1.8, SAMPLES)
@@ -146,7 +146,7 @@ def crank_error() -> float:
 
 
 def stance_error() -> float:
-    """Largest difference of accelerations by the reduced (3.19) and by (3.16) with (3.17), in rad/s², random states."""
+    """Returns the largest difference of accelerations by the reduced (3.19) and by (3.16) with (3.17), in rad/s²."""
     robot, worst = load("spear_ii"), 0.0
     rng = np.random.default_rng(SEED)
     for _ in range(SAMPLES):
@@ -164,12 +164,12 @@ def stance_error() -> float:
 
 
 def flight_poles(printed: bool = False, knee_damping: float = 0.0, knee: float = ANGLE) -> NDArray[np.complex128]:
-    """Poles of hip and knee in flight about the touchdown angles, boom_x locked, in rad/s, slowest first.
+    """Returns the poles of hip and knee in flight about the touchdown angles, boom_x locked, in rad/s, slowest first.
 
     Args:
-        printed: take (4.9) and (4.10) with the printed sign of the proportional term.
-        knee_damping: of the joint itself, in N·m·s/rad; the source neglects it in flight.
-        knee: its angle at touchdown, in rad, the hip at half of it.
+        printed: whether (4.9) and (4.10) have the printed sign of the proportional term.
+        knee_damping: damping of the joint itself, in N·m·s/rad; the source neglects it in flight.
+        knee: angle of the knee at touchdown, in rad; the hip is at half of it.
     """
     law, robot = HoppingLaw(knee_touchdown=knee), load("spear_ii", locked=["boom_x"])
     D = robot.mass_matrix([0.6, 0.5 * law.knee_touchdown, law.knee_touchdown])
@@ -183,29 +183,29 @@ def flight_poles(printed: bool = False, knee_damping: float = 0.0, knee: float =
 
 
 def flight_growth(knee: float = ANGLE) -> tuple[float, float]:
-    """Largest growth rate in flight by (4.9)-(4.10) as printed, and corrected, in 1/s."""
+    """Returns the largest growth rate in flight by (4.9)-(4.10) as printed, and corrected, in 1/s."""
     return float(flight_poles(printed=True, knee=knee).real.max()), float(flight_poles(knee=knee).real.max())
 
 
 def settling_times(knee_damping: float = 0.0, knee: float = ANGLE) -> tuple[float, float]:
-    """Time to 2 % of each mode in flight, 4 / |Re pole|, shortest first, in s."""
+    """Returns the time to 2 % of each mode in flight, 4 / |Re pole|, shortest first, in s."""
     times = [4.0 / abs(float(pole.real)) for pole in flight_poles(knee_damping=knee_damping, knee=knee)]
     return min(times), max(times)
 
 
 def bounding_knee_stiffness() -> tuple[float, float]:
-    """-dτ/dθ of the knee law (5.5) as printed, and corrected, in N·m/rad a motor; > 0 restores."""
+    """Returns -dτ/dθ of the knee law (5.5) as printed, and corrected, in N·m/rad a motor; > 0 restores."""
     stiffness = Gait.load("long_stride").system.law.virtual_stiffness / PAIR
     return -stiffness, stiffness
 
 
 def damping_gain(knee_damping: float = 1.3, knee: float = ANGLE) -> float:
-    """Damping ratio of the knee's mode in flight, the faster one, with damping at the knee over that without."""
+    """Returns the ratio of the damping ratios of the knee's (faster) mode in flight with and without knee damping."""
     fastest = [flight_poles(knee_damping=damping, knee=knee)[-1] for damping in (knee_damping, 0.0)]
     ratios = [float(-pole.real / abs(pole)) for pole in fastest]
     return ratios[0] / ratios[1]
 
 
 def decoupling_columns() -> float:
-    """Columns of the decoupling matrix of a swing leg, as many as its motors; v of (5.16) has one."""
+    """Returns the number of columns of a swing leg's decoupling matrix, one per motor; v of (5.16) has one."""
     return float(len(legs_of(load("q_spear"))[0].motors))

@@ -1,4 +1,4 @@
-"""Tables 4.1 and 4.2 of the source, as printed, and what they do and do not agree on."""
+"""Tables 4.1 and 4.2 of the source, as printed, and whether they agree with each other."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ class TableRow:
 
     Attributes:
         motor: whether the belt was on.
-        depth: of the push, in m; None for an average.
+        depth: depth of the push, in m; None for an average.
         stiffness: k_rot, in N·m/rad.
         damping: b, in N·m·s/rad.
         rest_angle: RA, in rad.
-        sigma_stiffness: its standard deviation, in N·m/rad.
-        sigma_damping: in N·m·s/rad.
-        sigma_rest_angle: in rad.
-        fit: in percent.
+        sigma_stiffness: standard deviation of the stiffness, in N·m/rad.
+        sigma_damping: standard deviation of the damping, in N·m·s/rad.
+        sigma_rest_angle: standard deviation of the rest angle, in rad.
+        fit: fit in percent.
     """
 
     motor: bool
@@ -59,13 +59,13 @@ BELT_MODULUS = (13.8e6, 20.7e6)  # E of neoprene, Pa
 
 @dataclass(frozen=True)
 class Ratios:
-    """Standard deviations of an estimate by that of the stiffness, which do not depend on the noise.
+    """Standard deviations of an estimate relative to that of the stiffness; they do not depend on the noise.
 
     Attributes:
-        row: of Table 4.1.
+        row: row of Table 4.1.
         printed: σ_RA/σ_k in rad² per N·m, and σ_b/σ_k in s, from the table.
-        spring_zero: the same computed with RA as the spring's zero.
-        static_rest: the same with RA as the angle at rest.
+        spring_zero: the same ratios computed with RA as the spring's zero.
+        static_rest: the same ratios computed with RA as the angle at rest.
     """
 
     row: TableRow
@@ -75,45 +75,45 @@ class Ratios:
 
 
 def average(motor: bool) -> TableRow:
-    """Mean of the rows of Table 4.1 with the motor, or without."""
+    """Returns the mean of the rows of Table 4.1 with the motor, or without."""
     rows = [row for row in TABLE_4_1 if row.motor == motor]
     return TableRow(motor, None, *(fmean(getattr(row, name) for row in rows) for name in COLUMNS))
 
 
 def mean(column: str, motor: bool) -> float:
-    """Mean of a column of Table 4.1 over the rows with the motor, or without."""
+    """Returns the mean of a column of Table 4.1 over the rows with the motor, or without."""
     return float(getattr(average(motor), column))
 
 
 def motor_effect(column: str) -> float:
-    """Difference that the motor makes to a column of Table 4.1 in the mean."""
+    """Returns the mean difference that the motor makes to a column of Table 4.1."""
     return mean(column, True) - mean(column, False)
 
 
 def motor_effect_in_deviations() -> float:
-    """Difference that the motor makes to the stiffness, by inverse variances, over its standard deviation."""
+    """Returns the stiffness difference by the motor, weighted by inverse variances, over its standard deviation."""
     (engaged, first), (disengaged, second) = weighted_stiffness(True), weighted_stiffness(False)
     return (engaged - disengaged) / float(np.hypot(first, second))
 
 
 def damping_by_depth(motor: bool) -> tuple[float, ...]:
-    """Damping of Table 4.1 by depth, in N·m·s/rad."""
+    """Returns the damping of Table 4.1 by depth, in N·m·s/rad."""
     return tuple(row.damping for row in TABLE_4_1 if row.motor == motor)
 
 
 def belt_range() -> tuple[float, float]:
-    """k_rotBelt of (4.6) with the source's numbers, in N·m/rad."""
+    """Returns k_rotBelt of (4.6) with the source's numbers, in N·m/rad."""
     low, high = (belt_stiffness(modulus, **BELT) for modulus in BELT_MODULUS)
     return low, high
 
 
 def boom_over_motor() -> float:
-    """Damping without the motor over what the motor adds, by the means of Table 4.1."""
+    """Returns the damping without the motor over the damping that the motor adds, by the means of Table 4.1."""
     return mean("damping", False) / motor_effect("damping")
 
 
 def weighted_stiffness(motor: bool) -> tuple[float, float]:
-    """Mean of k_rot with the inverse variances as weights, and its standard deviation, in N·m/rad."""
+    """Returns the mean of k_rot weighted by inverse variances, and its standard deviation, in N·m/rad."""
     rows = [row for row in TABLE_4_1 if row.motor == motor]
     weights = np.array([row.sigma_stiffness**-2 for row in rows])
     mean = weights @ [row.stiffness for row in rows] / weights.sum()
@@ -121,9 +121,9 @@ def weighted_stiffness(motor: bool) -> tuple[float, float]:
 
 
 def deviation_ratios(duration: float = 3.0, rate: float = 1000.0) -> list[Ratios]:
-    """Ratios of the standard deviations of Table 4.1, as printed and by the two readings of RA.
+    """Returns the ratios of the standard deviations of Table 4.1, as printed and by the two readings of RA.
 
-    For least squares with white residuals, the start known, the release followed for `duration` seconds.
+    They hold for least squares with white residuals and a known start, over `duration` seconds of the release.
     """
     t = np.arange(round(duration * rate)) / rate
     found = []

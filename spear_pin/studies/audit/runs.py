@@ -1,7 +1,7 @@
-"""The runs that statements and figures of the report share, each made once in a process.
+"""Simulations that statements and figures of the report share; each is made once in a process.
 
-They are this package's own: where the source prints no number, an assumption or a solved value stands in its
-place, see `spear_pin.studies.audit.statements.assumptions`.
+They are this package's own. Where the source prints no number, an assumption or a solved value replaces it, see
+`spear_pin.studies.audit.statements.assumptions`.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ SHOWN = GAITS[0]  # unless another is asked for
 
 
 def hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR_II.knee_ratio) -> Gait:
-    """SPEAR-II hopping in place, its stance torque solved for the flight time of Section 4.2.2.
+    """Finds SPEAR-II's hop in place; its stance torque is solved for the flight time of Section 4.2.2.
 
     Args:
-        knee: commanded in flight, in rad.
-        friction: of the ground.
-        ratio: of the knee's gearbox.
+        knee: commanded angle of the knee in flight, in rad.
+        friction: coefficient of friction of the ground.
+        ratio: ratio of the knee's gearbox.
     """
     return _hop(knee, friction, ratio)
 
@@ -63,7 +63,7 @@ def _hop(knee: float, friction: float, ratio: float) -> Gait:
 
 
 def one_hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR_II.knee_ratio) -> Trajectory:
-    """One of these hops, from touchdown to touchdown."""
+    """Simulates one of these hops, from touchdown to touchdown."""
     return _one_hop(knee, friction, ratio)
 
 
@@ -75,13 +75,13 @@ def _one_hop(knee: float, friction: float, ratio: float) -> Trajectory:
 
 @cache
 def hops() -> Trajectory:
-    """Eleven of these hops, as many as in Fig. 4.13."""
+    """Simulates eleven of these hops, as many as in Fig. 4.13."""
     return simulate(hop().system, hop().state, 11, progress=False)
 
 
 @cache
 def hardware_hop() -> Gait:
-    """Hop of that flight time on motors, gears and a battery."""
+    """Finds the hop with that flight time on motors, gears and a battery."""
     robot = load("spear_ii", locked=["boom_x"])
     system = with_hardware(hopping(robot, HoppingLaw(stance_torque=9.4)), Rig().on(robot))
     return find_gait(system, ["stance_torque"], {"flight_time": FLIGHT_TIME})
@@ -89,13 +89,13 @@ def hardware_hop() -> Gait:
 
 @cache
 def calm_hops() -> Trajectory:
-    """Three hops on hardware."""
+    """Simulates three hops on hardware."""
     return on_rig(hardware_hop(), Rig(), hops=3, progress=False)
 
 
 @cache
 def rough_hops() -> Trajectory:
-    """Eleven hops on hardware with noise, lost commands and less current."""
+    """Simulates eleven hops on hardware with noise, lost commands and less current."""
     sensing = Sensing(angle_noise=0.005, rate_noise=0.2, losses=5.0)
     rig = Rig(sensing=sensing, current_limit=CURRENT_LIMIT, bandwidth=BANDWIDTH)
     return on_rig(hardware_hop(), rig, rtol=RTOL, progress=False)
@@ -103,12 +103,12 @@ def rough_hops() -> Trajectory:
 
 @cache
 def hop_energy() -> EnergyFlow:
-    """Energy flow of a hop on hardware."""
+    """Returns the energy flow of a hop on hardware."""
     return energy_flow(hardware_hop().system, calm_hops())
 
 
 def gears(static_rest: bool = False) -> tuple[GearRow, ...]:
-    """The release from 10 cm without motor, and with the gear ratios of Fig. 4.6."""
+    """Simulates the release from 10 cm without motor, and with the gear ratios of Fig. 4.6."""
     return _gears(static_rest)
 
 
@@ -118,7 +118,7 @@ def _gears(static_rest: bool) -> tuple[GearRow, ...]:
 
 
 def idling(static_rest: bool = False) -> dict[str, idle.PowerOff]:
-    """The release with the motor in each state of Fig. 4.7, by label."""
+    """Simulates the release with the motor in each state of Fig. 4.7, by label."""
     return _idling(static_rest)
 
 
@@ -128,14 +128,14 @@ def _idling(static_rest: bool) -> dict[str, idle.PowerOff]:
 
 
 def estimated(depth: float, motor_on: bool) -> PassiveKnee:
-    """The knee with the estimates of a row of Table 4.1, RA read as the spring's zero."""
+    """Returns the knee with the estimates of a row of Table 4.1, with RA as the spring's zero."""
     row = next(row for row in TABLE_4_1 if (row.depth, row.motor) == (depth, motor_on))
     return PassiveKnee(stiffness=row.stiffness, damping=row.damping, zero=row.rest_angle)
 
 
 @cache
 def fitted(depth: float, motor_on: bool) -> Estimate:
-    """Estimate from five synthetic releases of a row of Table 4.1, smoothed as the source's were."""
+    """Estimates a row of Table 4.1 from five synthetic releases, smoothed in the source's way."""
     leg, knee = spear_ii(15.0 if motor_on else None), estimated(depth, motor_on)
     rng = np.random.default_rng(round(1e3 * depth) + motor_on)
     trials = [synthetic_trial(leg, knee, depth, NOISE, rng) for _ in range(RELEASES)]
@@ -143,7 +143,7 @@ def fitted(depth: float, motor_on: bool) -> Estimate:
 
 
 def bound(name: str = SHOWN) -> Gait:
-    """Q-SPEAR bounding at 2.5 m/s."""
+    """Finds Q-SPEAR's bound at 2.5 m/s."""
     return _bound(name)
 
 
@@ -154,12 +154,12 @@ def _bound(name: str) -> Gait:
 
 @cache
 def strides() -> Trajectory:
-    """Two strides of it."""
+    """Simulates two strides of the bound."""
     return simulate(bound().system, bound().state, 2, progress=False)
 
 
 def stride_run(name: str = SHOWN, stiffness: float = Q_SPEAR.stiffness) -> Run:
-    """A stride of it with what is held, with knee springs of a stiffness a leg, in N·m/rad."""
+    """Simulates a stride with latched values, with knee springs of a stiffness a leg, in N·m/rad."""
     return _stride_run(name, stiffness)
 
 
@@ -169,7 +169,7 @@ def _stride_run(name: str, stiffness: float) -> Run:
 
 
 def stride(name: str = SHOWN, stiffness: float = Q_SPEAR.stiffness) -> Trajectory:
-    """Samples of that stride."""
+    """Returns the samples of that stride."""
     return _stride(name, stiffness)
 
 
@@ -179,23 +179,23 @@ def _stride(name: str, stiffness: float) -> Trajectory:
 
 
 def knee_points(stiffness: float = Q_SPEAR.stiffness, name: str = SHOWN) -> Points:
-    """Operating points of the knee motors, with springs of a stiffness a leg, in N·m/rad."""
+    """Returns operating points of the knee motors, with springs of a stiffness a leg, in N·m/rad."""
     return points_of(bound(name).system.robot, stride(name, stiffness), "knee")
 
 
 @cache
 def knees() -> dict[float, Points]:
-    """Operating points of the knee motors by stiffness, of Fig. 5.6."""
+    """Returns operating points of the knee motors by stiffness, as in Fig. 5.6."""
     return {stiffness: knee_points(stiffness) for stiffness in STIFFNESSES}
 
 
 def hips(stiffness: float = Q_SPEAR.stiffness, name: str = SHOWN) -> Points:
-    """Operating points of the hip motors, with springs of a stiffness a leg, in N·m/rad."""
+    """Returns operating points of the hip motors, with springs of a stiffness a leg, in N·m/rad."""
     return points_of(bound(name).system.robot, stride(name, stiffness), "hip")
 
 
 def knee_drive(power: str) -> Drive:
-    """A knee drive by its rated power, as the source names them: "100 W", "260 W" or "600 W"."""
+    """Returns a knee drive by its rated power, as the source names them: "100 W", "260 W" or "600 W"."""
     if power == "100 W":
         return Drive(motor("spear_ii_knee"), gearbox("spear_ii_knee_gear"), 24.0)
     names = {"260 W": "ec_90_flat_260w", "600 W": "assumed_600w"}
@@ -203,12 +203,12 @@ def knee_drive(power: str) -> Drive:
 
 
 def hip_drive(ratio: float) -> Drive:
-    """The hip's motor behind gears without loss, on 24 V."""
+    """Returns the drive of the hip: its motor behind gears without loss, on 24 V."""
     return Drive(motor("faulhaber_3863h024cr"), Gearbox(ratio), 24.0)
 
 
 @cache
 def bound_costs() -> Costs:
-    """Cost of the bound with the motors assumed for 600 W."""
+    """Returns the costs of the bound with the motors assumed for 600 W."""
     drives = [Drive(motor("assumed_600w"), gearbox("gp_52_c_15"), BUS)] * 4
     return costs(bound().system, simulate(bound().system, bound().state, 1, progress=False), drives)

@@ -1,7 +1,7 @@
 """The zero dynamics of the bounding gait, (5.13) to (5.21): whether its outputs stay at zero, and how they return.
 
-The outputs are those of (5.9) and (5.18); their rates are taken with them. Motion is the exact simulation's, whose
-equations of motion know nothing of outputs.
+The outputs are those of (5.9) and (5.18), with their rates. The motion is that of the event-exact simulation, whose
+equations of motion do not contain the outputs.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ SAMPLES = 40  # a segment
 
 
 def largest_output(robot: Robot, stride: Run) -> float:
-    """Largest output of a stride of a robot, through every reset, in rad."""
+    """Returns the largest output in a stride of a robot, through every reset, in rad."""
     return max(float(np.abs(_outputs(robot, segment)[1]).max()) for segment in _constrained(robot, stride))
 
 
 def decay(system: HybridSystem, stride: Run, epsilon: float | None = None) -> float:
-    """Time in which the outputs fall from `OFFSET` to a share `LEFT` of it in a stride's longest phase, in ε.
+    """Returns the time, in ε, in which outputs fall from `OFFSET` to the share `LEFT` in a stride's longest phase.
 
-    Critically damped they are (1 + t/ε) exp(-t/ε) of what they were.
+    With critical damping they fall by the factor (1 + t/ε) exp(-t/ε).
 
     Args:
-        system: of the bounding gait.
-        stride: of it.
+        system: system of the bounding gait.
+        stride: a stride of the gait.
         epsilon: ε, in s; None means the gait's own.
 
     Raises:
-        BadValue: the phase is too short for it.
+        BadValue: the phase is too short for this.
     """
     robot, law = system.robot, system.law if epsilon is None else replace(system.law, epsilon=epsilon)
     longest = max(_constrained(robot, stride), key=lambda each: each.pieces[-1].end - each.pieces[0].begin)
@@ -63,13 +63,13 @@ def decay(system: HybridSystem, stride: Run, epsilon: float | None = None) -> fl
 
 
 def _constrained(robot: Robot, stride: Run) -> list[Segment]:
-    """The parts of a run with virtual constraints."""
+    """Returns the parts of a run that have virtual constraints."""
     names = {phase.name for phase in phases_of(robot)}
     return [segment for segment in stride.segments if segment.domain.phase in names and segment.pieces]
 
 
 def _outputs(robot: Robot, segment: Segment) -> tuple[Array, Array]:
-    """Times since the phase began, in s, (n,), and the outputs, in rad, (n, m)."""
+    """Returns times since the phase began, in s, (n,), and the outputs, in rad, (n, m)."""
     outputs = next(phase.outputs for phase in phases_of(robot) if phase.name == segment.domain.phase)
     times, values = [], []
     for piece in segment.pieces:

@@ -1,7 +1,7 @@
 """Disturbances from which a gait comes back to its orbit.
 
-`recovery` pushes a gait in mid-flight and runs on; `attraction` asks the same of many states at once, `robustness` of
-numbers drawn at random. The last two need heyoka and are imported from their modules.
+`recovery` pushes a gait in mid-flight and simulates on. `attraction` does so for many states at once, and `robustness`
+for random numbers. The last two need heyoka and are imported from their modules.
 """
 
 from spear_pin.studies.basin.recovery import Recovery, airborne, basin, midway, pushed, recover

@@ -1,4 +1,4 @@
-"""Basins of attraction by the ten thousand: from which states a gait is reached, and what becomes of the others."""
+"""Basins of attraction from tens of thousands of states: which states reach a gait, and how the others end."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Attraction:
     """Outcome of each state.
 
     Attributes:
-        cycles: whole cycles until it was near the gait, (n,); NaN where it never was.
+        cycles: whole cycles until the state was near the gait, (n,); NaN where it never was.
         reason: "reached", "elsewhere", or why the run ended, (n,).
     """
 
@@ -33,7 +33,7 @@ class Attraction:
 
     @property
     def share(self) -> float:
-        """Of the states, those that reach the gait."""
+        """Share of the states that reach the gait."""
         return float(np.isfinite(self.cycles).mean()) if len(self.cycles) else float("nan")
 
 
@@ -46,20 +46,20 @@ def attraction(
     near: float = NEAR,
     on_cycle: Callable[[int, int], object] = lambda cycle, left: None,
 ) -> Attraction:
-    """Run on from many states until they are near the gait at the section.
+    """Simulates many states until they are near the gait at the section.
 
     Args:
         gait: the gait.
         q: configurations, (n, nq), on the section or in the air.
         v: velocities, (n, nv).
-        cycles: whole ones, after which a state counts as lost.
-        near: largest difference of a coordinate or velocity, translation along the ground left out, in m, rad, m/s,
+        cycles: number of whole cycles after which a state counts as lost.
+        near: largest difference of a coordinate or velocity, without translation along the ground, in m, rad, m/s,
             rad/s.
-        on_cycle: called with the cycle and how many states are still on their way.
+        on_cycle: called with the cycle and the number of states that have not ended.
 
     Raises:
-        BadValue: as of `simulate_many`.
-        MissingExtra: as of `simulate_many`.
+        BadValue: an argument of `simulate_many` is not valid.
+        MissingExtra: heyoka is not installed.
     """
     require("near", near, lambda distance: distance > 0, "a number > 0")
     system = gait.system
@@ -85,18 +85,18 @@ def attraction(
 
 @typed
 def dropped(gait: Gait, clearances: ArrayLike, knees: ArrayLike) -> tuple[Array, Array]:
-    """SPEAR-II held still in the air, its toe below the hip, over a grid: what it may be let go from.
+    """Returns a grid of states from which SPEAR-II is dropped at rest, with its toe below the hip.
 
     Args:
         gait: a hop in place.
-        clearances: of the toe above the ground, in m, (m,).
+        clearances: heights of the toe above the ground, in m, (m,).
         knees: angles of the knee, in rad, (k,).
 
     Returns:
         configurations, (m k, nq), the knee varying fastest, and velocities, zero.
 
     Raises:
-        BadValue: the gait is no hop.
+        BadValue: the gait is not a hop.
     """
     robot = gait.system.robot
     if robot.coordinates[-2:] != ("hip", "knee"):

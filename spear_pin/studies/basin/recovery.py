@@ -26,11 +26,11 @@ class Recovery:
     """Outcome of a run of a disturbed gait.
 
     Attributes:
-        errors: distance from the fixed point at each section crossing, in the section's coordinates
-            (m, rad, m/s, rad/s, Euclidean), the first one being the disturbance as it arrives there.
-        domains: names of the domains it went through beside those of the undisturbed gait.
+        errors: distance from the fixed point at each section crossing, in the section's coordinates (m, rad, m/s,
+            rad/s, Euclidean); the first is the disturbance as it arrives there.
+        domains: names of the domains that it went through besides those of the undisturbed gait.
         reason: why the run ended, a key of `REASONS`.
-        message: the same in a sentence.
+        message: the reason in a sentence.
         strides: section crossings until the error stays below 1 % of the first; None if it never does.
     """
 
@@ -48,13 +48,13 @@ class Recovery:
 
 @typed
 def midway(gait: Gait, phase: str, fraction: float = 0.5, rtol: float = 1e-9) -> Moment:
-    """The gait's own state in the middle of a phase.
+    """Returns the gait's own state in the middle of a phase.
 
     Args:
         gait: the gait.
         phase: name of the phase.
-        fraction: of the phase's duration that has gone.
-        rtol: of the integrator.
+        fraction: fraction of the phase's duration that has passed.
+        rtol: relative tolerance of the integrator.
 
     Raises:
         BadValue: the gait does not pass through that phase, or the fraction is not between 0 and 1.
@@ -80,13 +80,13 @@ def midway(gait: Gait, phase: str, fraction: float = 0.5, rtol: float = 1e-9) ->
 def pushed(
     gait: Gait, moment: Moment, q: Mapping[str, float] | None = None, v: Mapping[str, float] | None = None
 ) -> Moment:
-    """A moment with something added to coordinates and velocities.
+    """Returns a moment with additions to coordinates and velocities.
 
     Args:
         gait: the gait, for the names of the coordinates.
         moment: the moment.
-        q: what is added to coordinates, in m or rad, by name.
-        v: what is added to velocities, in m/s or rad/s, by name.
+        q: additions to coordinates, in m or rad, by name.
+        v: additions to velocities, in m/s or rad/s, by name.
 
     Raises:
         UnknownName: there is no such coordinate.
@@ -101,13 +101,13 @@ def pushed(
 
 @typed
 def recover(gait: Gait, moment: Moment, strides: int = 25, rtol: float = 1e-8) -> Recovery:
-    """Run on from a disturbed moment in the full automaton, and see whether the gait comes back.
+    """Simulates on from a disturbed moment in the full automaton, and tells whether the gait comes back.
 
     Args:
         gait: the gait.
-        moment: where it goes on from.
-        strides: section crossings after the first.
-        rtol: of the integrator.
+        moment: the moment at which the simulation begins.
+        strides: number of section crossings after the first.
+        rtol: relative tolerance of the integrator.
     """
     system = gait.system
     local = chart(system, gait.state)
@@ -133,15 +133,15 @@ def basin(
     rtol: float = 1e-7,
     on_point: Callable[[int], object] = lambda n: None,
 ) -> Array:
-    """Strides to recovery over a grid of pushes in the middle of a phase; NaN where it does not recover in time.
+    """Returns strides to recovery over a grid of pushes in the middle of a phase; NaN without recovery in time.
 
     Args:
         gait: the gait.
         phase: name of the phase.
-        axes: two velocities by name, each with the values added to it, in m/s or rad/s.
-        strides: within which it has to recover.
-        rtol: of the integrator.
-        on_point: called with the number of points that are done.
+        axes: two velocities by name, each with the values to add, in m/s or rad/s.
+        strides: number of strides within which the gait must recover.
+        rtol: relative tolerance of the integrator.
+        on_point: called with the number of finished points.
 
     Returns:
         array with a row for each value of the first axis, a column for each of the second.
@@ -165,5 +165,5 @@ def basin(
 
 @typed
 def airborne(gait: Gait) -> tuple[str, ...]:
-    """Names of the gait's phases with no toe on the ground."""
+    """Returns the names of the gait's phases with no toe on the ground."""
     return tuple(dict.fromkeys(d.phase for d in gait.system.domains if all(mode == OPEN for mode in d.contacts)))

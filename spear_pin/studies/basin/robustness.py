@@ -1,4 +1,4 @@
-"""Probability that a gait survives with numbers that it is not made for: drawn at random, many lanes at once."""
+"""Probability that a gait survives with numbers other than its own, drawn at random, in many lanes at once."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Robustness:
     Attributes:
         drawn: the numbers of each draw, (n,) each, by name.
         cycles: whole cycles run, (n,).
-        reason: why each run ended, (n,), as of `Trajectory`; "complete" if it survived.
+        reason: why each run ended, (n,), see `Trajectory`; "complete" if it survived.
     """
 
     drawn: Mapping[str, Array]
@@ -39,11 +39,11 @@ class Robustness:
 
     @property
     def share(self) -> float:
-        """Of the draws, those that survive."""
+        """Share of the draws that survive."""
         return float(self.survives.mean())
 
     def interval(self, confidence: float = 0.95) -> tuple[float, float]:
-        """Bounds of the probability to survive, by Clopper and Pearson."""
+        """Returns bounds of the probability to survive, by Clopper and Pearson."""
         found = scipy.stats.binomtest(int(self.survives.sum()), len(self.reason)).proportion_ci(confidence)
         return float(found.low), float(found.high)
 
@@ -59,19 +59,19 @@ def robustness(
     seed: int = 0,
     on_lanes: Callable[[int], object] = lambda n: None,
 ) -> Robustness:
-    """Run a gait's law from near its state with other numbers than it was found with, all normally distributed.
+    """Simulates a gait's law from near its state with numbers drawn from a normal distribution.
 
     Args:
         gait: the gait.
         spread: standard deviations of fields of law, spring or contact, as shares of their values.
         disturbance: standard deviation of every section coordinate at the start, in m, rad, m/s, rad/s.
-        draws: how many.
-        cycles: whole ones that a draw has to survive.
-        seed: of the random numbers.
+        draws: number of draws.
+        cycles: number of whole cycles that a draw has to survive.
+        seed: seed of the random numbers.
         on_lanes: called with the number of draws done since the last call.
 
     Raises:
-        UnknownName: no part has a numeric field of a name in `spread`.
+        UnknownName: no part has a numeric field with a name in `spread`.
         BadValue: a standard deviation is negative, there is no draw, or a drawn number is not valid.
         MissingExtra: heyoka is not installed.
     """

@@ -1,4 +1,4 @@
-"""Figures of a bound: speed, ground forces, torques of each motor, energy and its cost, per stride."""
+"""Figures of a bound per stride: speed, ground forces, torques of each motor, energy and its cost."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ INSTANT = 1e-12  # s: an event's time and its samples' may differ by rounding
 
 @typed
 def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
-    """Figures of a bounding gait, from the gait and a trajectory of it, SI units and radians.
+    """Returns figures of a bounding gait, from the gait and a trajectory of it, in SI units and radians.
 
-    Measures are those of `spear_pin.gaits.measures.catalogue`: forces are those on a pair of legs, torques those of one
-    motor, work is that of all motors. All that is taken from the motion is of the first whole stride. Where it says "by
-    leg", the keys are "posterior" and "anterior"; "by joint", they are the joints with motors.
+    `spear_pin.gaits.measures.catalogue` defines the measures: forces act on a pair of legs, torques are those of one
+    motor, and work is that of all motors. All figures of the motion are from the first whole stride. "By leg" means the
+    keys "posterior" and "anterior"; "by joint" means the joints with motors.
 
     Returns:
         Of the gait:
@@ -36,7 +36,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - stiffness, stiffness_per_leg: of a pair's knee spring, and of one leg's, half of it, in N·m/rad.
         - friction: of the ground.
         - knee_rest, knee_touchdown: θ̄ and the commanded knee angle of a landing leg, by magnitude.
-        - durations: seconds by phase. residual, multipliers, stable: as of `Gait`.
+        - durations: seconds by phase. residual, multipliers, stable: see `Gait`.
 
         Of the motion:
 
@@ -49,33 +49,33 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - peak_force: largest normal force, in N.
         - lift_off_force: normal force just before lift-off, in N.
         - minimum_force*: least normal force in stance, in N.
-        - friction_used*: largest |F_x| / F_z where a toe bears at least 2 % of its even share of the weight.
+        - friction_used*: largest |F_x| / F_z where a toe carries at least 2 % of its even share of the weight.
         - friction_at_impact: |Λ_x| / Λ_z of the impulse at touchdown.
-        - clearance: lowest height of the toe while the other leg alone bears, 1 ms around its own events
-          left out, in m; None if it never does.
-        - flight_clearance: lowest height of the toe in flight, 1 ms around its own events left out, in m; None
+        - clearance: lowest height of the toe while only the other leg is on the ground, without 1 ms
+          around its own events, in m; None if that never happens.
+        - flight_clearance: lowest height of the toe in flight, without 1 ms around its own events, in m; None
           without flight.
         - scuff_free*: whether all of these heights are above zero.
 
         Of the motors, by joint:
 
         - peak_torque, rms_torque: in N·m.
-        - peak_torque_stance, peak_torque_swing: while the joint's leg bears, and while it does not, in N·m.
+        - peak_torque_stance, peak_torque_swing: while the joint's leg is on the ground, and while it is not, in N·m.
         - peak_speed: of the joint, in rad/s.
 
         Of the energy, all motors together, in J a stride:
 
-        - energy: by flow, from the ledger. impact_loss: what the impacts take, >= 0. released: what is lost with
-          springs that let go, <= 0.
-        - energy_balance: sum of all flows, zero for a periodic stride. energy_residual: largest of
-          what does not close in any stride.
+        - energy: by flow, from the ledger. impact_loss: energy lost in impacts, >= 0. released: energy
+          lost with springs that release, <= 0.
+        - energy_balance: sum of all flows, zero for a periodic stride. energy_residual: largest
+          imbalance of any stride.
         - work, positive_work, absolute_work, cost_of_transport, cost_of_transport_positive, effort and
           effort_per_distance: as of the catalogue.
 
         cycles and reason are those of the trajectory.
 
     Raises:
-        BadValue: the gait is no bounding gait, or the trajectory has no whole stride.
+        BadValue: the gait is not a bounding gait, or the trajectory has no whole stride.
     """
     if gait.system.kind != "bounding":
         raise BadValue("gait", gait.system.kind, "a bounding gait")
@@ -132,7 +132,7 @@ class _Stride:
         self.bears = {leg.name: self._bearing(leg) for leg in self.legs}
 
     def motion(self) -> dict[str, Any]:
-        """Of the body and of the legs as they land."""
+        """Returns figures of the body, and of the legs as they land."""
         landed = {leg.name: self._named(f"{leg.name}_touchdown")[0].q for leg in self.legs}
         return {
             "speed": self.stride / float(self.t[-1] - self.t[0]),
@@ -145,7 +145,7 @@ class _Stride:
         }
 
     def ground(self) -> dict[str, Any]:
-        """Of what the ground does, and how near to it the toes come."""
+        """Returns ground forces, and how near the toes come to the ground."""
         names = [leg.name for leg in self.legs]
         normal = {name: self.force[:, i, 1] for i, name in enumerate(names)}
         used, least = [], []
@@ -182,7 +182,7 @@ class _Stride:
         }
 
     def motors(self) -> dict[str, Any]:
-        """Of the motors, and what they cost."""
+        """Returns figures of the motors, and the costs."""
         joints, found = self.robot.actuated, self.sampled.torques()
         leg_of = {column: leg.name for leg in self.legs for column in leg.motors}
 
@@ -204,7 +204,7 @@ class _Stride:
         }
 
     def _curves(self, chosen: Mask) -> Curves:
-        """Samples of the stride that are chosen."""
+        """Returns the chosen samples of the stride."""
         among = np.zeros_like(self.chosen)
         among[self.chosen] = chosen
         return self.sampled.curves.among(among)
@@ -217,7 +217,7 @@ class _Stride:
         return [event for event in self.events if event.name == name]
 
     def _until(self, name: str) -> Array:
-        """Time from each sample to the next event of a name, in s; infinite where none follows."""
+        """Returns the time from each sample to the next event of a name, in s; infinite where none follows."""
         times = np.array([*(event.time for event in self._named(name)), np.inf])
         return np.asarray(times[np.searchsorted(times, self.t - INSTANT)] - self.t)
 
@@ -226,7 +226,7 @@ class _Stride:
         return np.asarray(self.t - times[np.searchsorted(times, self.t + INSTANT) - 1])
 
     def _aloft(self, name: str, phase: str) -> Mask:
-        """Phases whose names begin so, away from the leg's own events."""
+        """Tells which samples are in phases with names that begin so, away from the leg's own events."""
         near = (self._until(f"{name}_touchdown") < NEAR) | (self._since(f"{name}_lift_off") < NEAR)
         return np.char.startswith(self.phase, phase) & ~near
 
@@ -234,7 +234,7 @@ class _Stride:
         return np.array([self.system.ground.foot(self.robot, q, leg.toe)[0] for q in self.q])
 
     def _lift_off_force(self, name: str, normal: Array) -> float:
-        """Of several lift-offs the one with the most; 0 where the foot slid too briefly for a sample."""
+        """Returns the largest force of several lift-offs; 0 where the foot slid too briefly for a sample."""
         found = [0.0]
         for event in self._named(f"{name}_lift_off"):
             before = np.flatnonzero((self.t <= event.time + INSTANT) & (self.domain == event.domain))

@@ -1,4 +1,4 @@
-"""Bounds of a request that hold a gait which was searched for."""
+"""Bounds of a request that are active at a gait found by a search."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ AT = 0.02  # of a bound: a gait that near is held by it
 
 @typed
 def held_by(gait: Gait, request: Request, friction: float) -> tuple[str, ...]:
-    """Bounds of a request at which a gait is, in words: without them there would be a better one.
+    """Lists the bounds of a request, in words, that are active at a gait: without them a better gait would exist.
 
     Args:
-        gait: that was searched for.
-        request: what was asked.
-        friction: the largest share of the normal force that it takes.
+        gait: gait that the search found.
+        request: request of the search.
+        friction: largest ratio of tangential to normal force in the gait.
     """
     found = []
     for leg in LEGS:

@@ -1,4 +1,4 @@
-"""Figures of a bound in space: what the adduction does beside the knee, friction, and how far it strays."""
+"""Figures of a bound in space: load of the adduction compared with the knee, friction, and drift."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ PARTS = ("adduction", "hip", "knee")
 
 @typed
 def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
-    """Figures of a bounding gait in space, from the gait and a trajectory of it, SI units and radians.
+    """Returns figures of a bounding gait in space, from the gait and a trajectory of it, in SI units and radians.
 
     Returns:
-        - residual, multipliers: as of `Gait`.
+        - residual, multipliers: see `Gait`.
         - cycles, reason, energy_residual: whole strides, why it ended, and the largest imbalance of a stride, in J.
         - speed, period: along the heading at the begin, in m/s; of whole strides, in s.
         - aside, heading: where it is at the end across its first heading, in m, and its heading then.
         - largest_roll: on the way.
         - slips: how often a foot begins to slide.
-        - friction_used: largest ratio of tangential to normal force, where a foot bears 2 % of its even share.
-        - friction_used_across: the same of what is across the heading.
+        - friction_used: largest ratio of tangential to normal force, where a foot carries 2 % of its even share.
+        - friction_used_across: the same for the force across the heading.
         - joints: of the largest of all legs' "adduction", "hip" and "knee" range, speed, torque and power.
     """
     robot = gait.system.robot
@@ -71,11 +71,11 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
 
 
 def multipliers_of(gait: Gait, found: Balance | None) -> dict[str, Any]:
-    """List all multipliers of a section, of the gait that is played and of the one without its feedback.
+    """Lists all multipliers of a section, for the gait that is played and for the one without its feedback.
 
     Args:
-        gait: that is played.
-        found: how its feedback was found; None of a saved gait, of which only its own multipliers are known.
+        gait: the gait that is played.
+        found: how its feedback was found; None for a saved gait, for which only its own multipliers are known.
 
     Returns:
         - multipliers, multipliers_without_feedback: all of them, by decreasing modulus; None where they are not known.
@@ -94,6 +94,6 @@ def multipliers_of(gait: Gait, found: Balance | None) -> dict[str, Any]:
 
 
 def _turned(vector: Array, yaw: float) -> tuple[Any, Any]:
-    """Parts of vectors (x, y) along a heading and across it."""
+    """Returns the parts of vectors (x, y) along a heading and across it."""
     c, s = np.cos(yaw), np.sin(yaw)
     return c * vector[0] + s * vector[1], c * vector[1] - s * vector[0]

@@ -1,4 +1,4 @@
-"""A first bound of somebody else's quadruped: as fast as Q-SPEAR's for its size, or slower."""
+"""A first bound of a user's quadruped: as fast as Q-SPEAR's for its size, or slower."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ def bound_of(
     on_attempt: Callable[[float, str], object] = lambda speed, why: None,
     **wishes: object,
 ) -> Gait:
-    """A bounding gait of least effort within the limits of the robot's joints.
+    """Finds a bounding gait of least effort within the limits of the robot's joints.
 
     Args:
-        robot: in the plane, as `spear_pin.sagittal` cuts it; its own springs if a TOML file says them.
-        speed: mean forward speed, in m/s; None: that of `Request.scaled`, or the first slower one that has a gait
-            within the limits of the joints; where none has, the slowest that has one.
-        on_attempt: called with a speed that gives way to a slower one, and why.
+        robot: a robot in the plane, as `spear_pin.sagittal` cuts it, with its own springs if a TOML file gives them.
+        speed: mean forward speed, in m/s; None: that of `Request.scaled`, or the first slower one with a gait within
+            the limits of the joints; if there is none, the slowest speed with a gait.
+        on_attempt: called with a speed that gives way to a slower one, and the reason.
         **wishes: other fields of a `Request`.
 
     Raises:
@@ -62,12 +62,12 @@ def bound_of(
 
 
 def _over(gait: Gait) -> str:
-    """Limits that a stride exceeds, in words: the optimiser keeps them at its nodes, and not between."""
+    """Lists limits that a stride exceeds, in words; the optimiser keeps them at its nodes, but not between."""
     return "; ".join(map(str, excesses(gait.system.robot, simulate(gait.system, gait.state, 1))))
 
 
 def springs_of(robot: Robot) -> dict[str, object]:
-    """What the robot's own file says of its springs, where both pairs have the same."""
+    """Returns what the robot's own file says about its springs, where both pairs have the same."""
     springs = [] if robot.settings is None else list(robot.settings.springs.values())
     if len(springs) != 2 or springs[0] != springs[1]:
         return {}

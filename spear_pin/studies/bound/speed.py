@@ -1,4 +1,4 @@
-"""The mean speed of a bound, and the same gait at another one, by continuation in small steps."""
+"""Mean speed of a bound, and the same gait at another speed, by continuation in small steps."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PATIENCE = 12  # iterations of the solver for a step; one that succeeds takes si
 
 @typed
 def mean_speed(gait: Gait, rtol: float = 1e-8) -> float:
-    """Mean forward speed of a gait, in m/s, from one cycle of it.
+    """Returns the mean forward speed of a gait, in m/s, from one cycle.
 
     Raises:
         BadValue: the cycle is not completed.
@@ -36,9 +36,9 @@ def mean_speed(gait: Gait, rtol: float = 1e-8) -> float:
 
 @typed
 def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], object] = lambda n, norm: None) -> Gait:
-    """The gait at another mean speed, continued in small steps; β_sp is what is solved for.
+    """Finds the gait at another mean speed by continuation in small steps; β_sp is solved for.
 
-    Event feedback, which would pull back to the old speed, is left out on the way and designed anew at the end.
+    Event feedback would pull back to the old speed. So it is left out on the way and designed again at the end.
 
     Args:
         gait: a bounding gait.
@@ -48,7 +48,7 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
     Raises:
         BadValue: the gait does not bound or has both kinds of event feedback, or the speed is not positive, or too far
             from the gait's own.
-        NoGait: there is none at this speed, or it cannot be reached from here.
+        NoGait: there is no gait at this speed, or it cannot be reached from here.
     """
     require("speed", speed, lambda v: v > 0, "a number > 0, in m/s")
     if gait.system.kind != "bounding":
@@ -80,7 +80,7 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
 
 
 def _continued(gait: Gait, speed: float, on_iteration: Callable[[int, float], object]) -> Gait:
-    """The gait at a speed near its own, given up sooner than `find_gait` would."""
+    """Finds the gait at a speed near its own; gives up sooner than `find_gait` would."""
     seen: list[float] = []
 
     def tell(iteration: int, residual: float) -> None:
@@ -97,4 +97,4 @@ def _continued(gait: Gait, speed: float, on_iteration: Callable[[int, float], ob
 
 
 class _Enough(Exception):
-    """The solver has been given enough time."""
+    """Raised when the solver has used enough time."""

@@ -1,4 +1,4 @@
-"""Figures of a turn: how fast it turns, on which circle, what that takes of the adductions and of friction."""
+"""Figures of a turn: rate and circle of the turn, and the load on adductions and friction."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ LEAST_TURN = 1e-6  # rad a stride: what turns by less goes straight
 
 @typed
 def summarize_turn(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
-    """Figures of a turning gait in space, from the gait and a trajectory of it, SI units and radians.
+    """Returns figures of a turning gait in space, from the gait and a trajectory of it, in SI units and radians.
 
-    Places a stride apart lie on a circle, to whose centre the lateral acceleration points.
+    Places one stride apart lie on a circle. The lateral acceleration points to its centre.
 
     Returns:
         - turn, rate: of the heading to the left, in rad a stride, and in rad/s.
@@ -33,7 +33,7 @@ def summarize_turn(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - feedback: whether the gait has some.
         - mean_roll: over the whole strides, to the right.
         - drift: from the heading to the way, to the left, at the section.
-        - what `summarize_in_space` has, but for what is told of a straight way: aside, heading.
+        - all figures of `summarize_in_space` except those of a straight way: aside, heading.
 
     Raises:
         BadValue: the gait is not in space, its stride does not end, or it does not turn.

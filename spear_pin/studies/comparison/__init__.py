@@ -1,4 +1,4 @@
-"""Gaits, motions, springs and robots beside one another: measures, what differs, and what there is to say of it."""
+"""Comparison of gaits, motions, springs and robots: measures, differences, and sentences about them."""
 
 from spear_pin.studies.comparison.differences import Difference, Measure, differences, measures, said
 from spear_pin.studies.comparison.sides import MOST, Side, read, sides_of

@@ -31,10 +31,10 @@ class Measure:
     """A measure of all sides.
 
     Attributes:
-        group: what it is of.
-        name: what it is.
-        unit: of its values.
-        values: one for each side; None where it has no such.
+        group: group of the measure.
+        name: name of the measure.
+        unit: unit of its values.
+        values: one for each side; None where a side has no such measure.
     """
 
     group: str
@@ -44,13 +44,13 @@ class Measure:
 
     @property
     def changes(self) -> tuple[float | None, ...]:
-        """What each value is more than the first, in the unit."""
+        """Difference of each value from the first, in the unit."""
         first = self.values[0]
         return tuple(None if first is None or value is None else self._less(value, first) for value in self.values)
 
     @property
     def shares(self) -> tuple[float | None, ...]:
-        """The same in % of the first; None where that is next to zero, or where it says nothing."""
+        """Difference of each value from the first in %; None where the first is near zero, or where it says nothing."""
         first = self.values[0]
         if first is None or abs(first) < NOTHING or self.name.startswith(ERRORS):
             return (None,) * len(self.values)
@@ -63,14 +63,14 @@ class Measure:
 
 @dataclass(frozen=True)
 class Difference:
-    """A parameter that is not the same of all sides; values that a side does not have are None."""
+    """A parameter that differs between sides; None is the value of a side that does not have it."""
 
     name: str
     values: tuple[Any, ...]
 
 
 def measures(sides: Sequence[Side]) -> tuple[Measure, ...]:
-    """Every measure that some side has; of robots only where they differ, or where there are but robots."""
+    """Returns every measure that some side has; for robots only where they differ, or if all sides are robots."""
     found = [of_side(side) for side in sides]
     rows = []
     for group in GROUPS:
@@ -82,7 +82,7 @@ def measures(sides: Sequence[Side]) -> tuple[Measure, ...]:
 
 
 def differences(sides: Sequence[Side]) -> tuple[Difference, ...]:
-    """Parameters of robot, law, spring and ground that differ between sides that say them."""
+    """Returns parameters of robot, law, spring and ground that differ between the sides that give them."""
     found = [parameters(side) for side in sides]
     names = dict.fromkeys(name for each in found for name in each)
     # a motion does not say its law; what a robot does not say is as usual
@@ -91,7 +91,7 @@ def differences(sides: Sequence[Side]) -> tuple[Difference, ...]:
 
 
 def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
-    """Say what there is to say, a sentence each: what is not the same task, who is stable, what differs most."""
+    """Says in sentences how sides differ: different tasks, which gaits are stable, and the largest differences."""
     sentences = other_task(sides, rows)
     gaits = [side for side in sides if side.gait is not None]
     if gaits:
@@ -123,10 +123,10 @@ def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
 
 
 def other_task(sides: Sequence[Side], rows: Sequence[Measure]) -> list[str]:
-    """Say first what makes sides do different things: kind of gait, flight time, speed, turn of a cycle, slope.
+    """Says in which way sides have different tasks: kind of gait, flight time, speed, turn of a cycle, or slope.
 
     Args:
-        sides: what is compared.
+        sides: the compared sides.
         rows: their measures.
 
     Returns:
@@ -151,7 +151,7 @@ def other_task(sides: Sequence[Side], rows: Sequence[Measure]) -> list[str]:
 
 
 def _flight(side: Side) -> float | None:
-    """Time in the air of a hop, in s; None of what does not hop."""
+    """Returns the flight time of a hop, in s; None for other sides."""
     if side.gait is not None:
         return side.gait.durations.get("flight")
     if side.run is None or not side.run.cycles or not side.run.named("lift_off"):
@@ -160,7 +160,7 @@ def _flight(side: Side) -> float | None:
 
 
 def _turn(side: Side) -> float | None:
-    """By how much the heading turns in a cycle, in °; None in the plane, or without a whole cycle."""
+    """Returns by how much the heading turns in a cycle, in °; None in the plane, or without a whole cycle."""
     run = side.run
     if run is None or "yaw" not in run.coordinates:
         return None
@@ -173,7 +173,7 @@ def _turn(side: Side) -> float | None:
 
 
 def _slope(side: Side) -> float | None:
-    """Slope of the ground, in rad; None where that is not said, or is no plane."""
+    """Returns the slope of the ground, in rad; None if it is unknown or the ground is not a plane."""
     ground = side.gait.system.ground if side.gait is not None else None if side.run is None else side.run.ground
     return None if ground is None else float(ground.slope)
 

@@ -1,4 +1,4 @@
-"""Measures that any gait, motion or robot has, whatever it is of, each with its unit."""
+"""Measures that any gait, motion or robot has, each with its unit."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GROUPS = (GAIT, MOTION, FORCES, TORQUES, ENERGY, BODY)
 
 
 def of_side(side: Side) -> dict[str, Values]:
-    """Measures of a side, by group; those that are no number are not there."""
+    """Returns the measures of a side, by group, without those that have no number."""
     found = {BODY: _body(side.robot)} | ({} if side.gait is None else {GAIT: _gait(side)})
     if side.run is not None:
         found |= _motion(side.robot, side.run)
@@ -40,7 +40,7 @@ def _gait(side: Side) -> Values:
 
 
 def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
-    """Of whole cycles, where there are some; else of all samples, and nothing that is of a cycle."""
+    """Returns measures of whole cycles, where there are some; else of all samples, without measures of a cycle."""
     cycles = [number for number in np.unique(run.cycle).tolist() if number >= 1][: run.cycles]
     sampled = Sampled(robot, run, cycles)
     curves, rows, found = sampled.curves, sampled.curves.chosen, sampled.values()
@@ -100,12 +100,12 @@ def _body(robot: Robot) -> Values:
 
 
 def _share(t: Array, on: NDArray[np.bool_]) -> float:
-    """Share of the time at which something is on, between 0 and 1."""
+    """Returns the share of the time in which something is on, between 0 and 1."""
     return float((np.diff(t) * (on[:-1] & on[1:])).sum() / (t[-1] - t[0]))
 
 
 def _effort(column: str) -> str:
-    """What has the force or torque of a column, in words."""
+    """Returns in words what has the force or torque of a column."""
     return _words(parted(column)[1]) + PAIR * of_a_pair(column)
 
 

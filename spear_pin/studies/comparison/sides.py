@@ -1,4 +1,4 @@
-"""What is compared, whatever it is given by: each a side with a label, a robot and, where it has one, a motion."""
+"""Sides of a comparison: each has a label, a robot and, if possible, a motion, whatever it was given as."""
 
 from __future__ import annotations
 
@@ -37,15 +37,15 @@ Item = Gait | Trajectory | Robot | Spring | str | Path
 
 @dataclass(frozen=True)
 class Side:
-    """One of those that are compared.
+    """One side of a comparison.
 
     Attributes:
-        label: what it is called.
+        label: label of the side.
         kind: "gait", "motion" or "robot".
-        robot: that moves, or stands.
-        run: the motion; None of a robot.
-        gait: of which it is; None of a motion alone, or a robot.
-        notes: what was done with what was given.
+        robot: the robot that moves, or stands.
+        run: the motion; None for a robot.
+        gait: the gait of the motion; None for a motion alone, or a robot.
+        notes: how the given item was changed.
     """
 
     label: str
@@ -60,17 +60,17 @@ class Side:
 def sides_of(
     items: Sequence[Item], names: Sequence[str] = (), *, cycles: int = CYCLES, of: Gait | None = None
 ) -> tuple[Side, ...]:
-    """Sides of what is given, in that order; the first is the one that others are held against.
+    """Returns the sides for given items, in their order; the first is the reference for the others.
 
     Args:
-        items: two to `MOST` of them; words as of `read`.
-        names: labels, as many; by default what the items are called.
-        cycles: of each gait that are simulated.
-        of: gait that springs are put into; None: SPEAR-II's hop in place, 0.2 s in the air.
+        items: two to `MOST` items; see `read` for words.
+        names: labels, one per item; by default the names of the items.
+        cycles: number of cycles of each gait to simulate.
+        of: gait that springs are put into; None: SPEAR-II's hop in place, with 0.2 s of flight.
 
     Raises:
         BadValue: there are too few or too many, or a number is not valid.
-        SpearError: one cannot be read, or there is no gait with a spring.
+        SpearError: an item cannot be read, or there is no gait with a spring.
     """
     if not 2 <= len(items) <= MOST:
         raise BadValue("what to compare", len(items), f"2 to {MOST} gaits, trajectories, robots or springs")
@@ -85,14 +85,14 @@ def sides_of(
 
 
 def read(item: Item, of: Gait | None = None) -> Gait | Trajectory | Robot | Spring:
-    """What words stand for; anything else as it is.
+    """Returns what words stand for; anything else as it is.
 
-    A file .json is a gait, .npz a trajectory; a word with = a spring, such as "stiffness=40,damping=1"; other words are
-    names of gaits that ship, or whatever `load` takes.
+    A file .json is a gait, and a file .npz a trajectory. A word with = is a spring, such as "stiffness=40,damping=1".
+    Other words are names of gaits that ship, or whatever `load` takes.
 
     Args:
-        item: the words, or what they would stand for.
-        of: the gait whose spring numbers that are not said are of.
+        item: the words, or the object itself.
+        of: the gait from whose spring missing numbers are taken.
     """
     if isinstance(item, (Gait, Trajectory, Robot, Spring)):
         return item
@@ -114,7 +114,7 @@ def read(item: Item, of: Gait | None = None) -> Gait | Trajectory | Robot | Spri
 
 
 def called(item: Item, read_item: Gait | Trajectory | Robot | Spring) -> str:
-    """What is compared, by its name, or by its words."""
+    """Returns the label of an item, by its name or by its words."""
     if isinstance(item, (str, Path)):
         path = Path(item)
         return path.stem if path.suffix.lower() in (".json", ".npz", ".urdf", ".xml", ".toml") else str(item)
@@ -169,15 +169,16 @@ def _motion(label: str, run: Trajectory) -> Side:
 
 
 def usual_hop(leg: Robot | None = None, flight_time: float | None = None) -> Gait:
-    """The hop in place that springs are put into, its stance torque solved for a time in the air.
+    """Finds the hop in place into which springs are put; its stance torque is solved for a flight time.
 
     Args:
         leg: a leg, as `spear_pin.monopod` cuts it, boom_x locked, with its own spring; None: SPEAR-II.
-        flight_time: in s; None: `FLIGHT_TIME`, of another leg scaled, and less where only that is within its limits.
+        flight_time: flight time in s; None: `FLIGHT_TIME`, scaled for another leg, and less where only that is within
+            its limits.
 
     Raises:
-        NoGait: there is none.
-        BadValue: no hop has such a flight.
+        NoGait: there is no such hop.
+        BadValue: no hop has such a flight time.
     """
     if leg is None:
         return _solved(
@@ -194,7 +195,7 @@ def _solved(system: HybridSystem, flight: float, guess: State | None = None) -> 
 
 
 def _sprung(label: str, spring: Spring, of: Gait | None) -> tuple[Gait, tuple[str, ...]]:
-    """The gait that a spring makes of another, and what was solved for."""
+    """Returns the gait of `of` with another spring, and the number that was solved for."""
     try:
         if of is None:
             gait = _solved(hopping(load("spear_ii", locked=["boom_x"]), spring=spring), FLIGHT_TIME)
@@ -216,7 +217,7 @@ def _sprung(label: str, spring: Spring, of: Gait | None) -> tuple[Gait, tuple[st
 
 
 def different(labels: Sequence[str]) -> list[str]:
-    """Labels of which no two are the same: the second of a kind is numbered."""
+    """Returns labels that all differ: repeated ones are numbered."""
     made: list[str] = []
     for label in labels:
         count = sum(each == label for each in made) + sum(each.startswith(f"{label} (") for each in made)
@@ -225,14 +226,14 @@ def different(labels: Sequence[str]) -> list[str]:
 
 
 def standing(robot: Robot) -> Any:
-    """A robot that stands still for a second, as can be played."""
+    """Returns the motion of a robot that stands still for a second, so that it can be played."""
     from spear_pin.model.postures import home
 
     return _Standing(robot, home(robot))
 
 
 class _Standing:
-    """A motion in which nothing moves; attributes as `TrajectoryLike`'s."""
+    """A motion in which nothing moves; see `TrajectoryLike` for the attributes."""
 
     def __init__(self, robot: Robot, q: Any) -> None:
         self.t = np.array([0.0, 1.0])
@@ -245,7 +246,7 @@ class _Standing:
 
 
 def parameters(side: Side) -> dict[str, Any]:
-    """What a side was made with, by part and name: its robot, law, spring and ground."""
+    """Returns the parameters of a side by part and name: of its robot, law, spring and ground."""
     robot = side.robot
     found: dict[str, Any] = {
         "robot": robot.name,

@@ -1,4 +1,4 @@
-"""Design questions of the source's Chapter 5: springs, gears and motors against the torques that bounding takes.
+"""Design questions of the source's Chapter 5: springs, gears and motors for the torques of bounding.
 
 Torques and stiffnesses here are those of one leg and its motor, half of the sagittal model's pair.
 """

@@ -21,18 +21,18 @@ from spear_pin.studies.design.operating_points import points
 
 @dataclass(frozen=True)
 class Design:
-    """A choice of spring, gear ratio and motor, and what bounding with it costs.
+    """A choice of spring, gear ratio and motor, with the cost of bounding with it.
 
     Attributes:
         motor: name of the motor.
-        ratio: of the knee's gears.
-        stiffness: of a leg's spring, in N·m/rad.
+        ratio: ratio of the knee's gears.
+        stiffness: stiffness of a leg's spring, in N·m/rad.
         knee_touchdown: knee angle at touchdown, by magnitude, in rad.
         cost: electrical cost of transport, see `electrical_cost`.
         heating: largest rms torque over the drive's continuous torque.
         margin: least distance from the envelope, in N·m.
         gait: the gait; None where none was found.
-        reason: why there is none.
+        reason: why there is no gait.
     """
 
     motor: str
@@ -53,17 +53,17 @@ def codesign(
     ratios: Sequence[float],
     start: Solution | None = None,
 ) -> Iterator[Design]:
-    """The spring and the touchdown angle of least cost for each motor and gear ratio, inside the motor's envelope.
+    """Finds the spring and touchdown angle of least cost for each motor and gear ratio, inside the motor's envelope.
 
-    The robot gets the motor's own rotor and its ratio; another motor's mass is not accounted for.
-    A design is a local optimum: the better one of those found from `start` and from the design at the ratio before.
+    The robot gets the motor's own rotor and its ratio; the mass of another motor is not accounted for. A design is a
+    local optimum: the better one of those found from `start` and from the design at the previous ratio.
 
     Args:
         robot: Q-SPEAR in the sagittal plane.
-        request: what is asked; its objective, stiffness, touchdown angle and knee drive are replaced.
-        drives: by name, their gearboxes' ratios being replaced.
-        ratios: of the knee's gears, in an order that makes small steps.
-        start: a solution to start from; None searches cold.
+        request: the request; its objective, stiffness, touchdown angle and knee drive are replaced.
+        drives: drives by name; their gearboxes' ratios are replaced.
+        ratios: ratios of the knee's gears, in an order with small steps.
+        start: a solution to start from; None: the search starts from initial guesses.
     """
     nothing = math.nan
     for name, base in drives.items():
@@ -97,12 +97,12 @@ def smallest_violation(
     starts: int = 20,
     on_start: Callable[[int, float], object] = lambda n, t: None,
 ) -> tuple[Gait, float]:
-    """The gait that exceeds the knee drive's envelope least, over several cold starts.
+    """Finds the gait that exceeds the knee drive's envelope least, from several initial guesses.
 
     Args:
         robot: Q-SPEAR in the sagittal plane, with the drive's rotor in it.
-        request: what is asked; its objective and knee drive are replaced.
-        drive: of each knee.
+        request: the request; its objective and knee drive are replaced.
+        drive: drive of each knee.
         starts: number of seeds.
         on_start: called with the seed and the violation found from it, in N·m (NaN if none).
 
@@ -135,7 +135,7 @@ def smallest_violation(
 
 
 def _cheapest(robot: Robot, request: Request, drive: Drive, starts: Sequence[Solution | None]) -> tuple[Gait, Solution]:
-    """Of what is found from each start, the gait of least electrical cost; where nothing is, why not from the last."""
+    """Returns, of the gaits found from each start, the one of least electrical cost; else the last reason."""
     found: list[tuple[Gait, Solution]] = []
     failure: Infeasible | NoGait | None = None
     for start in starts:

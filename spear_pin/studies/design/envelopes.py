@@ -1,4 +1,4 @@
-"""A gait against the knee's drive: its torque-speed envelope, its heat, and the electrical cost of transport."""
+"""A gait compared with the knee's drive: torque-speed envelope, heat, and electrical cost of transport."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from spear_pin.studies.design.operating_points import Points, points
 
 @dataclass(frozen=True)
 class EnvelopeUse:
-    """Operating points against a drive.
+    """Operating points compared with a drive.
 
     Attributes:
         drive: the drive.
-        margin: available less required torque at each point, in N·m, by leg as of `Points`; negative outside.
-        outside: share of the cycle's time outside, by leg.
+        margin: available less required torque at each point, in N·m, by leg; see `Points`; negative outside.
+        outside: share of the cycle's time outside the envelope, by leg.
         worst: least margin by leg, in N·m.
-        near_events: of the points outside, the share within 20 ms after touchdown or before lift-off; NaN
-            where none is outside.
+        near_events: share of the points outside that lie within 20 ms after touchdown or before lift-off; NaN where
+            none is outside.
         heating: rms torque over the drive's continuous torque, by leg.
     """
 
@@ -44,7 +44,7 @@ class EnvelopeUse:
 
 @typed
 def against(given: Points, drive: Drive) -> EnvelopeUse:
-    """Operating points against a drive's torque-speed envelope, Fig. 5.8."""
+    """Compares operating points with a drive's torque-speed envelope, Fig. 5.8."""
     margin = np.asarray(drive.margin(given.torque, given.speed))
     out = margin < 0.0
     share = np.trapezoid(out.astype(float), given.t, axis=0) / (given.t[-1] - given.t[0])
@@ -61,11 +61,11 @@ def against(given: Points, drive: Drive) -> EnvelopeUse:
 
 @typed
 def energy_drawn(given: Points, drive: Drive, regeneration: float = 0.0) -> float:
-    """Electrical energy that all motors of one kind of joint draw in a cycle, both legs of each pair, in J.
+    """Returns the electrical energy that all motors of one kind of joint draw in a cycle, both legs of each pair, in J.
 
     Args:
         given: operating points of one cycle.
-        drive: of each of the joints.
+        drive: drive of each of the joints.
         regeneration: share of the electrical power given back that is stored.
     """
     columns = zip(given.torque.T, given.speed.T, strict=True)
@@ -75,7 +75,7 @@ def energy_drawn(given: Points, drive: Drive, regeneration: float = 0.0) -> floa
 
 @typed
 def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float:
-    """Cost of transport of what the knee motors draw and the hips' positive mechanical power.
+    """Returns the cost of transport from the knee motors' electricity and the hips' positive mechanical power.
 
     Args:
         gait: a bounding gait.

@@ -1,4 +1,4 @@
-"""Families of locally optimal gaits over a range of one number: of the request, or of the robot."""
+"""Families of locally optimal gaits over a range of one number, of the request or of the robot."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ class Member:
     """One gait of a family.
 
     Attributes:
-        value: of what was varied.
+        value: value of the varied number.
         gait: the gait; None where none was found.
-        solution: the optimiser's, to start from; None where none was found.
-        reason: why there is none.
+        solution: solution of the optimiser, to start from; None where none was found.
+        reason: why there is no gait.
     """
 
     value: float
@@ -40,15 +40,15 @@ def family(
     start: Solution | None = None,
     on_member: Callable[[Member], object] = lambda member: None,
 ) -> list[Member]:
-    """Locally optimal gaits over a range of one number, each started from the one before.
+    """Finds locally optimal gaits over a range of one number, each started from the previous one.
 
     Args:
         robot: Q-SPEAR in the sagittal plane.
-        request: what is asked of each.
+        request: request for each gait.
         name: a numeric field of `Request`, or a parameter of the robot that `vary` knows.
-        values: of it, in an order that makes small steps.
-        start: a solution near the first one; None searches the first one cold.
-        on_member: called with each as it is found.
+        values: values of the number, in an order with small steps.
+        start: a solution near the first gait; None: the first search starts from initial guesses.
+        on_member: called with each gait as it is found.
 
     Raises:
         UnknownName: there is no such field or parameter.

@@ -1,4 +1,4 @@
-"""Operating points of a quadruped's or a leg's motors over a cycle: torque and speed, with springs of any stiffness."""
+"""Operating points of motors over a cycle: torque and speed, with springs of any stiffness."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ STIFFNESSES = (0.0, 56.0, 112.0, 200.0, 300.0, 400.0)  # N·m/rad, of Fig. 5.6; 
 
 @dataclass(frozen=True)
 class Points:
-    """Operating points of one kind of joint over a cycle, of one motor; a column for each of the model's legs.
+    """Operating points of one kind of joint over a cycle, for one motor; a column for each of the model's legs.
 
     Attributes:
         t: time, in s, (n,).
-        torque: of a motor, by leg (posterior, anterior, or the only one), in N·m, (n, 2) or (n, 1).
-        speed: of the joint, in rad/s, like the torque.
-        bears: whether the leg is on the ground, like the torque.
-        since: time since its touchdown, in s, NaN in the air, like the torque.
-        until: time until its lift-off, in s, NaN in the air, like the torque.
-        motors: how many the torque of a joint is shared by.
+        torque: torque of a motor, by leg (posterior, anterior, or the only one), in N·m, (n, 2) or (n, 1).
+        speed: speed of the joint, in rad/s, in the shape of the torque.
+        bears: whether the leg is on the ground, in the shape of the torque.
+        since: time since its touchdown, in s, NaN in the air, in the shape of the torque.
+        until: time until its lift-off, in s, NaN in the air, in the shape of the torque.
+        motors: number of motors that share the torque of a joint.
     """
 
     t: Array
@@ -65,18 +65,18 @@ class Points:
 
 @typed
 def points(gait: Gait, part: str = "knee", stiffness: float | None = None) -> Points:
-    """Operating points of the knees or hips over one stride.
+    """Returns operating points of the knees or hips over one stride.
 
-    The law gives the total torque at the knee and the motor what the spring does not, so another
-    spring changes the motor's torque and nothing else.
+    The law gives the total torque at the knee, and the motor gives the part that the spring does not. So another spring
+    changes only the motor's torque.
 
     Args:
         gait: a bounding gait.
         part: "knee" or "hip".
-        stiffness: of a leg's knee spring, in N·m/rad; None means the gait's own.
+        stiffness: stiffness of a leg's knee spring, in N·m/rad; None means the gait's own.
 
     Raises:
-        UnknownName: the part is neither.
+        UnknownName: `part` is neither "knee" nor "hip".
         BadValue: the stiffness is negative.
     """
     if part not in ("knee", "hip"):
@@ -86,12 +86,12 @@ def points(gait: Gait, part: str = "knee", stiffness: float | None = None) -> Po
 
 
 def sprung(system: HybridSystem, stiffness: float) -> HybridSystem:
-    """A bounding system with knee springs of another stiffness a leg, in N·m/rad."""
+    """Returns a bounding system with knee springs of another stiffness a leg, in N·m/rad."""
     return rebuilt(system, spring=replace(system.spring, stiffness=PAIR * stiffness))
 
 
 def points_of(robot: Robot, trajectory: Trajectory, part: str) -> Points:
-    """Operating points of the knees ("knee") or hips ("hip") over a cycle of a robot."""
+    """Returns operating points of the knees ("knee") or hips ("hip") over a cycle of a robot."""
     joints, motors = joints_of(robot, part), motors_of(robot)
     columns = [robot.actuated.index(joint) for joint in joints]
     rows = [robot.index(joint) for joint in joints]
@@ -105,21 +105,21 @@ def points_of(robot: Robot, trajectory: Trajectory, part: str) -> Points:
 
 
 def joints_of(robot: Robot, part: str) -> tuple[str, ...]:
-    """The knees ("knee") or hips ("hip") of a robot in the plane, in the order of its toes."""
+    """Returns the knees ("knee") or hips ("hip") of a robot in the plane, in the order of its toes."""
     return (part,) if motors_of(robot) == 1 else tuple(f"{leg.name}_{part}" for leg in legs_of(robot))
 
 
 def motors_of(robot: Robot) -> int:
-    """Motors that one joint of a robot in the plane stands for: one of a leg's own, two of a pair's."""
+    """Returns how many motors one joint of a planar robot stands for: one for a leg, two for a pair."""
     return 1 if len(robot.legs) == 1 else PAIR
 
 
 @typed
 def spring_sweep(gait: Gait, stiffnesses: Sequence[float] = STIFFNESSES) -> dict[float, Points]:
-    """Knee motor torque for springs of other stiffness on the same gait, Figs. 5.5 and 5.6.
+    """Returns knee motor torques for springs of other stiffness on the same gait, Figs. 5.5 and 5.6.
 
     Args:
         gait: a bounding gait.
-        stiffnesses: of a leg's spring, in N·m/rad; 0 is "no compliance".
+        stiffnesses: stiffnesses of a leg's spring, in N·m/rad; 0 is "no compliance".
     """
     return {stiffness: points(gait, "knee", stiffness) for stiffness in stiffnesses}

@@ -1,1 +1,1 @@
-"""Motions whose numbers are turned by hand: `knobs` of `legs` and `bounds`, `engines` and `figures` of them."""
+"""Motions whose numbers a user changes by hand: `knobs` of `legs` and `bounds`, with `engines` and `figures`."""

@@ -1,8 +1,7 @@
-"""Turn the numbers of a bound and see what becomes of it: the gait beside, carried there by Newton's method.
+"""A bound whose numbers a user changes: Newton's method carries the gait to the new numbers.
 
-A bound is seldom stable, so that it settles into nothing: each gait is found from the nearest of those that are
-known, step by step where one step is too far. Where two branches of gaits exist side by side, it is the one that this
-leads to.
+A bound is seldom stable, so simulation does not settle to one. Each gait is found from the nearest known gait, step by
+step where one step is too far. Where two branches of gaits exist, the result is on the branch to which this leads.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ MEMORY = 200  # gaits that are known at most
 
 @dataclass(frozen=True)
 class Known:
-    """A gait that was found: the numbers, as they stand on the sliders, the state, and β_sp, in N·m."""
+    """A gait that was found: the numbers on the sliders, the state, and β_sp, in N·m."""
 
     numbers: tuple[float, ...]
     state: State
@@ -53,9 +52,9 @@ class Bound(Subject):
 
     Attributes:
         gait: with the default numbers, without event feedback.
-        knobs: by name.
-        title: of the page.
-        known: gaits that were found so far, the default one first.
+        knobs: knobs by name.
+        title: title of the page.
+        known: gaits found so far, the default one first.
     """
 
     gait: Gait
@@ -65,12 +64,12 @@ class Bound(Subject):
     kind = "bound"
 
     def __post_init__(self) -> None:
-        """Know the gait that it begins with."""
+        """Stores the default gait as the first known one."""
         torque = float(getattr(self.gait.system.law, SPEED_BY))
         self.known.append(Known(self.at().numbers, self.gait.state, torque))
 
     def system(self, values: Mapping[str, float]) -> HybridSystem:
-        """The bound with these numbers, β_sp as it is."""
+        """Returns the bound with these numbers, β_sp unchanged."""
         own = self._template(*(values.get(name) for name in RATIOS))
         parts = {part: vars(getattr(own, part)) for part in ("law", "spring", "contact")}
         said = {
@@ -79,40 +78,40 @@ class Bound(Subject):
         return rebuilt(own, **{part: replace(getattr(own, part), **new) for part, new in said.items()})
 
     def lane(self, values: Mapping[str, float]) -> tuple[HybridSystem, dict[str, float]]:
-        """A system with the default numbers but for the gears, and the others."""
+        """Returns a system with the default numbers except for the gears, and the other numbers."""
         numbers = {name: value for name, value in values.items() if name not in (SPEED, *RATIOS)}
         return self._template(*(values.get(name) for name in RATIOS)), numbers
 
     def held(self, kept: bool) -> Mapping[str, str]:
-        """β_sp keeps the speed."""
+        """Returns that β_sp keeps the speed, if it is kept."""
         return {SPEED_BY: MEAN_SPEED}
 
     def moved(self, name: str, values: Mapping[str, float]) -> Mapping[str, float]:
-        """The speed is that of the measure."""
+        """Returns the parameters that a knob changes; the speed is that of the measure."""
         return {} if name == SPEED else {name: 1.0}
 
     @property
     def start(self) -> State:
-        """Just after the posterior touchdown of the gait."""
+        """State just after the posterior touchdown of the gait."""
         return self.gait.state
 
     @property
     def thorough(self) -> Sequence[Knobs]:
-        """A gait beside the first."""
+        """Numbers for a gait near the first."""
         speed = self.knobs[SPEED]
         return (self.at().turned(speed=round(1.002 * speed.default, speed.digits)),)
 
     def nearest(self, numbers: tuple[float, ...]) -> Known:
-        """The known gait that is nearest."""
+        """Returns the nearest known gait."""
         return min(self.known, key=lambda each: self.distance(each.numbers, numbers))
 
     def distance(self, one: tuple[float, ...], other: tuple[float, ...]) -> float:
-        """The largest difference of two settings, each number's against its range."""
+        """Returns the largest difference of two settings, with each number relative to its range."""
         spans = [knob.high - knob.low for knob in self.knobs.values()]
         return max(abs(a - b) / span for a, b, span in zip(one, other, spans, strict=True))
 
     def remember(self, known: Known) -> None:
-        """Know a gait more, and forget the oldest but the first."""
+        """Stores a known gait, and drops the oldest except the first."""
         self.known.append(known)
         del self.known[1:-MEMORY]
 
@@ -129,19 +128,19 @@ class Bound(Subject):
 
 
 class Underway(NoGait):
-    """There was no more time; what was found on the way is known, so that the same question leads farther."""
+    """Raised when there is no more time; gaits found on the way are stored, so that a repeated call gets farther."""
 
 
 def stride(knobs: Knobs, engine: Engine) -> Motion:
-    """A stride of the gait with these numbers.
+    """Finds a stride of the gait with these numbers.
 
     Args:
         knobs: the numbers of a `Bound`.
-        engine: solves for it.
+        engine: engine that solves for it.
 
     Raises:
-        Underway: not yet; see there.
-        NoGait: none was found; the text says why, and how far the way to it led.
+        Underway: there was no more time; repeat the call.
+        NoGait: no gait was found; the text says why, and how far the way led.
     """
     subject = knobs.subject
     assert isinstance(subject, Bound)
@@ -180,7 +179,7 @@ def _why(error: SpearError) -> str:
 
 
 def _said(subject: Bound, near: Known) -> str:
-    """The numbers of the last gait on the way that are not the default ones, in words."""
+    """Returns in words the numbers of the last gait on the way that are not the default ones."""
     told = [
         f"{knob.label.lower()} {value:.4g}" + ("" if knob.unit == "1" else f" {knob.unit}")
         for knob, value in zip(subject.knobs.values(), near.numbers, strict=True)
@@ -194,11 +193,11 @@ VIEWS: Mapping[str, Callable[[Knobs, Engine], Motion]] = MappingProxyType({"stri
 
 @typed
 def bound_to_explore(gait: Gait, title: str) -> Bound:
-    """A bound to be turned.
+    """Returns a bound whose numbers a user can change.
 
     Args:
         gait: a bounding gait; its event feedback is left out.
-        title: of the page.
+        title: title of the page.
     """
     gait = gait.with_law(feedback=(), speed_gain=(0.0, 0.0))
     law, spring, robot = gait.system.law, gait.system.spring, gait.system.robot

@@ -1,4 +1,4 @@
-"""Two ways to follow a motion from section to section and to find the periodic one near: with and without heyoka."""
+"""Two ways to follow a motion from section to section and to find a nearby periodic one: with and without heyoka."""
 
 from __future__ import annotations
 
@@ -35,37 +35,37 @@ LATE = "Newton's method takes longer than a few seconds"
 
 
 class Solve(Protocol):
-    """Solves for the periodic motion near a state, with what varies and the targets; None if there is none."""
+    """Solver for the periodic motion near a state, with varied parameters and targets; gives None if there is none."""
 
     def __call__(
         self, knobs: Knobs, state: State, vary: Sequence[str] = (), target: Mapping[str, float] | None = None
     ) -> Gait | None:
-        """The gait."""
+        """Returns the gait."""
 
 
 class Beside(Protocol):
-    """The same by Newton's method from there alone, from values of what varies.
+    """Solver for the periodic motion near a state by Newton's method from there alone, from given parameters.
 
     Raises:
-        NoGait: it does not end in one, or not until then, of `time.perf_counter`.
+        NoGait: it does not end in one, or not before the time `until`, by `time.perf_counter`.
     """
 
     def __call__(
         self, knobs: Knobs, state: State, vary: Mapping[str, float], target: Mapping[str, float], until: float
     ) -> Gait:
-        """The gait."""
+        """Returns the gait."""
 
 
 @dataclass(frozen=True)
 class Engine:
-    """Functions by which motions are followed and solved for.
+    """Functions that follow motions and solve for periodic ones.
 
     Attributes:
-        name: of the engine.
+        name: name of the engine.
         extra: the extra of the package that it needs, if it needs one.
-        advance: the state some cycles after another on the section, and how many there were before the run ended.
-        solve: the periodic motion near a state on the section, or None.
-        beside: the periodic motion beside one.
+        advance: returns the state some cycles after another on the section, and how many cycles the run completed.
+        solve: returns the periodic motion near a state on the section, or None.
+        beside: returns the periodic motion near another.
     """
 
     name: str
@@ -100,11 +100,11 @@ def _solve_lane(
 
 @dataclass(frozen=True)
 class _Either(LaneCycles):
-    """Cycles by whichever engine runs them: where it is both, that shows in the fourth decimal of multipliers.
+    """Cycles by whichever engine runs them; if both do, multipliers differ in the fourth decimal.
 
     Attributes:
-        until: when to give up, of `time.perf_counter`.
-        ended: why cycles did not close, the latest last.
+        until: time at which to give up, by `time.perf_counter`.
+        ended: reasons why cycles did not close, the latest last.
     """
 
     until: float = math.inf
@@ -118,7 +118,7 @@ class _Either(LaneCycles):
         return replace(cycles, reference=np.zeros_like(cycles.reference))
 
     def said(self, why: str) -> str:
-        """Why there is no gait, with what ended the last cycle near it that did not close."""
+        """Returns why there is no gait, with the reason why the last cycle near it did not close."""
         return f"{why}; near it {REASONS[self.ended[-1]]}" if self.ended else why
 
 
@@ -176,5 +176,5 @@ REFERENCE = Engine("reference", None, _advance_run, _solve_run, _beside_run)
 
 
 def best_engine() -> Engine:
-    """The fastest that is installed."""
+    """Returns the fastest engine that is installed."""
     return TAYLOR if taylor.available() else REFERENCE

@@ -1,4 +1,4 @@
-"""Figures of motions that are shown while their numbers are turned, and the program that computes them again."""
+"""Figures of motions for display while their numbers change, and a program that computes them again."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from spear_pin.studies.hop import durations, spring_share
 
 
 def figures(motion: Motion) -> dict[str, float | None]:
-    """Figures of a motion, SI units; None where there is no such thing. See `hop_figures` and `bound_figures`."""
+    """Returns figures of a motion, SI units; None where there is none. See `hop_figures` and `bound_figures`."""
     return bound_figures(motion) if motion.knobs.subject.kind == "bound" else hop_figures(motion)
 
 
 def bound_figures(motion: Motion) -> dict[str, float | None]:
-    """Figures of a stride.
+    """Returns figures of a stride.
 
     Returns:
         speed, stride and period; peak_force, normal, of a pair; friction_used; of one motor each
@@ -52,7 +52,7 @@ def bound_figures(motion: Motion) -> dict[str, float | None]:
 
 
 def hop_figures(hops: Motion) -> dict[str, float | None]:
-    """Figures of hops, SI units; None where there is no such thing.
+    """Returns figures of hops, SI units; None where there is no such figure.
 
     Returns:
         apex_height, of the hip above the ground, the highest; flight_time and stance_time, the longest of a whole hop;
@@ -82,7 +82,7 @@ def hop_figures(hops: Motion) -> dict[str, float | None]:
 
 
 def script(motion: Motion) -> str:
-    """A short Python program that computes the same motion again with the public interface, prints and plays it."""
+    """Writes a short Python program that computes the same motion with the public interface, prints and plays it."""
     return _bound_script(motion) if motion.knobs.subject.kind == "bound" else _hop_script(motion)
 
 
@@ -130,12 +130,12 @@ def _bound_script(motion: Motion) -> str:
 
 
 def _said(words: str) -> str:
-    """Words as a docstring may hold them: a robot's name is of somebody's file."""
+    """Returns words in a form that a docstring may hold; a robot's name comes from a user's file."""
     return " ".join(words.replace("\\", "/").replace('"', "'").split())
 
 
 def _code(part: object) -> str:
-    """A law or a spring as Python writes it, what is at its default left out."""
+    """Returns a law or a spring in Python's notation, without fields that have their defaults."""
     kind = type(part)
     usual = {name: field.default for name, field in kind.__dataclass_fields__.items()}  # type: ignore[attr-defined]
     told = [f"{name}={value!r}" for name, value in asdict(part).items() if value != usual[name]]  # type: ignore[call-overload]
@@ -143,7 +143,7 @@ def _code(part: object) -> str:
 
 
 def _loading(robot: Robot) -> tuple[str, str]:
-    """The lines that make a robot, and what they need imported beside `load` and `vary`."""
+    """Returns the lines that make a robot, and the names that they import besides `load` and `vary`."""
     varied = ", ".join(f"{name}={value!r}" for name, value in robot.varied.items())
     cut = robot.cut
     if cut is None:
@@ -172,7 +172,7 @@ def _loaded(robot: Robot, more: Mapping[str, object] | None = None) -> str:
 
 
 def _asked(hops: Motion) -> int:
-    """Hops to simulate: those that were whole, and the one that was not."""
+    """Returns the number of hops to simulate: the whole ones, and the one that was not whole."""
     return hops.trajectory.cycles + (not hops.trajectory.complete)
 
 

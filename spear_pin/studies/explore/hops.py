@@ -1,8 +1,7 @@
-"""Turn the hop's numbers and see what becomes of it: the hop that a leg settles into, or why there is none.
+"""A hop whose numbers a user changes: the hop to which a leg settles, or the reason why there is none.
 
-Every answer begins at the same state, that of the hop with the default numbers just after touchdown, and is a function
-of the numbers alone. So a hop can be named by them; where two kinds of hops exist side by side, it is the one that the
-robot comes to from there.
+Every answer begins at the same state, that of the default hop just after touchdown, and depends on the numbers alone.
+So the numbers name a hop. Where two kinds of hops exist, it is the one to which the robot comes from that state.
 """
 
 from __future__ import annotations
@@ -28,14 +27,14 @@ TRANSIENT = 6  # hops that are shown from the default hop on
 
 
 def settled(knobs: Knobs, engine: Engine) -> Motion:
-    """Hops to which the default hop leads, after a dozen of them, when the numbers are changed at once.
+    """Returns hops to which the default hop settles, after a dozen of them, when the numbers change at once.
 
     Args:
         knobs: the numbers.
-        engine: follows the hops and solves for the periodic one.
+        engine: engine that follows the hops and solves for the periodic one.
 
     Raises:
-        NoGait: the flight time is kept, and no stance torque was found that has it.
+        NoGait: the flight time is kept, and no stance torque was found for it.
     """
     if knobs.kept:
         return _kept(knobs, engine)
@@ -66,7 +65,7 @@ def settled(knobs: Knobs, engine: Engine) -> Motion:
 
 
 def transient(knobs: Knobs, engine: Engine) -> Motion:
-    """The first hops after the numbers of the default hop are changed at once, just after touchdown."""
+    """Returns the first hops after the numbers of the default hop change at once, just after touchdown."""
     hops = shown(knobs, "transient", "", knobs.subject.start, TRANSIENT)
     text = f"A transient: {_counted(hops.trajectory.cycles)}, touchdown to touchdown, after the default hop."
     if not hops.trajectory.complete:
@@ -78,7 +77,7 @@ VIEWS: Mapping[str, Callable[[Knobs, Engine], Motion]] = MappingProxyType({"sett
 
 
 def _kept(knobs: Knobs, engine: Engine) -> Motion:
-    """The hop with the default flight time, the stance torque solved for."""
+    """Returns the hop with the default flight time, for which the stance torque is solved."""
     subject = knobs.subject
     ((solved, measure),) = subject.held(kept=True).items()
     knob = subject.knobs[solved]
@@ -93,7 +92,7 @@ def _kept(knobs: Knobs, engine: Engine) -> Motion:
 
 
 def _ended(knobs: Knobs, engine: Engine, done: int) -> Motion:
-    """The last whole hops of a run that breaks off after so many, and how it does."""
+    """Returns the last whole hops of a run that breaks off after some hops, and the reason."""
     skipped = max(0, done - SHOWN)
     start, _ = engine.advance(knobs, knobs.subject.start, skipped)
     hops = shown(knobs, "ended", "", start, done - skipped + 1)
@@ -109,7 +108,7 @@ def _counted(hops: int) -> str:
 
 
 def _lasting(trajectory: Trajectory) -> str:
-    """Seconds of the hops, from touchdown to touchdown, in words."""
+    """Returns the durations of the hops, from touchdown to touchdown, in words."""
     landings = [trajectory.t[0], *(event.time for event in trajectory.named("touchdown"))]
     *others, last = (f"{seconds:.3f}" for seconds in np.diff(landings))
     return f"{', '.join(others)} and {last} s"

@@ -1,4 +1,4 @@
-"""Numbers of a motion that can be turned while one watches: their ranges, and where their defaults come from."""
+"""Knobs: numbers of a motion that a user can change, with their ranges and the origin of their defaults."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ Origin = Literal["source", "solved", "assumption", "scaled", "own"]
 
 @dataclass(frozen=True)
 class Knob:
-    """A number that can be turned.
+    """A number that a user can change.
 
     Attributes:
-        label: what it is.
-        unit: of its values; a ratio has the unit 1.
-        default: where it stands at first.
-        low: the least value.
-        high: the largest value.
-        digits: decimals in which it is set.
-        origin: where the default comes from: the source, a condition it was solved for, an assumption, the source
-            scaled to another robot, or the robot's or the gait's own file.
-        note: the same in words.
+        label: label of the knob.
+        unit: unit of its values; a ratio has the unit 1.
+        default: default value.
+        low: least value.
+        high: largest value.
+        digits: number of decimals.
+        origin: origin of the default: the source, a condition for which it was solved, an assumption, the source scaled
+            to another robot, or the robot's or the gait's own file.
+        note: the origin in words.
     """
 
     label: str
@@ -42,7 +42,7 @@ class Knob:
     note: str
 
     def admits(self, value: float) -> bool:
-        """Whether it can be set to a value."""
+        """Tells whether the knob can have a value."""
         return self.low <= value <= self.high
 
     @property
@@ -52,14 +52,14 @@ class Knob:
 
 
 class Subject(ABC):
-    """A motion whose numbers are turned; it is told from others by itself, not by what is in it.
+    """A motion whose numbers a user can change; two subjects are compared by identity, not by content.
 
     Attributes:
-        kind: of the motion, "hop" or "bound".
-        title: of the page.
-        knobs: by name.
-        keeps: what may be kept while numbers are turned, in words; "" where that is nothing.
-        wanted: value of what may be kept, SI units.
+        kind: kind of the motion, "hop" or "bound".
+        title: title of the page.
+        knobs: knobs by name.
+        keeps: the measure that can be kept while numbers change, in words; "" where there is none.
+        wanted: value of the measure that can be kept, SI units.
     """
 
     kind: str
@@ -70,46 +70,46 @@ class Subject(ABC):
 
     @abstractmethod
     def system(self, values: Mapping[str, float]) -> HybridSystem:
-        """The system with these numbers."""
+        """Returns the system with these numbers."""
 
     @abstractmethod
     def lane(self, values: Mapping[str, float]) -> tuple[HybridSystem, dict[str, float]]:
-        """A system that others share, so that it is compiled once, and the numbers that are put into it."""
+        """Returns a system that other settings share, so that it is compiled once, and the numbers to put into it."""
 
     @property
     @abstractmethod
     def start(self) -> State:
-        """State (q, v) on the section of the motion with the default numbers: where all else begins."""
+        """State (q, v) on the section of the motion with the default numbers, where every answer begins."""
 
     @property
     @abstractmethod
     def thorough(self) -> Sequence[Knobs]:
-        """Numbers whose motions between them have every domain, to be compiled first."""
+        """Numbers whose motions together have every domain, to be compiled first."""
 
     def held(self, kept: bool) -> Mapping[str, str]:
-        """Parameters of the system that are solved for while numbers are turned, each with the measure that it keeps.
+        """Returns parameters that are solved for while numbers change, each with the measure that it keeps.
 
         Args:
-            kept: whether what may be kept is kept.
+            kept: whether the measure that can be kept is kept.
         """
         return {}
 
     def moved(self, name: str, values: Mapping[str, float]) -> Mapping[str, float]:
-        """Parameters of the system that a knob moves, by how much for one more unit of it.
+        """Returns parameters of the system that a knob changes, with the change for one more unit of the knob.
 
-        It is empty where the knob is the value of a measure that is kept.
+        The result is empty where the knob is the value of a measure that is kept.
 
         Args:
-            name: of the knob.
-            values: of all knobs.
+            name: name of the knob.
+            values: values of all knobs.
         """
         return {name: 1.0}
 
     def at(self, *, kept: bool = False, **values: float) -> Knobs:
-        """Knobs that are not named at their defaults.
+        """Returns knobs with given values, and defaults for the others.
 
         Raises:
-            UnknownName: there is no knob of a name.
+            UnknownName: no knob has such a name.
             BadValue: a value is out of its range; the text names the range.
         """
         for name in values:
@@ -118,11 +118,11 @@ class Subject(ABC):
         return Knobs(self, tuple(values.get(name, knob.default) for name, knob in self.knobs.items()), kept)
 
     def read(self, words: Mapping[str, str], kept: bool = False) -> Knobs:
-        """Knobs from what was written, as of `at`.
+        """Reads knobs from text, with defaults for the others; see `at`.
 
         Raises:
-            UnknownName: there is no knob of a name.
-            BadValue: what is written is no number, or out of its range; the text names the range.
+            UnknownName: no knob has such a name.
+            BadValue: a text is not a number, or is out of its range; the text names the range.
         """
         values = {}
         for name, word in words.items():
@@ -140,9 +140,9 @@ class Knobs:
     """Values of the knobs of a subject.
 
     Attributes:
-        subject: what is turned.
-        numbers: of each knob, in their order.
-        kept: whether what the subject keeps is kept.
+        subject: the motion.
+        numbers: value of each knob, in their order.
+        kept: whether the measure that can be kept is kept.
     """
 
     subject: Subject
@@ -150,20 +150,20 @@ class Knobs:
     kept: bool = False
 
     def __post_init__(self) -> None:
-        """Check the ranges."""
+        """Checks the ranges."""
         for (name, knob), value in zip(self.subject.knobs.items(), self.numbers, strict=True):
             require(name, value, knob.admits, knob.expected)
 
     @property
     def values(self) -> dict[str, float]:
-        """The numbers by name."""
+        """Numbers by name."""
         return dict(zip(self.subject.knobs, self.numbers, strict=True))
 
     def turned(self, **values: float) -> Knobs:
-        """The same with other numbers."""
+        """Returns the knobs with other numbers."""
         return replace(self, numbers=tuple((self.values | values).values()))
 
     @cached_property
     def system(self) -> HybridSystem:
-        """The system with these numbers."""
+        """System with these numbers."""
         return self.subject.system(self.values)

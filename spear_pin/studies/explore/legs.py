@@ -1,4 +1,4 @@
-"""Hops whose numbers are turned: SPEAR-II's, and those of another robot's leg by its size."""
+"""Hops whose numbers a user changes: SPEAR-II's, and those of another robot's leg, scaled."""
 
 from __future__ import annotations
 
@@ -46,12 +46,12 @@ class Leg(Subject):
     """The hop of a leg in place.
 
     Attributes:
-        robot: with one leg, boom_x locked.
-        law: with the default numbers.
-        spring: with the default numbers.
-        knobs: by name.
-        title: of the page.
-        wanted: flight time that the default stance torque is solved for, and that can be kept, in s.
+        robot: a robot with one leg, boom_x locked.
+        law: law with the default numbers.
+        spring: spring with the default numbers.
+        knobs: knobs by name.
+        title: title of the page.
+        wanted: flight time, in s, for which the default stance torque is solved, and which can be kept.
         near: a state near the default hop, where that is known.
     """
 
@@ -66,11 +66,11 @@ class Leg(Subject):
 
     @property
     def keeps(self) -> str:  # type: ignore[override]
-        """What may be kept."""
+        """The measure that can be kept."""
         return f"{self.wanted:.3g} s of flight"
 
     def system(self, values: Mapping[str, float]) -> HybridSystem:
-        """The hop with these numbers."""
+        """Returns the hop with these numbers."""
         of_spring: dict[str, Any] = {name: values[name] for name in MATERIAL}
         of_law: dict[str, Any] = {name: values[name] for name in (TORQUE, KNEE, "frequency")}
         if self.law.hip_touchdown is not None:  # the toe stays below the hip
@@ -81,18 +81,18 @@ class Leg(Subject):
         return hopping(robot, replace(self.law, **of_law), replace(self.spring, **of_spring), contact)
 
     def lane(self, values: Mapping[str, float]) -> tuple[HybridSystem, dict[str, float]]:
-        """A system with the default numbers but for the gear, and the others."""
+        """Returns a system with the default numbers except for the gear, and the other numbers."""
         numbers = {name: value for name, value in values.items() if name != RATIO}
         if self.law.hip_touchdown is not None:
             numbers["hip_touchdown"] = self.robot.legs[0].lean(values[KNEE])
         return self._template(values.get(RATIO)), numbers
 
     def held(self, kept: bool) -> Mapping[str, str]:
-        """The stance torque keeps the flight time."""
+        """Returns that the stance torque keeps the flight time, if it is kept."""
         return {TORQUE: "flight_time"} if kept else {}
 
     def moved(self, name: str, values: Mapping[str, float]) -> Mapping[str, float]:
-        """The hip follows the knee where the toe stays below it."""
+        """Returns the parameters that a knob changes; the hip follows the knee where the toe stays below it."""
         if name != KNEE or self.law.hip_touchdown is None:
             return {name: 1.0}
         leg = self.robot.legs[0]
@@ -101,7 +101,7 @@ class Leg(Subject):
 
     @cached_property
     def start(self) -> State:
-        """Just after touchdown of the periodic hop with the default numbers."""
+        """State just after touchdown of the periodic hop with the default numbers."""
         system = self.at().system
         if self.near is None:
             return find_gait(system).state
@@ -112,7 +112,7 @@ class Leg(Subject):
 
     @property
     def thorough(self) -> Sequence[Knobs]:
-        """Hops with a straight and with a bent knee."""
+        """Numbers for hops with a straight and with a bent knee."""
         return tuple(self.at(knee_touchdown=angle) for angle in (1.15, 0.5))
 
     @cached_property
@@ -128,21 +128,21 @@ class Leg(Subject):
 
 @cache
 def spear_ii_hop() -> Leg:
-    """SPEAR-II's hop, boom_x locked."""
+    """Returns SPEAR-II's hop, boom_x locked."""
     robot = load("spear_ii", locked=["boom_x"])
     return Leg(robot, HoppingLaw(), Spring(), KNOBS, "SPEAR-II hopping", FLIGHT_TIME)
 
 
 @typed
 def hop_of_leg(robot: Robot, title: str) -> Leg:
-    """The hop of another robot's leg; ranges are SPEAR-II's, scaled to it, with its own numbers within them.
+    """Returns the hop of another robot's leg; ranges are SPEAR-II's, scaled, with the leg's own numbers within them.
 
     Args:
         robot: a leg, as `spear_pin.monopod` cuts it, boom_x locked.
-        title: of the page.
+        title: title of the page.
 
     Raises:
-        NoGait: it has no hop to begin with.
+        NoGait: the leg has no hop to begin with.
     """
     if "boom_x" in robot.coordinates:
         raise BadValue("robot", robot, 'a leg that hops in place: monopod(..., locked=["boom_x"])')
@@ -172,7 +172,7 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
 
 
 def _scaled(knob: Knob, default: float, factor: float, origin: Origin, note: str) -> Knob:
-    """A knob of another robot: its own default, in a range that is scaled, and wider where the default is out of it."""
+    """Returns a knob of another robot: its own default in a scaled range, which is widened where needed."""
     digits = max(0, knob.digits - round(math.log10(factor)))
     low, high = min(knob.low * factor, 0.5 * default), max(knob.high * factor, 2.0 * default)
     coarse = max(0, digits - 1)

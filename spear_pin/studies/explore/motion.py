@@ -1,4 +1,4 @@
-"""What is shown of a motion whose numbers were turned, with the verdict on it."""
+"""A motion for display after its numbers changed, with the verdict on it."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class Motion:
     """Cycles of a motion, with the verdict on them.
 
     Attributes:
-        knobs: the numbers it does it with.
-        verdict: "periodic": each cycle repeats the last; "pattern": they repeat in groups; "unsettled": they do not
-            repeat; "ended": the run breaks off; "transient": cycles from the default one on, whatever they lead to.
-        message: the same in a sentence or two.
-        start: the state (q, v) on the section from which they are shown.
-        trajectory: the cycles that are shown.
-        gait: the periodic one, with its multipliers.
+        knobs: the numbers of the motion.
+        verdict: "periodic": each cycle repeats the last; "pattern": cycles repeat in groups; "unsettled": cycles do not
+            repeat; "ended": the run breaks off; "transient": cycles from the default one on, whatever follows.
+        message: the verdict in a sentence or two.
+        start: state (q, v) on the section at which the displayed cycles begin.
+        trajectory: the displayed cycles.
+        gait: the periodic gait, with its multipliers.
     """
 
     knobs: Knobs
@@ -39,12 +39,12 @@ class Motion:
 
     @property
     def kind(self) -> str:
-        """What happens in a cycle of a periodic motion, one event after the other, in words; else empty."""
+        """Events in a cycle of a periodic motion, in order, in words; else empty."""
         return "" if self.gait is None else kind_of(self.trajectory)
 
 
 def kind_of(trajectory: Trajectory) -> str:
-    """Say what kind of cycle a motion has: how often the toe bounces, where it does, and the order of the events."""
+    """Says what kind of cycle a motion has: how often the toe bounces, where it does, and the order of the events."""
     touches = sum(event.name == RETOUCH and event.domain != CHATTER for event in trajectory.events)
     bounces = f"the toe bounces {('once', 'twice')[touches - 1] if touches < 3 else f'{touches} times'}: " * bool(
         touches
@@ -53,13 +53,13 @@ def kind_of(trajectory: Trajectory) -> str:
 
 
 def shown(knobs: Knobs, verdict: Verdict, message: str, start: State, cycles: int, gait: Gait | None = None) -> Motion:
-    """So many cycles from a state, of a gait with what was solved for."""
+    """Returns some cycles from a state, for a gait with its solved numbers."""
     system = knobs.system if gait is None else gait.system
     return Motion(knobs, verdict, message, start, simulate(system, start, cycles, progress=False), gait)
 
 
 def periodic(knobs: Knobs, gait: Gait) -> Motion:
-    """A cycle of a gait, with its largest multiplier and its kind."""
+    """Returns a cycle of a gait, with its largest multiplier and its kind."""
     stable = "stable" if gait.stable else "unstable"
     text = f"Periodic and {stable}: the largest multiplier is {abs(gait.multipliers[0]):.3f}."
     motion = shown(knobs, "periodic", text, gait.state, 1, gait)

@@ -1,4 +1,4 @@
-"""What each knob does to the figures of a motion that is shown: derivatives at its present place."""
+"""Derivatives of the figures of a displayed motion by its knobs, at their present values."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ SOLVED = "it is solved for"
 
 @dataclass(frozen=True)
 class Tangents:
-    """Derivatives of a motion's figures by the numbers that are turned.
+    """Derivatives of a motion's figures by the knobs.
 
     Attributes:
-        slopes: by knob and figure, of the figure for one more unit of the knob; NaN where there is none.
-        refused: why a knob has none, by knob.
-        reason: why there are none at all; empty where there are some.
-        one_sided: events that meet another, for which derivatives are of the order that happens.
+        slopes: by knob and figure, change of the figure for one more unit of the knob; NaN where there is none.
+        refused: why a knob has no derivatives, by knob.
+        reason: why there are no derivatives at all; empty where there are some.
+        one_sided: events that meet another; derivatives hold for the order that happens.
     """
 
     slopes: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
@@ -45,12 +45,12 @@ class Tangents:
 
 @dataclass(frozen=True)
 class _Branch:
-    """Gaits beside one as knobs are turned.
+    """Gaits near a gait as knobs change.
 
     Attributes:
-        orbit: of the gait.
+        orbit: orbit of the gait.
         ways: by knob, derivatives of ξ and of the orbit's parameters, (d + m,).
-        refused: why a knob has none.
+        refused: why a knob has no derivatives.
     """
 
     orbit: Orbit
@@ -58,23 +58,23 @@ class _Branch:
     refused: Mapping[str, str]
 
     def of(self, name: str) -> Measure:
-        """A measure of the orbit with its derivatives by the knobs."""
+        """Returns a measure of the orbit with its derivatives by the knobs."""
         found = self.orbit.measures[name]
         return Measure(found.value, np.array([found.derivative @ way for way in self.ways.values()]), found.unit)
 
     def number(self, name: str) -> Measure:
-        """A parameter of the orbit."""
+        """Returns a parameter of the orbit."""
         i = self.orbit.dimension + self.orbit.names.index(name)
         return Measure(number(self.orbit.system, name), np.array([way[i] for way in self.ways.values()]), "")
 
 
 def tangents(motion: Motion) -> Tangents:
-    """Derivatives of the figures that are measures of a whole cycle; what is kept stays kept."""
+    """Returns derivatives of the figures that are measures of a whole cycle; a kept measure stays kept."""
     return _told(motion, lambda branch: dict(_slopes(motion, branch)))
 
 
 def tangents_of_multiplier(motion: Motion) -> Tangents:
-    """Those of the modulus of the largest multiplier, named `MULTIPLIER`, which take many times as long."""
+    """Returns derivatives of the largest multiplier's modulus, named `MULTIPLIER`, which take much longer."""
     return _told(motion, lambda branch: {MULTIPLIER: _of_multiplier(branch)})
 
 
@@ -91,10 +91,10 @@ def _told(motion: Motion, of: Callable[[_Branch], Mapping[str, Array]]) -> Tange
 
 
 def _branch(motion: Motion) -> _Branch:
-    """The branch through the gait.
+    """Returns the branch through the gait.
 
     Raises:
-        SpearError: there is none; the text says why.
+        SpearError: there is no branch; the text says why.
     """
     subject, values, gait = motion.knobs.subject, motion.knobs.values, motion.gait
     assert gait is not None
@@ -127,7 +127,7 @@ def _branch(motion: Motion) -> _Branch:
 
 
 def _slopes(motion: Motion, branch: _Branch) -> Iterator[tuple[str, Array]]:
-    """Derivatives of each figure that is what is differentiated: not a peak of stance where that of swing is higher."""
+    """Returns derivatives of each figure that equals the measure: not a stance peak where the swing's is higher."""
     of = _of_bound if motion.knobs.subject.kind == "bound" else _of_hop
     shown = figures(motion)
     for name, measure in of(branch):
@@ -168,7 +168,7 @@ def _of_bound(branch: _Branch) -> Iterator[tuple[str, Measure]]:
 
 
 def _of_multiplier(branch: _Branch) -> Array:
-    """Derivatives of the largest multiplier's modulus, each along a parameter that the knob changes."""
+    """Returns derivatives of the largest multiplier's modulus, each along a parameter that the knob changes."""
     orbit, row = branch.orbit, []
     for way in branch.ways.values():
         changes = dict(zip(orbit.names, way[orbit.dimension :].tolist(), strict=True))

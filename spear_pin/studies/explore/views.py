@@ -1,4 +1,4 @@
-"""What is shown of a subject: views, each a function of its knobs and an engine."""
+"""Views of a subject, each a function of its knobs and an engine."""
 
 from __future__ import annotations
 
@@ -15,5 +15,5 @@ VIEWS: Mapping[str, Mapping[str, View]] = MappingProxyType({"hop": hops.VIEWS, "
 
 
 def views_of(subject: Subject) -> Mapping[str, View]:
-    """Views by name, the first to begin with."""
+    """Returns views by name; the first is shown at the beginning."""
     return VIEWS[subject.kind]

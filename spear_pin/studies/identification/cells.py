@@ -1,4 +1,4 @@
-"""Cells of a table that should hold a number and hold something else: what to write there."""
+"""Cells of a table that should hold a number and hold something else, and what to write there."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _DATE = re.compile(r"\d[-/.:]\d+[-/.:]\d")
 
 
 def find_remedy(cell: str) -> str:
-    """Find what to write instead of a cell that holds no number, as an order."""
+    """Finds what to write instead of a cell that holds no number; the text is an order."""
     cell = cell.strip()
     if found := _FORTRAN.fullmatch(cell):
         return f"write {found[1]}E{found[2]}"

@@ -18,7 +18,7 @@ _MOMENT = (
 
 
 def read_moments(cells: Any) -> Array:
-    """Read dates with a time of day, as seconds since 1970, and times of day, as seconds since midnight.
+    """Reads dates with a time of day, as seconds since 1970, and times of day, as seconds since midnight.
 
     Args:
         cells: a pandas series of texts.
@@ -46,7 +46,7 @@ def read_moments(cells: Any) -> Array:
 
 
 def past_midnight(seconds: Array) -> Array:
-    """Let times of day go on past midnight, in s; dates stay as they are."""
+    """Lets times of day go on past midnight, in s; dates stay as they are."""
     known = np.flatnonzero(np.isfinite(seconds))
     if not known.size or seconds[known].max() > DAY + 1.0:
         return seconds

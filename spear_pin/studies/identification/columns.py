@@ -1,7 +1,7 @@
-"""Named columns of numbers from a CSV or .mat file that somebody else wrote.
+"""Named columns of numbers from a CSV or .mat file of any origin.
 
-pandas reads the numbers. How they are written is found out here: `csv.Sniffer`, which pandas would ask, gives up where
-comments precede the table, and neither knows a decimal comma.
+pandas reads the numbers. This module finds out how they are written. pandas would ask `csv.Sniffer`, which gives up
+where comments precede the table; and neither knows a decimal comma.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ class Columns:
     """A file's columns, of equal length.
 
     Attributes:
-        names: as in the file; "column 1" and so on where it has none.
+        names: names as in the file; "column 1" and so on where it has none.
         values: one array per column that was asked for, in rows of the file, NaN where it holds no number.
-        comments: lines above the rows that begin with #, without it, and titles.
-        remarks: what makes the file doubtful.
-        units: of the columns that were asked for, as a row below the names says, empty where it does not.
-        others: of each column that was asked for, the first cell that holds something else than a number, and its row
+        comments: lines above the rows that begin with #, without the #, and titles.
+        remarks: reasons why the file is doubtful.
+        units: units of the columns that were asked for, from a row below the names, empty where it gives none.
+        others: of each column that was asked for, the first cell that holds something other than a number, and its row
             from 0; None where there is none.
         moments: of each column that was asked for, whether it holds dates or times of day; their values are in s.
     """
@@ -55,7 +55,7 @@ class Columns:
 
 @dataclass(frozen=True)
 class _Part:
-    """Some rows of a column, as `Columns` has the whole."""
+    """Some rows of a column; see `Columns` for the attributes."""
 
     values: Array
     other: tuple[str, int] | None = None
@@ -66,11 +66,11 @@ Choice = Callable[[tuple[str, ...]], Sequence[str]]
 
 
 def read_columns(path: str | Path, choose: Choice) -> Columns:
-    """Read some columns of a CSV file (comma, semicolon, tab or blanks; decimal comma too) or of a .mat file.
+    """Reads some columns of a CSV file (comma, semicolon, tab or blanks; decimal comma too) or of a .mat file.
 
     Args:
-        path: of the file; a suffix .mat is MATLAB's, anything else is text.
-        choose: says which columns to read, from all their names.
+        path: path of the file; a suffix .mat is MATLAB's, anything else is text.
+        choose: returns which columns to read, given all their names.
 
     Raises:
         BadFile: the file is missing, empty, not text, or not a table of numbers.
@@ -87,14 +87,14 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
 
 
 class _Text(io.BufferedReader):
-    """Bytes of a text: none is zero, as they are in the holes of a sparse file."""
+    """Bytes of a text file: none is zero; the holes of a sparse file hold zeros."""
 
     def read(self, size: int | None = -1, /) -> bytes:
-        """Read some bytes."""
+        """Reads some bytes."""
         return self._checked(super().read(size))
 
     def read1(self, size: int = -1, /) -> bytes:
-        """Read some bytes."""
+        """Reads some bytes."""
         return self._checked(super().read1(size))
 
     def _checked(self, found: bytes) -> bytes:
@@ -168,7 +168,7 @@ def _first_other(chunk: Sequence[_Part]) -> tuple[str, int] | None:
 
 
 def _numbers(column: Any, decimal: str) -> _Part:
-    """The numbers of some rows of a column, NaN where it holds none; or its dates and times of day, in s."""
+    """Returns the numbers of some rows of a column, or its dates and times of day in s; NaN where it holds neither."""
     import pandas as pd
 
     if pd.api.types.is_numeric_dtype(column) and not pd.api.types.is_bool_dtype(column):
@@ -220,6 +220,6 @@ def _is_vector(shape: tuple[int, ...]) -> bool:
 
 
 def _reason(error: Exception, above: int = 0) -> str:
-    """What a reader says, in one line, with numbers of lines counted from the file's first."""
+    """Returns a reader's message in one line, with line numbers counted from the file's first line."""
     text = " ".join(str(error).split()).removeprefix("Error tokenizing data. C error: ") or type(error).__name__
     return re.sub(r"\b(line|row) (\d+)", lambda found: f"{found[1]} {int(found[2]) + above}", text)

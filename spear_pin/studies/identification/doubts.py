@@ -20,12 +20,12 @@ POOR = 70.0  # percent: a model that fits worse does not describe the data
 
 
 def doubts(problem: LeastSquares, solution: Any, estimate: Estimate) -> Iterator[str]:
-    """Sentences that warn, if any.
+    """Lists sentences that warn, if any.
 
     Args:
         problem: the least squares.
-        solution: of SciPy.
-        estimate: made from it.
+        solution: solution of SciPy.
+        estimate: the estimate made from it.
     """
     if not estimate.converged:
         yield f"the search did not converge in {solution.nfev} evaluations"

@@ -20,11 +20,11 @@ class Parameter:
     """An estimated parameter.
 
     Attributes:
-        name: of `QUANTITIES`.
-        trial: number of the trial that it belongs to; None if all share it.
-        value: in the quantity's unit.
-        deviation: its standard deviation; infinite where the data do not tell.
-        inflation: of the deviation, by the correlation of errors of rounding.
+        name: a name of `QUANTITIES`.
+        trial: number of the trial to which it belongs; None if all trials share it.
+        value: value in the quantity's unit.
+        deviation: its standard deviation; infinite where the data do not determine it.
+        inflation: factor in the deviation by the correlation of rounding errors.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Parameter:
 
     @property
     def unit(self) -> str:
-        """Of the value."""
+        """Unit of the value."""
         return QUANTITIES[self.name].unit
 
     @property
@@ -49,22 +49,23 @@ class Estimate:
     """Estimated parameters, and how far to trust them.
 
     Attributes:
-        parameters: those of the knee first.
-        covariance: of all of them, in their order.
-        condition: of the residuals' Jacobian with columns of length one.
-        knees: what acts on the knee, for each trial.
+        parameters: estimated parameters; those of the knee first.
+        covariance: covariance of all parameters, in their order.
+        condition: condition of the residuals' Jacobian with columns of length one.
+        knees: torque law of the knee, for each trial.
         rotors: reflected rotor inertia, for each trial, in kg·m².
-        trials: as they were fitted.
+        trials: the trials as they were fitted.
         predicted: the model's angle for each trial, smoothed as the data were, in rad.
         fits: 100 (1 - ‖y - ŷ‖ / ‖y - ȳ‖) for each trial, MATLAB's NRMSE fit, in percent.
-        noise: standard deviation of the angle's errors before smoothing, rounding among them, in rad; for a
-            robust loss that which least squares would need for the same error bars.
+        noise: standard deviation of the angle's errors before smoothing, with rounding, in rad; for a robust loss, that
+            which least squares would need for the same error bars.
         roundings: how each trial's angle was rounded, as far as its values before smoothing tell.
         whiteness: probability that white noise has residuals as correlated as these, before smoothing
             (Ljung and Box); None where the angle before smoothing is not known, or there is no noise.
-        warnings: what a reader has to know.
+        warnings: warnings for the reader.
         converged: whether the solver met its tolerances.
-        integrations: of a release: a motion counts one, one with sensitivities as many as it has.
+        integrations: number of integrations of a release: a motion counts one, one with sensitivities as many as it
+            has.
     """
 
     parameters: tuple[Parameter, ...]
@@ -83,7 +84,7 @@ class Estimate:
     integrations: int
 
     def __getitem__(self, name: str) -> Parameter:
-        """The shared parameter of a name, or the only one.
+        """Returns the shared parameter of a name, or the only one.
 
         Raises:
             UnknownName: it was not estimated, or each trial has its own.
@@ -94,10 +95,10 @@ class Estimate:
         return found[0]
 
     def covariance_of(self, names: Sequence[str]) -> Array:
-        """Covariance of shared parameters in the order of their names, whatever the others are, (m, m).
+        """Returns the covariance of shared parameters in the order of their names, (m, m).
 
         Raises:
-            UnknownName: one was not estimated, or each trial has its own.
+            UnknownName: a parameter was not estimated, or each trial has its own.
         """
         places = [self.parameters.index(self[name]) for name in names]
         return np.asarray(self.covariance[np.ix_(places, places)])
@@ -111,7 +112,7 @@ class Estimate:
 
     @property
     def inflation(self) -> float:
-        """The largest of the knee's parameters."""
+        """Largest inflation among the knee's parameters."""
         return max(p.inflation for p in self.parameters if p.name in KNEE)
 
     @property

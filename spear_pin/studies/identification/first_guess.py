@@ -1,4 +1,4 @@
-"""First guess of a trial's parameters, from its first swing and its end, and the trial cut to that swing."""
+"""First guess of a trial's parameters, from its first swing and its end; and the trial cut to that swing."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ TAIL = 0.2  # of a trial: its end, at rest or nearly
 
 
 def guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
-    """Parameters from the swing's first turn, its depth and the angle in the end.
+    """Guesses parameters from the swing's first turn, its depth and the angle in the end.
 
-    Damping and dry friction are each such that it brakes the first swing by itself. The time of the release counts from
+    Damping and dry friction are each guessed as if it braked the first swing alone. The time of the release counts from
     `Trial.let_go`.
     """
     hold = trial.angle[trial.t < trial.let_go]
@@ -45,19 +45,19 @@ def guess(leg: PinnedLeg, trial: Trial, static_rest: bool) -> dict[str, float]:
 
 
 def first_swing(trial: Trial) -> Trial:
-    """The trial until the knee stands still for the second time, or soon after."""
+    """Returns the trial until the knee stands still for the second time, or soon after."""
     last = max(int(np.searchsorted(trial.t, trial.let_go + 2.0 * _turn(trial))), 10)
     raw = None if trial.raw is None else trial.raw[:last]
     return replace(trial, t=trial.t[:last], angle=trial.angle[:last], raw=raw)
 
 
 def _turn(trial: Trial) -> float:
-    """Time from the release to the first turn, in s, roughly."""
+    """Returns the rough time from the release to the first turn, in s."""
     since = trial.t - trial.let_go
     first = (since > 0) & (since <= 1.0)
     return max(float(since[first][np.argmin(_calm(trial)[first])]), 0.02) if first.any() else 0.2
 
 
 def _calm(trial: Trial) -> Array:
-    """The angle without most of its noise, good enough to begin from."""
+    """Returns the angle without most of its noise, good enough to begin from."""
     return MovingAverage(max(round(CALM / float(np.median(np.diff(trial.t)))), 1))(trial.angle)

@@ -1,7 +1,7 @@
-"""The grid that nearly all of a record's samples lie on, where an encoder, a converter or decimal digits made one.
+"""The grid on which nearly all of a record's samples lie, where an encoder, a converter or decimal digits made one.
 
-The spectrum of the values that occur, Σ √n exp(2πi f θ) over values θ with n samples each, is tall at one over the step
-of a grid. From the coarsest such step on it is counted how many samples lie elsewhere.
+The spectrum of the values that occur, Σ √n exp(2πi f θ) over values θ with n samples each, is high at one over the step
+of a grid. From the coarsest such step on, the function counts the samples that lie elsewhere.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ TALL = 0.4  # of what the spectrum can be at most
 
 
 def grid_step(angle: Array) -> float:
-    """Step of the coarsest grid with one value for each of its points, in rad; 0 if there is none.
+    """Returns the step of the coarsest grid with one value for each of its points, in rad; 0 if there is none.
 
     Args:
-        angle: as recorded, (n,), in rad.
+        angle: recorded angles, (n,), in rad.
     """
     place, samples = _values(angle)
     if place.size < 2:
@@ -39,7 +39,7 @@ def grid_step(angle: Array) -> float:
 
 
 def _values(angle: Array) -> tuple[Array, Whole]:
-    """Values that occur, increasing from 0, and how often; without the outermost samples."""
+    """Returns values that occur, increasing from 0, and how often; without the outermost samples."""
     outer = max(1, round(0.5 * OFF * angle.size))
     ordered = np.sort(angle)[outer:-outer]
     first = np.flatnonzero(np.diff(ordered, prepend=-np.inf) > FINEST)
@@ -47,7 +47,7 @@ def _values(angle: Array) -> tuple[Array, Whole]:
 
 
 def _peaks(place: Array, samples: Whole) -> Array:
-    """Frequencies at which the spectrum is tall, increasing, in 1/rad."""
+    """Returns frequencies at which the spectrum is high, increasing, in 1/rad."""
     span = place[-1]
     most = min(span / FINEST, MOST, max(place.size, place.size**2 / PAIRS))
     width, bins = span / (3.0 * most), 2 ** int(np.ceil(np.log2(12.0 * most)))
@@ -58,7 +58,7 @@ def _peaks(place: Array, samples: Whole) -> Array:
 
 
 def _counted(place: Array, samples: Whole, frequency: float) -> tuple[float, int]:
-    """The step near one over a frequency, and how many samples lie off the grid or beside the value of its point."""
+    """Returns the step near one over a frequency, and how many samples lie off the grid or off its point's value."""
     turns = frequency * place
     index = np.rint(turns - np.angle(np.exp(2j * np.pi * turns).sum()) / (2.0 * np.pi))
     centred = index - index.mean()

@@ -1,4 +1,4 @@
-"""Layout of a table in a text: titles, names, units, rows of numbers, what separates and what marks decimals."""
+"""Layout of a table in a text: titles, names, units, rows of numbers, separator and decimal mark."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ class Layout:
     """Where the rows of a table begin, and what stands above them.
 
     Attributes:
-        comments: lines above that begin with #, without it, and titles.
-        names: of the columns; "column 1" and so on where the file has none.
-        units: below the names, one a column, empty where it says none; () without such a row.
-        start: of the first row, in bytes.
-        line: of the first row, from 1.
-        separator: between columns, as pandas wants it.
-        decimal: mark.
-        remarks: what was passed over.
-        empty: those of the names that stand for columns with neither a name nor a value.
+        comments: lines above that begin with #, without the #, and titles.
+        names: names of the columns; "column 1" and so on where the file has none.
+        units: units below the names, one per column, empty where it gives none; () without such a row.
+        start: offset of the first row, in bytes.
+        line: number of the first row's line, from 1.
+        separator: separator of columns, in pandas's form.
+        decimal: decimal mark.
+        remarks: what was skipped.
+        empty: names of columns with neither a name nor a value.
     """
 
     comments: tuple[str, ...]
@@ -63,10 +63,10 @@ class _Line:
 
 
 def find_layout(path: Path, head: bytes) -> Layout:
-    """Find out how a table is written from the beginning of its file.
+    """Finds out how a table is written from the beginning of its file.
 
     Raises:
-        BadFile: it is no text in UTF-8, or has no rows.
+        BadFile: the file is not text in UTF-8, or has no rows.
     """
     text = _decoded(path, head)
     starts = [0, *(end.end() for end in _ENDS.finditer(text))]
@@ -122,10 +122,10 @@ def _fields(line: str, mark: str | None) -> tuple[str, ...]:
 
 
 def _first_row(rows: Sequence[_Line]) -> int:
-    """Index of the first row of numbers.
+    """Returns the index of the first row of numbers.
 
-    Most rows have numbers in the same columns. The first such row is one, and rows above it that hold a number, but not
-    the uppermost unless it holds nothing else.
+    Most rows have numbers in the same columns. The first such row counts, and so do rows above it that hold a number.
+    The uppermost row counts only if it holds nothing else.
     """
     usual = Counter(line.numeric for line in rows if any(line.numeric)).most_common(1)
     if not usual:
@@ -139,7 +139,7 @@ def _first_row(rows: Sequence[_Line]) -> int:
 def _names(
     above: Sequence[_Line], width: int, comments: Sequence[str], mark: str | None
 ) -> tuple[tuple[str, ...], tuple[str, ...], int]:
-    """Names of the columns, their units where a row below has them, and how many lines these are."""
+    """Returns names of the columns, their units where a row below has them, and the number of these lines."""
     fields, units, taken = tuple[str, ...](), tuple[str, ...](), 0
     if above and len(above[-1].fields) >= min(width, 2):
         fields, taken = above[-1].fields, 1
@@ -153,12 +153,12 @@ def _names(
 
 
 def _nameless(i: int) -> str:
-    """What a column is called that has no name, by its place from 0."""
+    """Returns the name for a column that has none, by its place from 0."""
     return f"column {i + 1}"
 
 
 def _decimal_commas(data: Sequence[_Line]) -> bool:
-    """Whether numbers in quotes have decimal commas: no number has a dot, and not all may be thousands."""
+    """Tells whether quoted numbers have decimal commas: no number has a dot, and not all may be thousands."""
     fields = [field for line in data for field in line.fields]
     if any("." in field and _is_number(field.replace(",", "")) for field in fields):
         return False
@@ -168,7 +168,7 @@ def _decimal_commas(data: Sequence[_Line]) -> bool:
 
 
 def _are_units(fields: Sequence[str], above: Sequence[str]) -> bool:
-    """Whether a row is one of units: most are known, or all stand in brackets, or times are above, by their name."""
+    """Tells whether a row holds units: most are known, all are in brackets, or times are above, by their name."""
     words = [field for field in fields if field]
     known = sum(find_unit(word) is not None for word in words)
     bracketed = bool(words) and all(word[0] in "[(" and word[-1] in "])" for word in words)

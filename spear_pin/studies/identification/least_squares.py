@@ -1,4 +1,4 @@
-"""The least squares of an identification: entries of the unknown vector, residuals and their Jacobian."""
+"""Least squares of an identification: entries of the unknown vector, residuals and their Jacobian."""
 
 from __future__ import annotations
 
@@ -27,11 +27,12 @@ class Entry:
     """One unknown.
 
     Attributes:
-        name: of `QUANTITIES`.
-        trial: number of the trial it belongs to; None if all share it.
-        start: of the search, from the origin.
+        name: a name of `QUANTITIES`.
+        trial: number of the trial to which it belongs; None if all trials share it.
+        start: start of the search, from the origin.
         bounds: least and largest value, from the origin.
-        origin: what the unknown is counted from: a time, whatever its clock, from about when the leg is let go.
+        origin: value from which the unknown counts: a time counts from about when the leg is let go, whatever its
+            clock.
     """
 
     name: str
@@ -43,14 +44,14 @@ class Entry:
 
 @dataclass(frozen=True)
 class Setting:
-    """Inputs that the model of one trial needs.
+    """Inputs of the model for one trial.
 
     Attributes:
-        leg: with its rotor.
-        knee: what acts on its knee.
-        initial_angle: in rad.
-        delay: of the release, after `Trial.let_go`, in s.
-        rest_angle: as it is read, in rad.
+        leg: the leg with its rotor.
+        knee: torque law of the knee.
+        initial_angle: initial angle, in rad.
+        delay: delay of the release, after `Trial.let_go`, in s.
+        rest_angle: rest angle in its reading, in rad.
     """
 
     leg: PinnedLeg
@@ -60,7 +61,7 @@ class Setting:
     rest_angle: float
 
     def since(self, trial: Trial) -> Array:
-        """Times of a trial's samples since the release, (n,), in s."""
+        """Returns times of a trial's samples since the release, (n,), in s."""
         return (trial.t - trial.let_go) - self.delay
 
 
@@ -76,7 +77,7 @@ class LeastSquares:
         static_rest: whether the rest angle is where the leg rests.
         unilateral: whether the spring only pulls.
         smooth_model: whether the model is smoothed as the data were.
-        tally: integrations of a release so far, under "integrations".
+        tally: number of integrations of a release so far, under "integrations".
     """
 
     leg: PinnedLeg
@@ -89,7 +90,7 @@ class LeastSquares:
     tally: Counter[str] = field(default_factory=Counter, compare=False)
 
     def setting(self, x: Array, j: int) -> Setting:
-        """The model's numbers for trial j."""
+        """Returns the model's numbers for trial j."""
         value = dict(self.known[j])
         value |= {e.name: float(v) for e, v in zip(self.entries, x, strict=True) if e.trial in (None, j)}
         zero = value["rest_angle"]
@@ -100,17 +101,17 @@ class LeastSquares:
         return Setting(leg, knee, value["initial_angle"], value["release_time"], value["rest_angle"])
 
     def angle(self, x: Array, j: int) -> Array:
-        """The model's angle for trial j, not smoothed, (n,), in rad."""
+        """Returns the model's angle for trial j, not smoothed, (n,), in rad."""
         return self._modelled(self.setting(x, j), self.trials[j], ())[0]
 
     def predicted(self, x: Array, j: int) -> Array:
-        """The model's angle for trial j as it is compared with the data, (n,), in rad."""
+        """Returns the model's angle for trial j as it is compared with the data, (n,), in rad."""
         return self._smoothed(self.angle(x, j), j)
 
     def linearized(self, x: Array) -> tuple[Array, Array]:
-        """Model minus data, and its derivatives: (N,), in rad, and (N, unknowns); 0 where they are not compared.
+        """Returns model minus data, (N,), in rad, and derivatives, (N, unknowns); 0 where they are not compared.
 
-        The trials stand one after the other.
+        The trials follow one another.
         """
         residuals, blocks = [], []
         for j, trial in enumerate(self.trials):
@@ -140,7 +141,7 @@ class LeastSquares:
         return angle, np.column_stack([-rate if name is None else slopes[name] for name in derivatives])
 
     def _modelled(self, setting: Setting, trial: Trial, wrt: Sequence[str]) -> tuple[Array, Array, Array]:
-        """Angle, rate and sensitivities: the hold, then the motion."""
+        """Returns angle, rate and sensitivities: the hold, then the motion."""
         since = setting.since(trial)
         moving = since > 0.0
         angle, rate = np.full(since.size, setting.initial_angle), np.zeros(since.size)
@@ -169,7 +170,7 @@ def pose(
     bounds: Mapping[str, tuple[float, float]],
     smooth_model: bool,
 ) -> LeastSquares:
-    """Set the least squares up; see `identify` for the arguments and what is refused."""
+    """Sets the least squares up; see `identify` for the arguments and what is refused."""
     _check(leg, trials, vary, per_trial, nuisances, known, bounds)
     guesses = [guess(leg, trial, static_rest) for trial in trials]
     shared = {name: float(np.median([each[name] for each in guesses])) for name in KNEE}
@@ -226,7 +227,7 @@ def _check(
 
 
 def _onset(trial: Trial, bounds: tuple[float, float], given: object) -> tuple[float, float]:
-    """Bounds of a release's delay, from those of its time."""
+    """Returns bounds of a release's delay, from those of its time."""
     low, high = max(trial.let_go - ONSET, trial.t[0]), min(trial.let_go + ONSET, trial.t[-2])
     limits = max(bounds[0], low) - trial.let_go, min(bounds[1], high) - trial.let_go
     if not limits[0] < limits[1]:
@@ -238,7 +239,7 @@ def _onset(trial: Trial, bounds: tuple[float, float], given: object) -> tuple[fl
 def _bounds(
     leg: PinnedLeg, name: str, bounds: Mapping[str, tuple[float, float]], static_rest: bool
 ) -> tuple[float, float]:
-    """Bounds of a quantity: its own, the leg's and the user's."""
+    """Returns bounds of a quantity: its own, the leg's and the user's."""
     low, high = QUANTITIES[name].bounds
     if name == "initial_angle" or (name == "rest_angle" and static_rest):
         low, high = leg.span

@@ -1,4 +1,4 @@
-"""Quantities that can be estimated from releases: of the knee, and of each trial."""
+"""Quantities that can be estimated from releases, of the knee and of each trial."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ class Quantity:
     """A parameter that can be estimated.
 
     Attributes:
-        symbol: as in the source.
-        unit: of the value.
-        derivative: of `move` that it takes; None for the time of release.
+        symbol: symbol in the source.
+        unit: unit of the value.
+        derivative: derivative of `move` that it takes; None for the time of release.
         bounds: least and largest value.
     """
 

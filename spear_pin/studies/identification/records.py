@@ -1,4 +1,4 @@
-"""Records of the knee's angle as a laboratory has them, in volts, degrees or radians, as radians over seconds."""
+"""Records of the knee's angle from a laboratory, in volts, degrees or radians, as radians over seconds."""
 
 from __future__ import annotations
 
@@ -44,15 +44,15 @@ class Calibration:
     """A linear potentiometer: angle = (voltage - offset) / volts_per_rad; or an encoder, with counts for volts.
 
     Attributes:
-        volts_per_rad: its slope, in V/rad; negative if the voltage falls as the knee flexes.
-        offset: its voltage at the straight leg, in V.
+        volts_per_rad: slope, in V/rad; negative if the voltage falls as the knee flexes.
+        offset: voltage at the straight leg, in V.
     """
 
     volts_per_rad: float
     offset: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         if not (np.isfinite(self.volts_per_rad) and self.volts_per_rad):
             raise BadValue("volts_per_rad", self.volts_per_rad, "a finite number other than zero, in V/rad")
         if not np.isfinite(self.offset):
@@ -65,10 +65,10 @@ class Record:
 
     Attributes:
         source: name of the file.
-        t: (n,), in s, from the first sample on, increasing.
-        angle: (n,), in rad.
+        t: times, (n,), in s, from the first sample on, increasing.
+        angle: angles, (n,), in rad.
         synthetic: whether the file says that it is.
-        remarks: what was dropped, mended or taken for granted.
+        remarks: what was dropped, repaired or assumed.
     """
 
     source: str
@@ -93,21 +93,21 @@ def read_record(
     unit: str | None = None,
     time_unit: str | None = None,
 ) -> Record:
-    """Read a record from a CSV or .mat file.
+    """Reads a record from a CSV or .mat file.
 
-    Units are read off the columns' names (`knee_V`, `angle [deg]`, `time_ms`) or a row below them unless given. Times
-    count from the first sample. An angle that jumps by a turn, as encoders wrap, is put together again.
+    Units are taken from the columns' names (`knee_V`, `angle [deg]`, `time_ms`) or a row below them unless given. Times
+    count from the first sample. An angle that jumps by a turn, as encoders wrap, is unwrapped.
 
     Args:
-        path: of the file.
-        column: of the voltage or angle (default: the only one beside the time).
+        path: path of the file.
+        column: name of the column with voltage or angle (default: the only one beside the time).
         time_column: default: the one named t, time, stamp or the like, else the first.
-        calibration: of the potentiometer or encoder, for a column in volts or counts.
+        calibration: calibration of the potentiometer or encoder, for a column in volts or counts.
         unit: V, mV, counts, rad, mrad, deg or turns; or such a word as degrees.
         time_unit: s, ms, us, ns, min or h; or such a word as seconds.
 
     Raises:
-        BadFile: the file is no such record; the text says why.
+        BadFile: the file is not such a record; the text says why.
         BadValue: a calibration that fits no voltage, or is missing for one.
         UnknownName: an unknown unit or column; the text lists the valid ones.
     """
@@ -178,7 +178,7 @@ def _chosen(path: str | Path, names: Sequence[str], column: str | None, time_col
 
 
 def _unit(path: str | Path, name: str, below: str, units: dict[str, float], option: str) -> str | None:
-    """The unit that a column's name says, or the row below it."""
+    """Returns the unit that a column's name says, or the row below it."""
     said = split_name(name)
     found = said.unit if said.unit in units else None
     if said.meant and found is None:
@@ -202,7 +202,7 @@ def _unknown(place: str, word: str, units: dict[str, float], option: str) -> str
 
 
 def _unwrapped(angle: Array, rows: Whole) -> tuple[Array, list[str]]:
-    """The angle without jumps by a turn, near zero, and what was done; jumps that are none are told."""
+    """Returns the angle without jumps by a turn, near zero, and what was done; other jumps are reported."""
     with np.errstate(invalid="ignore"):
         steps = np.diff(angle)
         turns = np.rint(steps / TURN)
@@ -223,7 +223,7 @@ def _unwrapped(angle: Array, rows: Whole) -> tuple[Array, list[str]]:
 
 
 def _told(columns: Columns) -> str:
-    """What the first cell of each column holds that holds no number, and what to write; empty where there is none."""
+    """Returns, for each column, its first cell that holds no number and what to write; empty where there is none."""
     found = [(name, *other) for name, other in zip(columns.names, columns.others, strict=True) if other]
     return "".join(
         f"; column {brief(name)} holds {brief(cell)} in row {row + 1}: {find_remedy(cell)}" for name, cell, row in found
@@ -231,7 +231,7 @@ def _told(columns: Columns) -> str:
 
 
 def _rows(path: str | Path, t: Array, value: Array, told: str = "") -> tuple[Whole, list[str]]:
-    """The rows, from 0, that hold two numbers, each time once, and what was dropped."""
+    """Returns the rows, from 0, that hold two numbers, each time once, and what was dropped."""
     good = (np.abs(t) < LONGEST) & np.isfinite(value)
     lost = int(good.size - good.sum())
     if 2 * lost > good.size:
@@ -258,7 +258,7 @@ def _rows(path: str | Path, t: Array, value: Array, told: str = "") -> tuple[Who
 
 
 def _check(path: str | Path, t: Array, angle: Array, unit: str, time_unit: str) -> None:
-    """Refuse what cannot be a knee's angle in these units."""
+    """Refuses values that cannot be a knee's angle in these units."""
     if t.size < FEWEST:
         raise BadFile(path, f"{t.size} samples at different times; a release needs at least {FEWEST}")
     step = float(np.median(np.diff(t)))

@@ -1,7 +1,7 @@
 """Addition to the error bars of an estimate by the steps in which an encoder or a converter counts.
 
-An angle that moves on by many steps from sample to sample, or trembles by more than one, has errors of rounding like
-white noise. One that creeps, turns or rests has errors that stay, which residuals hide: the fit follows them.
+If an angle moves by many steps from sample to sample, or trembles by more than one, its rounding errors are like white
+noise. If it creeps, turns or rests, its rounding errors persist. Residuals hide them, because the fit follows them.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ class Rounding:
     """Rounding of the angle of a record.
 
     Attributes:
-        step: to multiples of what, in rad; 0 if it was not, or nobody knows.
-        noise: standard deviation of the white noise before it was rounded, in rad.
+        step: step of the rounding, in rad; 0 if there was none, or if it is unknown.
+        noise: standard deviation of the white noise before rounding, in rad.
     """
 
     step: float = 0.0
@@ -34,7 +34,7 @@ class Rounding:
 
     @property
     def variance(self) -> float:
-        """Of the errors of noise and rounding together, in rad²."""
+        """Variance of the errors of noise and rounding together, in rad²."""
         return self.noise**2 + self.step**2 / 12.0
 
     @property
@@ -44,13 +44,13 @@ class Rounding:
 
 
 def rounding(recorded: Array | None, predicted: Array) -> Rounding:
-    """Read the step off the angle's values, and the noise off the differences of successive residuals.
+    """Returns the step, from the angle's values, and the noise, from the differences of successive residuals.
 
-    What is not white, such as an error of the model, hardly changes from sample to sample; a glitch jumps.
+    An error that is not white, such as a model error, hardly changes from sample to sample; a glitch jumps.
 
     Args:
         recorded: angle before smoothing, (n,), in rad, if known.
-        predicted: the model's, (n,), in rad.
+        predicted: angle of the model, (n,), in rad.
     """
     if recorded is None:
         return Rounding()
@@ -63,7 +63,7 @@ def rounding(recorded: Array | None, predicted: Array) -> Rounding:
 def errors(
     angles: Sequence[Array], moving: Sequence[NDArray[np.bool_]], rounded: Sequence[Rounding]
 ) -> Iterator[Array]:
-    """Factors L₁, L₂, … of the correlated part Σ L Lᵀ of the covariance of errors of rounding.
+    """Yields factors L₁, L₂, … of the correlated part Σ L Lᵀ of the covariance of rounding errors.
 
     Over all places of the steps relative to the angle, two samples θ and θ' rounded to steps s have errors of
     covariance ½ s² B₂(frac((θ - θ') / s)), B₂ the Bernoulli polynomial, the Fourier series of which is
@@ -73,9 +73,9 @@ def errors(
     the estimate does not tell: the errors of holds are independent of those of motions.
 
     Args:
-        angles: the model's, not smoothed, of each record, (n,), in rad.
+        angles: the model's angles, not smoothed, of each record, (n,), in rad.
         moving: of each record, whether a sample is after the release, (n,).
-        rounded: how each record was.
+        rounded: rounding of each record.
 
     Yields:
         One harmonic after another, (N, 4), all records' samples one after the other, in rad.

@@ -1,7 +1,7 @@
 """Search for the parameters of the passive knee from recorded releases, by nonlinear least squares, with error bars.
 
-The model of a trial is the angle θ₀ until the leg is let go at t₀, and the pinned leg's motion from there on,
-smoothed as the data were. Each trial has its own θ₀ and t₀; the knee's parameters are shared, or each trial's.
+The model of a trial is the angle θ₀ until the leg is let go at t₀, and the pinned leg's motion after that, smoothed in
+the same way as the data. Each trial has its own θ₀ and t₀; trials share the knee's parameters, or each has its own.
 """
 
 from __future__ import annotations
@@ -54,28 +54,29 @@ def identify(
     smooth_model: bool = True,
     on_iteration: Callable[[int, float], None] | None = None,
 ) -> Estimate:
-    """Estimate parameters of the passive knee from releases.
+    """Estimates parameters of the passive knee from releases.
 
     Args:
         leg: the pinned leg; with its rotor, or without if the belt was off.
-        trials: releases, as `cut` finds them, smoothed or not.
-        vary: stiffness, damping, coulomb, rest_angle, rotor_inertia: any of them.
+        trials: releases, found by `cut`, smoothed or not.
+        vary: parameters to estimate, any of stiffness, damping, coulomb, rest_angle, rotor_inertia.
         per_trial: those of `vary` of which every trial has its own; the others are shared.
-        nuisances: what else is estimated, for every trial: initial_angle, release_time. What is left out is
+        nuisances: further quantities to estimate for every trial: initial_angle, release_time. If left out, they are
             taken as known: the median of the hold (or first sample), `Trial.let_go`.
         static_rest: whether the rest angle is where the leg rests, instead of the zero of the spring.
-        known: by name, what is not varied, or where the search begins (default: no dry friction, the leg's rotor,
-            the rest guessed from the data).
+        known: by name, values of what is not varied, or where the search begins (default: no dry friction, the leg's
+            rotor, the rest guessed from the data).
         unilateral: whether the spring only pulls.
         bounds: least and largest values by name, narrower than those of `QUANTITIES`.
-        loss: of `scipy.optimize.least_squares`; one other than "linear" is scaled by the spread of the residuals of
+        loss: loss of `scipy.optimize.least_squares`; another than "linear" is scaled by the spread of the residuals of
             a linear fit made first.
-        smooth_model: whether the model is smoothed as the data were; without it the estimates are biased, as
+        smooth_model: whether the model is smoothed in the same way as the data; without it the estimates are biased, as
             those of the source may be.
         on_iteration: called with the number of evaluations and the residuals' root mean square, in rad.
 
     Raises:
-        BadValue: nothing to estimate from or nothing to estimate, a trial beyond the joint's limits, bad bounds.
+        BadValue: there is nothing to estimate from or nothing to estimate, a trial is beyond the joint's limits, or
+            bounds are not valid.
         UnknownName: an unknown parameter or loss.
     """
     if loss not in LOSSES:
@@ -102,10 +103,10 @@ def identify(
 
 
 def _started(problem: LeastSquares, guessed: bool, on_iteration: Callable[[int, float], None] | None) -> Array:
-    """Unknowns to begin from.
+    """Returns the unknowns at which the search begins.
 
-    Whether dry friction stops the knee at one turn or at the next makes many minima; the first swing, forth and
-    back, is fitted before, which it does not stop.
+    Dry friction may stop the knee at one turn or at the next, which makes many minima. It does not stop the first
+    swing, forth and back, so that swing is fitted before.
     """
     start = np.array([entry.start for entry in problem.entries])
     names = [entry.name for entry in problem.entries]
@@ -187,7 +188,7 @@ def _estimate(problem: LeastSquares, solution: Any, loss: str, spread: float) ->
 
 
 def _influence(residuals: Array, loss: str, spread: float) -> tuple[Array, Array] | None:
-    """ψ and ψ' of a robust loss."""
+    """Returns ψ and ψ' of a robust loss."""
     if loss == "linear":
         return None
     weight, slope = LOSSES[loss]

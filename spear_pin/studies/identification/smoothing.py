@@ -1,4 +1,4 @@
-"""The moving average that the source smooths its records with, and its adjoint."""
+"""The moving average with which the source smooths its records, and its adjoint."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 
 @dataclass(frozen=True)
 class MovingAverage:
-    """The mean over a window of samples, a linear operator F; at the ends over what there is of the window.
+    """The mean over a window of samples, a linear operator F; at the ends, over the part of the window that exists.
 
     Attributes:
         window: number of samples (default: 100, as in Section 4.1.3).
@@ -29,14 +29,14 @@ class MovingAverage:
     kind: Kind = "centred"
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         if isinstance(self.window, bool) or not isinstance(self.window, int) or not 1 <= self.window <= 10**6:
             raise BadValue("window", self.window, "a whole number of samples, from 1 to 1,000,000")
         if self.kind not in KINDS:
             raise UnknownName("kind of moving average", self.kind, KINDS)
 
     def __call__(self, values: ArrayLike) -> Array:
-        """F x, for x (n,) or each column of (n, m)."""
+        """Returns F x, for x (n,) or each column of (n, m)."""
         x = np.asarray(values, dtype=float)
         first, after, count = self._windows(x)
         level = x.mean(axis=0)  # a running sum of large numbers would lose digits
@@ -44,7 +44,7 @@ class MovingAverage:
         return np.asarray((total[after] - total[first]) / count + level)
 
     def adjoint(self, values: ArrayLike) -> Array:
-        """Fᵀ x, for x (n,) or each column of (n, m)."""
+        """Returns Fᵀ x, for x (n,) or each column of (n, m)."""
         x = np.asarray(values, dtype=float)
         first, after, count = self._windows(x)
         spread = np.zeros((x.shape[0] + 1, *x.shape[1:]))
@@ -54,11 +54,11 @@ class MovingAverage:
 
     @property
     def ahead(self) -> int:
-        """Samples of a window that come after its own."""
+        """Number of samples of a window that come after its own sample."""
         return self.window - 1 - self._past
 
     def gain(self, samples: int) -> Array:
-        """The diagonal of F Fᵀ: what is left of the variance of white noise, at each of so many samples."""
+        """Returns the diagonal of F Fᵀ, the share of white noise's variance that remains, for so many samples."""
         return np.asarray(1.0 / self._windows(np.empty(samples))[2])
 
     @property
@@ -66,7 +66,7 @@ class MovingAverage:
         return self.window // 2 if self.kind == "centred" else self.window - 1
 
     def _windows(self, x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:
-        """First sample of each window, the one after its last, and how many samples it has."""
+        """Returns the first sample of each window, the one after its last, and its number of samples."""
         i = np.arange(x.shape[0])
         first = np.maximum(i - self._past, 0)
         after = np.minimum(i - self._past + self.window, x.shape[0])

@@ -34,12 +34,12 @@ class Trial:
     """One release as recorded.
 
     Attributes:
-        t: (n,), in s, increasing.
-        angle: of the knee, (n,), in rad, as it is to be fitted.
-        let_go: when the leg was let go, as far as known, in s on the same clock.
-        label: which it is, for people.
-        smoothing: what the angle has been smoothed with, if at all.
-        raw: the angle before smoothing, if known.
+        t: times, (n,), in s, increasing.
+        angle: angle of the knee to be fitted, (n,), in rad.
+        let_go: time at which the leg was let go, as far as known, in s on the same clock.
+        label: label for people.
+        smoothing: smoothing of the angle, if any.
+        raw: angle before smoothing, if known.
         synthetic: whether the record says that it is.
     """
 
@@ -52,7 +52,7 @@ class Trial:
     synthetic: bool = False
 
     def __post_init__(self) -> None:
-        """Check that the release lies within the samples."""
+        """Checks that the release lies within the samples."""
         if self.t.ndim != 1 or self.angle.shape != self.t.shape or self.t.size < FEWEST:
             raise BadValue("trial", self.t.shape, "as many angles as times, at least ten")
         if not (np.isfinite(self.t).all() and np.isfinite(self.angle).all() and (np.diff(self.t) > 0).all()):
@@ -62,22 +62,22 @@ class Trial:
 
     @property
     def used(self) -> NDArray[np.bool_]:
-        """Samples to compare with a model, (n,): not those whose smoothing saw what was cut off later."""
+        """Samples to compare with a model, (n,): not those whose smoothing used samples that were cut off later."""
         beyond = 0 if self.smoothing is None or self.raw is not None else self.smoothing.ahead
         return np.arange(self.t.size) < self.t.size - beyond
 
     @property
     def unsmoothed(self) -> Array | None:
-        """The angle before any smoothing, if known."""
+        """Angle before any smoothing, if known."""
         return self.angle if self.smoothing is None else self.raw
 
 
 @typed
 def smoothed(trial: Trial, smoothing: MovingAverage | None) -> Trial:
-    """The trial with its angle smoothed; None leaves it as it is.
+    """Returns the trial with its angle smoothed; None leaves it as it is.
 
     Raises:
-        BadValue: it has been smoothed already.
+        BadValue: the trial is smoothed already.
     """
     if smoothing is None:
         return trial
@@ -90,12 +90,12 @@ def smoothed(trial: Trial, smoothing: MovingAverage | None) -> Trial:
 
 @typed
 def cut(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[Trial], list[str]]:
-    """Find the releases in a record: a hold, and then the knee extends swiftly.
+    """Finds the releases in a record: a hold, after which the knee extends swiftly.
 
     Args:
-        record: of one release or of many.
-        before: of the hold, to keep, in s; less where the hold was shorter.
-        after: of the motion, to keep, in s; less where the record ends or the next push begins.
+        record: record of one release or of many.
+        before: time of the hold to keep, in s; less where the hold was shorter.
+        after: time of the motion to keep, in s; less where the record ends or the next push begins.
 
     Returns:
         The trials in order of time, and what was left out or shortened, and why.
@@ -149,9 +149,9 @@ def cut(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[T
 
 
 def _onset(record: Record, steady: Array, peak: int) -> tuple[int, float] | str:
-    """Where the hold before a steep fall begins, and when it ended; or why it is no release.
+    """Returns where the hold before a steep fall begins, and when it ended; or why it is not a release.
 
-    The hold and a quarter of a cosine, down to the steepest point, are fitted to the angle.
+    It fits the hold and a quarter of a cosine, down to the steepest point, to the angle.
     """
     origin = int(np.searchsorted(record.t, record.t[peak] - LOOK_BACK))
     t, measured = record.t[origin : peak + 1], record.angle[origin : peak + 1]

@@ -21,10 +21,10 @@ class Scatter:
     """Covariance of an estimate.
 
     Attributes:
-        covariance: (m, m); infinite on the diagonal where the data do not tell.
+        covariance: covariance, (m, m); infinite on the diagonal where the data do not determine a parameter.
         noise: standard deviation of the white noise before smoothing.
-        condition: of the Jacobian with columns of length one.
-        inflation: (m,); standard deviations over those without correlated errors.
+        condition: condition of the Jacobian with columns of length one.
+        inflation: standard deviations over those without correlated errors, (m,).
     """
 
     covariance: Array
@@ -42,20 +42,20 @@ def scatter(
     used: Sequence[NDArray[np.bool_]] | None = None,
     correlated: Iterable[Array] = (),
 ) -> Scatter:
-    """Covariance of a least-squares estimate from records that were smoothed, or not.
+    """Returns the covariance of a least-squares estimate from records that were smoothed, or not.
 
     White noise of variance σ² that went through F with the data leaves an estimate with the covariance
     σ² A⁻¹ (FᵀJ)ᵀ(FᵀJ) A⁻¹, A = JᵀJ, and a sum of squared residuals of σ² (tr FFᵀ - tr PFFᵀ) in the mean,
     P projecting on the columns of J. Without smoothing, F = 1, this is σ² A⁻¹ and σ² (n - m). Correlated errors
-    of covariance Σ L Lᵀ add Σ (A⁻¹ (FᵀJ)ᵀ L) (…)ᵀ; σ² is left as it is, as if residuals told nothing of them.
+    of covariance Σ L Lᵀ add Σ (A⁻¹ (FᵀJ)ᵀ L) (…)ᵀ; σ² stays the same, as if residuals did not show them.
 
     Args:
-        residuals: of each record, (n,).
-        jacobians: of each record, (n, m).
-        smoothings: of each record.
+        residuals: residuals of each record, (n,).
+        jacobians: Jacobian of each record, (n, m).
+        smoothings: smoothing of each record.
         influence: ψ and ψ' at all residuals for a robust loss (default: those of least squares, r and 1).
-        unsmoothed: the residuals before smoothing, if known: they tell the noise better.
-        used: of each record, which samples count (default: all); residuals and Jacobian are 0 at the others.
+        unsmoothed: the residuals before smoothing, if known: they give the noise more accurately.
+        used: which samples of each record count (default: all); residuals and Jacobian are 0 at the others.
         correlated: L of errors before smoothing that are not white, (N, any) for all samples (default: none).
     """
     jacobian = np.vstack(jacobians)
@@ -84,18 +84,18 @@ def scatter(
 
 
 def _backwards(left: Array, jacobians: Sequence[Array], smoothings: Sequence[MovingAverage | None]) -> Array:
-    """Fᵀ applied to the rows of each record."""
+    """Applies Fᵀ to the rows of each record."""
     ends = np.cumsum([jacobian.shape[0] for jacobian in jacobians])[:-1]
     parts = zip(np.split(left, ends), smoothings, strict=True)
     return np.vstack([part if smoothing is None else smoothing.adjoint(part) for part, smoothing in parts])
 
 
 def whiteness(residuals: Sequence[Array], lags: int = LAGS) -> float:
-    """Probability that white noise is at least as correlated as these residuals, by the test of Ljung and Box.
+    """Returns the probability that white noise is at least as correlated as these residuals, by Ljung and Box.
 
     Args:
-        residuals: of each record, (n,), before smoothing.
-        lags: up to which correlations are looked at, at most a fifth of the samples.
+        residuals: residuals of each record, (n,), before smoothing.
+        lags: largest lag of the correlations, at most a fifth of the samples.
     """
     statistic, freedom = 0.0, 0
     for r in residuals:
@@ -110,6 +110,6 @@ def whiteness(residuals: Sequence[Array], lags: int = LAGS) -> float:
 
 
 def nrmse_fit(measured: Array, predicted: Array) -> float:
-    """100 (1 - ‖y - ŷ‖ / ‖y - ȳ‖) in percent: MATLAB's NRMSE fit."""
+    """Returns 100 (1 - ‖y - ŷ‖ / ‖y - ȳ‖) in percent: MATLAB's NRMSE fit."""
     spread = float(np.linalg.norm(measured - measured.mean()))
     return 100.0 * (1.0 - float(np.linalg.norm(measured - predicted)) / spread) if spread else -np.inf

@@ -1,4 +1,4 @@
-"""Units of time, angles and read-outs by the words that logs have for them."""
+"""Units of time, angles and read-outs by the words that logs use for them."""
 
 from __future__ import annotations
 
@@ -54,13 +54,14 @@ _UNIX = (3e8, 5e9)  # s since 1970 that a clock may show
 
 @dataclass(frozen=True)
 class Named:
-    """What a column's name says, as `knee [deg]` or `time_ms`.
+    """Parts of a column's name, such as `knee [deg]` or `time_ms`.
 
     Attributes:
-        stem: without the unit.
-        word: that may be a unit.
-        unit: that it names, one of `TIMES`, `ANGLES` or `READOUTS`, or None.
-        meant: whether the word is surely meant as a unit: it stands in brackets, or is one of a rate, as `rad/s`.
+        stem: the name without the unit.
+        word: word that may be a unit.
+        unit: unit of that word, one of `TIMES`, `ANGLES` or `READOUTS`, or None.
+        meant: whether the word is surely meant as a unit: it stands in brackets, or is a unit of a rate, such as
+            `rad/s`.
     """
 
     stem: str
@@ -70,17 +71,17 @@ class Named:
 
 
 def find_unit(word: str) -> str | None:
-    """Find the unit that a word names, one of `TIMES`, `ANGLES` or `READOUTS`, or None."""
+    """Finds the unit that a word names, one of `TIMES`, `ANGLES` or `READOUTS`, or None."""
     return _UNITS.get(word.translate(_ALIKE).strip(" []().").lower())
 
 
 def is_rate(word: str) -> bool:
-    """Tell whether a word is the unit of a rate of change, as `deg/s` or `rpm` is."""
+    """Tells whether a word is the unit of a rate of change, such as `deg/s` or `rpm`."""
     return bool(_RATE.fullmatch(_CAMEL.sub("_", word.translate(_ALIKE).strip(" []()."))))
 
 
 def split_name(name: str) -> Named:
-    """Split a column's name into what it names and the unit."""
+    """Splits a column's name into what it names and the unit."""
     name = name.translate(_ALIKE).strip().rstrip(".")
     found = _BRACKETED.fullmatch(name)
     if found and found[2]:
@@ -94,7 +95,7 @@ def split_name(name: str) -> Named:
 
 
 def find_times(names: Sequence[str]) -> list[str]:
-    """Find the columns whose names say that they hold times, the surest first."""
+    """Finds the columns whose names say that they hold times, the surest first."""
     split = {name: split_name(name) for name in names}
     stems = {name: each.stem if each.unit in TIMES or each.meant else name.strip() for name, each in split.items()}
     surely = [name for name in names if _SURELY.fullmatch(stems[name])]
@@ -103,7 +104,7 @@ def find_times(names: Sequence[str]) -> list[str]:
 
 
 def guess_time_unit(name: str, times: Array) -> str:
-    """Guess the unit of times that say none: ns for ROS's own names, that in which they are Unix time, or s."""
+    """Guesses the unit of times without one: ns for ROS's own names, the unit of Unix times, or s."""
     if _ROS.fullmatch(name):
         return "ns"
     largest = float(np.abs(times).max(initial=0.0, where=np.isfinite(times)))
@@ -112,10 +113,10 @@ def guess_time_unit(name: str, times: Array) -> str:
 
 
 def require_unit(word: str, units: Mapping[str, float]) -> str:
-    """Find the unit that somebody asks for by a word.
+    """Returns the unit that a word names, and refuses other words.
 
     Raises:
-        UnknownName: it is none of the units.
+        UnknownName: the word is not one of the units.
     """
     unit = find_unit(word)
     if unit is None or unit not in units:

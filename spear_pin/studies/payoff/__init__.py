@@ -1,8 +1,8 @@
-"""Would a switchable parallel spring at the knee pay off: which one, at which speed, with which motors.
+"""Payoff of a switchable parallel spring at the knee: whether it pays, which one, at which speed, with which motors.
 
-For none, for a fixed and for a switched spring the gait is optimised anew at each point of a grid (`grid`, `study`),
-with the robot's motors (`motors`): bounds of a quadruped (`bounding`), or hops of a leg in place (`hopping`). `answer`
-says what follows, `store` keeps every search.
+For no spring, for a fixed and for a switched spring, the gait is optimised again at each point of a grid (`grid`,
+`study`), with the robot's motors (`motors`): bounds of a quadruped (`bounding`), or hops of a leg in place (`hopping`).
+`answer` draws the conclusion, and `store` keeps every search.
 """
 
 from spear_pin.studies.payoff.answer import Answer, answer

@@ -1,4 +1,4 @@
-"""Answer of a payoff study: what springs save, how sure that is, and in one sentence."""
+"""Answer of a payoff study: how much springs save, how sure that is, and a sentence that says it."""
 
 from __future__ import annotations
 
@@ -18,20 +18,22 @@ BEYOND = ": beyond it there may be better"
 
 @dataclass(frozen=True)
 class Answer:
-    """What follows from a study.
+    """Conclusions of a study.
 
     Attributes:
-        verdict: the knee that pays, one of ``VERDICTS`` of `verdict`: "switchable"; "fixed", which does as well as a
-            switchable one; "spring", where it is open which; "none"; "unknown", where it cannot be told.
-        sentence: that, with its numbers.
-        saving: of each kind of spring the share of the electrical cost that it saves at the speed; negative: it costs.
-        by_speed: what follows at each speed of the grid, the speed of the study among them.
-        spread: largest relative difference between starts with one stiffness, of the best points; NaN of none.
-        mesh: largest relative change on a finer mesh, of the best points that were found on it; NaN of none.
+        verdict: the knee that pays, one of ``VERDICTS`` of `verdict`: "switchable"; "fixed", if it does as well as a
+            switchable one; "spring", if it is open which; "none"; "unknown", if it cannot be decided.
+        sentence: the verdict with its numbers.
+        saving: for each kind of spring, the share of the electrical cost that it saves at the speed; negative: it costs
+            more.
+        by_speed: conclusions at each speed of the grid, with the speed of the study.
+        spread: largest relative difference between starts with one stiffness, for the best points; NaN if there is
+            none.
+        mesh: largest relative change on a finer mesh, for the best points that were found on it; NaN if there is none.
         spread_of_all: median and largest relative difference between starts with one stiffness, of all points with
             several gaits.
-        cautions: what speaks against the best points, in words: that they are at the edge of what was tried, were not
-            found on a finer mesh, or ask too much of a motor.
+        cautions: reservations about the best points, in words: they are at the edge of the range, were not found on a
+            finer mesh, or overload a motor.
     """
 
     verdict: str
@@ -45,7 +47,7 @@ class Answer:
 
 
 def answer(study: Study) -> Answer:
-    """Tell what follows from a study."""
+    """Returns the conclusions of a study."""
     by_speed = {speed: judge(_table(study, speed), study.grid.stiffnesses) for speed in study.grid.speeds}
     found = by_speed[study.speed]
     everywhere = [share for point in study.tries if (share := spread_of(study.tries[point])) > 0.0] or [0.0]
@@ -62,17 +64,17 @@ def answer(study: Study) -> Answer:
 
 
 def spread_of(ends: Iterable[SearchEnd]) -> float:
-    """Tell the largest relative difference between starts with one stiffness; NaN where no two have one."""
+    """Returns the largest relative difference between starts with one stiffness; NaN where no two have one."""
     return spread(map(_outcome, ends))
 
 
 def _table(study: Study, speed: float) -> list[Outcome]:
-    """Every search at a speed."""
+    """Lists every search at a speed."""
     return [_outcome(end, study) for point in study.tries if point.speed == speed for end in study.ends(point)]
 
 
 def _outcome(end: SearchEnd, study: Study | None = None) -> Outcome:
-    """What a search came to; on the finer mesh of a study it began with the gait of the same knee."""
+    """Returns the outcome of a search; one on a study's finer mesh began with the gait of the same knee."""
     point, figures = end.point, end.figures
     stiffness = point.stiffness if point.stiffness is not None else figures.stiffness if figures else float(np.nan)
     again = study is not None and end.key in {each.key for each in study.finer.values()}
@@ -80,12 +82,12 @@ def _outcome(end: SearchEnd, study: Study | None = None) -> Outcome:
 
 
 def _largest(values: Iterable[float]) -> float:
-    """The largest that is known; NaN where none is."""
+    """Returns the largest known value; NaN where none is known."""
     return max((value for value in values if not np.isnan(value)), default=float(np.nan))
 
 
 def _sentence(study: Study, found: Judgement) -> str:
-    """The verdict in words, with what it rests on."""
+    """Returns the verdict in words, with its reasons."""
     least = f"{100.0 * LEAST:g} %"
     opening = {
         SWITCHABLE: "yes",
@@ -108,12 +110,12 @@ def _sentence(study: Study, found: Judgement) -> str:
 
 
 def _rank(study: Study, kind: str) -> float:
-    """What the best of a kind costs; infinite where there is none."""
+    """Returns the cost of the best of a kind; infinite where there is none."""
     return study.best[kind].cost if kind in study.best else float(np.inf)
 
 
 def _does(study: Study, kind: str, found: Judgement) -> str:
-    """What a spring of a kind saves, in words."""
+    """Says how much a spring of a kind saves."""
     best, name = study.best.get(kind), {FIXED: "fixed", SWITCHED: "switchable"}[kind]
     if best is None or best.figures is None:
         return f"with a {name} spring no gait was found"
@@ -124,13 +126,13 @@ def _does(study: Study, kind: str, found: Judgement) -> str:
 
 
 def _peak(finding: SearchEnd) -> float:
-    """Largest torque of a knee's motor, in N·m."""
+    """Returns the largest torque of a knee's motor, in N·m."""
     assert finding.figures is not None
     return max(torque for joint, torque in finding.figures.peak.items() if joint.endswith("knee"))
 
 
 def _edges(study: Study) -> tuple[str, ...]:
-    """Where the best point is at the edge of what was tried, or beyond."""
+    """Says where the best point is at the edge of the range that was tried, or beyond."""
     words, speeds, stiffnesses = study.gaits.words, study.grid.speeds, study.grid.stiffnesses
     found = []
     if len(speeds) > 1 and study.speed in (speeds[0], speeds[-1]):
@@ -146,13 +148,13 @@ def _edges(study: Study) -> tuple[str, ...]:
 
 
 def _missed(study: Study) -> list[str]:
-    """Knees of which no gait was found on a finer mesh."""
+    """Lists knees without a gait on a finer mesh."""
     failed = [PEAKS[kind] for kind, share in study.changes.items() if np.isnan(share)]
     return [f"no gait was found on a finer mesh {' and '.join(failed)}"] * bool(failed)
 
 
 def _overheated(study: Study) -> list[str]:
-    """Motors of the best points that do not bear for ever what they give."""
+    """Lists motors of the best points that cannot give their torque continuously."""
     return [
         f"{PEAKS[kind]}, the motor of the {joint.replace('_', ' ')} is heated {share:.2f} times as it bears for ever"
         for kind, found in study.best.items()

@@ -1,9 +1,9 @@
-"""The hop of least cost, sought among fixed points: every iterate is a hop, as long in the air as is wanted.
+"""The hop of least cost among fixed points: every iterate is a hop with the wanted flight time.
 
-The numbers of law and spring that are chosen, four or five, are unknowns of COBYQA, which takes no derivatives: where
-toes bounce, or do not leave the ground, the cost jumps, or there is no hop. For each of its trial points Newton's
-method gives the state and the stance torque, from the nearest hop that is known. What comes out is made a fixed point
-to the last digits; `descent` goes on from there.
+The four or five chosen numbers of law and spring are unknowns of COBYQA, which takes no derivatives: where toes bounce,
+or do not leave the ground, the cost jumps, or there is no hop. For each of its trial points Newton's method gives the
+state and the stance torque, from the nearest known hop. The result is made a fixed point to the last digits, and
+`descent` goes on from there.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ MISSED = 0.02  # of limits, by which they are taken to be exceeded where there i
 
 
 def best_hop(task: Task, place: Place) -> Gait:
-    """The hop of least cost that is found from a place which is near a hop.
+    """Finds the hop of least cost from a place near a hop.
 
     Raises:
-        NoGait: none was found.
+        NoGait: no hop was found.
     """
     cycles = Cycles(task, place.system, place.state, chart(place.system, place.state))
     hops = HopFamily(cycles)
@@ -54,20 +54,20 @@ def best_hop(task: Task, place: Place) -> Gait:
 
 
 def judged(task: Task, gait: Gait) -> tuple[float, float]:
-    """What a hop costs, and what is left of the limit that is used up most, as a share of it."""
+    """Returns the cost of a hop, and what remains of its most used limit, as a share of the limit."""
     cycle = simulate(gait.system, gait.state, samples=task.samples, progress=False)
     return task.cost(gait.system, cycle), float(task.spare(gait.system, cycle).min(initial=0.0))
 
 
 def explore(hops: HopFamily, tolerance: float) -> None:
-    """Search a family for its cheapest hop, again from the best that is known until that saves little.
+    """Searches a family for its cheapest hop, again from the best known hop until that saves little.
 
     Args:
-        hops: the family; what is found it knows.
-        tolerance: in units.
+        hops: the family; it stores the hops that are found.
+        tolerance: tolerance in units.
 
     Raises:
-        NoGait: none keeps to its limits.
+        NoGait: no hop of the family keeps to its limits.
     """
     best = hops.nearest(hops.start)
     for _ in range(ROUNDS):
@@ -79,11 +79,11 @@ def explore(hops: HopFamily, tolerance: float) -> None:
 
 
 def _minimise(hops: HopFamily, y: Array, tolerance: float) -> None:
-    """Search the family about one of its hops; what is found it knows.
+    """Searches the family around one of its hops; the family stores the hops that are found.
 
     Args:
         hops: the family.
-        y: of the hop.
+        y: chosen numbers of the hop.
         tolerance: radius of the last trust region, in units.
     """
     bounds, unit = hops.cycles.bounds[hops.cycles.solved :], hops.nearest(y).cycle.cost or 1.0

@@ -54,7 +54,7 @@ WORDS = Words(
 
 
 def request(robot: Robot, point: Point, motors: Motors) -> Request:
-    """What a search is asked at a point: least electrical cost of transport, within motors and limits."""
+    """Returns the request of a search at a point: least electrical cost of transport, within motors and limits."""
     asked = Request.scaled(
         robot,
         speed=point.speed,
@@ -68,12 +68,12 @@ def request(robot: Robot, point: Point, motors: Motors) -> Request:
 
 
 def figures_of(gait: Gait, motors: Motors, request: Request) -> Figures:
-    """Figures of a bound that was searched for.
+    """Returns figures of a bound found by a search.
 
     Args:
         gait: a bounding gait.
-        motors: that drive it.
-        request: what was asked, for the bounds that the gait keeps to.
+        motors: motors that drive it.
+        request: request of the search, for the bounds that are active.
     """
     trajectory = simulate(gait.system, gait.state, progress=False)
     said = summarize(gait, trajectory)
@@ -89,7 +89,7 @@ def figures_of(gait: Gait, motors: Motors, request: Request) -> Figures:
 
 
 class Bounds(Gaits):
-    """Bounds of a quadruped, by collocation."""
+    """Bounds of a quadruped, found by collocation."""
 
     kind = "bounding"
     words = WORDS
@@ -97,39 +97,39 @@ class Bounds(Gaits):
     finer = FINER
 
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
-        """As of `Gaits`."""
+        """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
         wanted = request(robot, asked.point, motors)
         start = None if asked.start is None else asked.start.solution
         gait, solution = search(robot, wanted, start=start, meshes=asked.meshes)
         return gait, figures_of(gait, motors, wanted), solution
 
     def reference(self, robot: Robot, speed: float) -> Gait:
-        """As of `Gaits`."""
+        """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
         return search(robot, Request.scaled(robot, speed=speed, stiffness=0.0))[0]
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
-        """As of `Gaits`."""
+        """Returns default speeds for the robot's size."""
         return tuple(float(f"{share * Request.scaled(robot).speed:.3g}") for share in SHARES)
 
     def first(self, robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
-        """As of `Gaits`: the slowest first."""
+        """Returns speeds in the order for a first gait: the slowest first."""
         return speeds
 
     def stiffness(self, robot: Robot) -> float:
-        """As of `Gaits`."""
+        """Returns the stiffness of a leg's spring for the robot's size, in N·m/rad."""
         return (Request.scaled(robot).stiffness or 0.0) / motors_of(robot)
 
     def check(self, robot: Robot, speeds: Sequence[float]) -> None:
-        """As of `Gaits`."""
+        """Refuses speeds that no such gait has."""
         for speed in speeds:
             Request.scaled(robot, speed=speed).check(scale_of(robot))
 
     def asked(self, robot: Robot) -> Mapping[str, Any]:
-        """As of `Gaits`."""
+        """Returns further data that tell one study from another."""
         return {"request": str(replace(Request.scaled(robot), **FREE))}
 
     def energy(self, robot: Robot, figures: Figures) -> float:
-        """As of `Gaits`."""
+        """Returns the energy that the motors of the whole robot draw in a cycle, in J."""
         return figures.cost * robot.weight * figures.speed * sum(figures.durations.values())
 
 
@@ -137,15 +137,15 @@ BOUNDS = Bounds()
 
 
 def bounds(robot: Robot, path: Path, **options: Any) -> Study:
-    """Bounds of least electrical cost without springs, with fixed and with switchable ones.
+    """Finds bounds of least electrical cost without springs, with fixed and with switchable ones.
 
     Args:
-        robot: in its sagittal plane, as `spear_pin.sagittal` cuts it, or Q-SPEAR.
-        path: of the store; what is in it is not searched again.
-        **options: as of `studied`; speeds are by default `SHARES` of that of `Request.scaled`.
+        robot: a robot in its sagittal plane, as `spear_pin.sagittal` cuts it, or Q-SPEAR.
+        path: path of the store; searches in it are not repeated.
+        **options: see `studied`; speeds are by default `SHARES` of that of `Request.scaled`.
 
     Raises:
-        NoGait, Infeasible, BadFile, BadValue: as of `studied`.
+        NoGait, Infeasible, BadFile, BadValue: see `studied`.
         MissingExtra: CasADi, or for several processes joblib, is not installed.
     """
     return studied(BOUNDS, robot, path, **options)

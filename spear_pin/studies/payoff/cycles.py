@@ -1,4 +1,4 @@
-"""Cycles of one leg by numbers: what they cost, and by how much each is no hop as long in the air as is wanted."""
+"""Cycles of one leg as functions of numbers: their cost, and how far each is from a hop with the wanted flight time."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ OVER = 2e-3  # of a limit: it is kept
 
 @dataclass(frozen=True)
 class Task:
-    """What is minimised.
+    """What to minimise.
 
     Attributes:
-        flight_time: wanted, in s.
-        cost: of a system and a cycle; its samples count.
-        spare: of the same, what is left of limits, as shares of them, each >= 0 where it is kept.
-        ranges: of the stance torque and each number of law or spring that is chosen, least and most.
-        samples: of each phase.
-        tolerance: of the optimiser, of the cost.
-        rtol: of the integrator meanwhile.
+        flight_time: wanted flight time, in s.
+        cost: returns the cost for a system and a cycle; the cycle's samples count.
+        spare: returns for the same what remains of limits, as shares of them, each >= 0 where the limit holds.
+        ranges: least and most of the stance torque and of each chosen number of law or spring.
+        samples: number of samples of each phase.
+        tolerance: tolerance of the optimiser for the cost.
+        rtol: relative tolerance of the integrator in the search.
     """
 
     flight_time: float
@@ -61,7 +61,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Cycle:
-    """A cycle: its cost, what is left of limits, and by how much it is no hop as is wanted, in units."""
+    """A cycle: its cost, what remains of limits, and its gap to a hop with the wanted flight time, in units."""
 
     cost: float
     gap: Array
@@ -69,13 +69,13 @@ class Cycle:
 
     @property
     def fits(self) -> bool:
-        """Whether limits are kept."""
+        """Whether the cycle keeps within limits."""
         return bool(self.spare.min(initial=0.0) > -OVER)
 
 
 @dataclass
 class Cycles:
-    """Cycles by their unknowns, each in a unit of about its size: the state, the stance torque, and what is chosen."""
+    """Cycles by their unknowns, each in a unit of about its size: state, stance torque, and the chosen numbers."""
 
     task: Task
     system: HybridSystem
@@ -84,12 +84,12 @@ class Cycles:
 
     @cached_property
     def solved(self) -> int:
-        """How many unknowns the gap gives; those that are chosen come after."""
+        """Number of unknowns that the gap determines; the chosen numbers come after."""
         return self.chart.dimension + 1
 
     @cached_property
     def units(self) -> Array:
-        """Of the unknowns."""
+        """Units of the unknowns."""
         dq, dv = self.chart.q_basis.shape[1], self.chart.v_basis.shape[1]
         rate = RATE / scale_of(self.system.robot).time
         spans = SHARE * np.ptp(np.array(list(self.task.ranges.values())), axis=1)
@@ -103,13 +103,13 @@ class Cycles:
         return np.concatenate([np.full((d, 2), [-np.inf, np.inf]), ends])
 
     def begun(self, x: Array) -> tuple[HybridSystem, State]:
-        """The system and the state of unknowns."""
+        """Returns the system and the state for unknowns."""
         d, values = self.chart.dimension, self.units * x
         named = dict(zip(self.task.ranges, values[d:].tolist(), strict=True))
         return with_values(self.system, named), self.chart.state(values[:d])
 
     def at(self, x: Array) -> Cycle | None:
-        """The cycle of unknowns; None where it does not close, or its toe leaves the ground more than once."""
+        """Returns the cycle for unknowns; None where it does not close, or its toe leaves the ground more than once."""
         task, d = self.task, self.chart.dimension
         try:
             system, state = self.begun(x)
@@ -124,7 +124,7 @@ class Cycles:
         return Cycle(task.cost(system, trajectory), gap, task.spare(system, trajectory))
 
     def glance(self, x: Array) -> tuple[Array, Array] | None:
-        """The gap of unknowns, and its derivatives, by the fast engine; None where the cycle has none."""
+        """Returns the gap and its derivatives by the fast engine; None where the cycle has none."""
         if self._shooting is None:
             return None
         lane, unknowns, d = np.zeros(1, dtype=np.int64), (self.units * x)[None], self.chart.dimension
@@ -137,7 +137,7 @@ class Cycles:
 
     @cached_property
     def _shooting(self) -> Shooting | None:
-        """The equations of a hop with its flight, with exact derivatives; None where nothing compiles them."""
+        """Equations of a hop with its flight time, with exact derivatives; None where nothing compiles them."""
         names = tuple(self.task.ranges)
         tied = self.system if self.system.spring.rest is None else changed(self.system, AtTouchdown())
         exact = tangent_cycles(tied, names, (FLIGHT,))
@@ -158,7 +158,7 @@ class Cycles:
         return Shooting(self.chart.lane, cycle, names, wanted, exact.slopes)
 
     def jacobian(self, x: Array, own: Cycle) -> Array:
-        """Derivatives of the gap, exact or by differences to either side; 0 where there is neither."""
+        """Returns derivatives of the gap, exact or by differences to either side; 0 where there is neither."""
         seen = self.glance(x)
         if seen is not None:
             return seen[1]
@@ -173,10 +173,10 @@ class Cycles:
         return np.array(columns).T
 
     def first(self) -> Array:
-        """Unknowns of a hop as is wanted, with as little change to what is given as least squares take.
+        """Returns unknowns of a wanted hop, with the least change of the given ones in the sense of least squares.
 
         Raises:
-            NoGait: there is none.
+            NoGait: there is no such hop.
         """
         given = np.array([parameter(self.system, name) for name in self.task.ranges])
         x = np.concatenate([np.zeros(self.chart.dimension), given]) / self.units
@@ -200,7 +200,7 @@ class Cycles:
         raise NoGait("no hop with such a flight is near", float(np.abs(own.gap).max()))
 
     def _correction(self, x: Array, own: Cycle) -> Array:
-        """The least step that closes the gap to first order, along the bounds that it would cross."""
+        """Returns the least step that closes the gap to first order, along the bounds that it would cross."""
         gap = self.jacobian(x, own)
         free = np.ones(len(x), dtype=bool)
         while True:
@@ -214,10 +214,10 @@ class Cycles:
 
 @dataclass(frozen=True)
 class AtTouchdown:
-    """The change by which a fixed spring rests where the law has the knee land, whatever angle that is."""
+    """A change that puts the rest of a fixed spring at the angle where the law lets the knee land."""
 
     def __call__(self, system: HybridSystem) -> HybridSystem:
-        """The system with such a spring."""
+        """Returns the system with such a spring."""
         return replace(system, domains=tuple(map(self._domain, system.domains)))
 
     def _domain(self, domain: Domain) -> Domain:
@@ -238,7 +238,7 @@ class AtTouchdown:
 
 
 def with_values(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
-    """The system with other numbers; a spring that is never let go rests where the knee lands."""
+    """Returns the system with other numbers; a spring that never releases rests where the knee lands."""
     changed = with_parameters(system, values)
     if changed.spring.rest is None:
         return changed

@@ -1,7 +1,7 @@
-"""From the hop of least cost that was found down to the least nearby, by exact derivatives, within its limits.
+"""Descent from the hop of least cost found so far to the nearby minimum, by exact derivatives, within its limits.
 
-A search without derivatives goes over cliffs, where toes bounce and hops end, but stops short in valleys; derivatives
-lead down valleys to their ends, and not over cliffs.
+A search without derivatives crosses cliffs, where toes bounce and hops end, but stops early in valleys. Derivatives
+lead down valleys to their ends, but not over cliffs.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
 def descended(
     gait: Gait, measure: str, motors: Motors | None, ranges: Mapping[str, tuple[float, float]], taut: float
 ) -> Gait:
-    """The hop at the end of the descent from one, with its flight; that one where there is no way down.
+    """Returns the hop at the end of the descent, with the same flight time; the given hop if there is no descent.
 
     Args:
         gait: a hop.
-        measure: that is to be small, of `optimize_design`.
-        motors: that drive it, if there are any.
-        ranges: of each number that is chosen, least and most.
-        taut: how far a spring is deflected at least as it is let go, in rad.
+        measure: measure of `optimize_design` to minimise.
+        motors: motors that drive it, if there are any.
+        ranges: least and most of each chosen number.
+        taut: least deflection of a spring as it releases, in rad.
 
     Raises:
         MissingExtra: heyoka is not installed.
@@ -76,7 +76,7 @@ def descended(
 
 
 def limits(robot: Robot, motors: Motors | None) -> tuple[dict[str, float], dict[str, float]]:
-    """Upper and lower bounds of measures, by the robot's file and the motors."""
+    """Returns upper and lower bounds of measures, by the robot's file and the motors."""
     at_most, at_least = dict[str, float](), dict[str, float]()
     for part in PARTS:
         own, fastest = robot.limits[part], np.inf

@@ -1,4 +1,4 @@
-"""Figures of a gait with its motors: what it costs, what its joints bear, how steady it is."""
+"""Figures of a gait with its motors: its cost, the load on its joints, its stability."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ class Figures:
     """Figures of a gait, of one cycle of its simulation. Torques are those of one motor; joints by their names.
 
     Attributes:
-        stiffness: of a leg's spring, in N·m/rad.
-        speed: mean forward speed, in m/s; of a hop in place its flight time, in s.
-        cost: electricity that knees and hips draw over the work that the cost is counted by, nothing stored of what is
-            given back; of a bound the cost of transport.
-        shares: of it, by part.
-        mechanical: the same of |motor power|.
+        stiffness: stiffness of a leg's spring, in N·m/rad.
+        speed: mean forward speed, in m/s; for a hop in place its flight time, in s.
+        cost: electricity that knees and hips draw over the work to which the cost refers, with no storage of returned
+            energy; for a bound the cost of transport.
+        shares: share of the cost, by part.
+        mechanical: the same for |motor power|.
         peak: largest torque, in N·m.
         rms: root mean square of the torque, in N·m.
         heat: rms torque over the drive's continuous torque.
         rate: largest joint speed, in rad/s.
         torque_used: peak torque over the limit in the robot's file; None where it has none.
-        rate_used: the same of the joint speed.
+        rate_used: the same for the joint speed.
         outside: share of the cycle in which a motor is outside its torque-speed envelope.
-        friction: largest share of normal force in stance that friction takes.
+        friction: largest ratio of tangential to normal force in stance.
         durations: in s, by phase.
         multiplier: modulus of the largest Floquet multiplier.
-        residual: of the fixed point.
-        ledger: what the energy ledger does not close by, over what the motors draw.
-        held: bounds of the search at which the gait is, in words.
+        residual: residual of the fixed point.
+        ledger: gap of the energy ledger over the energy that the motors draw.
+        held: bounds of the search that are active at the gait, in words.
     """
 
     stiffness: float
@@ -73,16 +73,16 @@ def figures(
     friction: float,
     held: tuple[str, ...] = (),
 ) -> Figures:
-    """Figures of a gait from the event-exact simulation of one cycle.
+    """Returns figures of a gait from the event-exact simulation of one cycle.
 
     Args:
         gait: the gait.
-        motors: that drive it.
-        trajectory: of one cycle.
-        work: by which the cost is counted, in J.
-        speed: as of `Figures`, as `friction` and `held`.
-        friction: see there.
-        held: see there.
+        motors: motors that drive it.
+        trajectory: trajectory of one cycle.
+        work: work to which the cost refers, in J.
+        speed: mean forward speed, in m/s; for a hop in place its flight time, in s.
+        friction: largest ratio of tangential to normal force in stance.
+        held: bounds of the search that are active at the gait, in words.
     """
     robot = gait.system.robot
     shares: dict[str, float] = {}
@@ -124,7 +124,7 @@ def figures(
 
 
 def _used(robot: Robot, values: Mapping[str, float], limit: str, motors: int) -> dict[str, float | None]:
-    """Values over the limits of a robot's file; of a torque those of a joint's motors together."""
+    """Returns values over the limits of a robot's file; a torque is that of a joint's motors together."""
     limits = {joint: getattr(robot.limits[joint], limit) for joint in values}
     return {
         joint: motors * value / limits[joint] if 0.0 < limits[joint] < UNKNOWN else None

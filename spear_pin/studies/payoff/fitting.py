@@ -1,4 +1,4 @@
-"""Motors of a payoff study: those of the robot, or such as bear a gait without springs."""
+"""Motors of a payoff study: those of the robot, or ones that suffice for a gait without springs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def motors_for(
     store: Store,
     tell: Tell,
 ) -> Motors:
-    """Motors that are given, the robot's own, or assumed."""
+    """Returns the given motors, the robot's own, or assumed ones."""
     found, said, own = dict(drives), dict.fromkeys(drives, "given"), []
     for part in PARTS:
         if part in found:
@@ -45,10 +45,10 @@ def motors_for(
 
 
 def _taken(gaits: Gaits, robot: Robot, speeds: Sequence[float], store: Store, tell: Tell) -> dict[str, Any]:
-    """Torque and speed of each part in a gait of least effort without springs, the fastest that there is.
+    """Returns torque and speed of each part in a gait of least effort without springs, the fastest that exists.
 
     Raises:
-        NoGait, Infeasible: there is none.
+        NoGait, Infeasible: there is no such gait.
     """
     found = store.get("reference")
     if found is not None:

@@ -1,4 +1,4 @@
-"""What a payoff study has to know of a kind of gait, and one search for any of them."""
+"""What a payoff study needs from a kind of gait, and one search for any kind."""
 
 from __future__ import annotations
 
@@ -20,21 +20,21 @@ from spear_pin.studies.payoff.searches import Search, SearchEnd, written
 
 @dataclass(frozen=True)
 class Words:
-    """How a kind of gait is spoken of.
+    """Words for a kind of gait.
 
     Attributes:
-        one: such a gait.
-        doing: what a robot does.
-        pace: how the speed of a `Point` is said, a format with one number.
-        paces: how a range of them is said, a format with two.
+        one: word for such a gait.
+        doing: word for what a robot does.
+        pace: format for the speed of a `Point`, with one number.
+        paces: format for a range of speeds, with two numbers.
         axis: name of such speeds, with their unit.
         measure: name of the measure that they are.
-        slowest: the least of them.
-        fastest: the largest of them.
-        cost: what the cost is.
-        since: axis of the time in a cycle, with its unit.
-        joint: of what the limits of the file are, a format with "part".
-        rests: what a study of such gaits rests on, names and what they say.
+        slowest: word for the least of them.
+        fastest: word for the largest of them.
+        cost: name of the cost.
+        since: label of the axis of time in a cycle, with its unit.
+        joint: format with "part" for what the limits of the file belong to.
+        rests: assumptions of a study of such gaits, as names and texts.
     """
 
     one: str
@@ -51,7 +51,7 @@ class Words:
     rests: tuple[tuple[str, str], ...]
 
     def of(self, point: Point) -> str:
-        """A point in words."""
+        """Returns a point in words."""
         return point.said(self.pace)
 
 
@@ -59,13 +59,13 @@ Found = tuple[Gait, Figures, Solution | None]
 
 
 class Gaits(ABC):
-    """A kind of gait; it goes to other processes.
+    """A kind of gait; it can be sent to other processes.
 
     Attributes:
-        kind: among ``KINDS`` of `spear_pin.gaits.gait`.
-        words: how it is spoken of.
-        meshes: of a search, as of `Search`.
-        finer: of the search that tells how much meshes matter.
+        kind: kind among ``KINDS`` of `spear_pin.gaits.gait`.
+        words: words for it.
+        meshes: meshes of a search; see `Search`.
+        finer: meshes of the search that tells how much meshes matter.
     """
 
     kind: str
@@ -75,39 +75,39 @@ class Gaits(ABC):
 
     @abstractmethod
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
-        """The gait of least electrical cost of a robot with its motors, and its figures."""
+        """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
 
     @abstractmethod
     def reference(self, robot: Robot, speed: float) -> Gait:
-        """The gait of least effort of a robot without springs at a speed, and what it took for motors."""
+        """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
 
     @abstractmethod
     def speeds(self, robot: Robot) -> tuple[float, ...]:
-        """By default, by the robot's size."""
+        """Returns default speeds for the robot's size."""
 
     @abstractmethod
     def first(self, robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
-        """Speeds in the order in which a first gait is likeliest to be found from cold."""
+        """Returns speeds in the order in which a first gait is likeliest to be found from initial guesses."""
 
     @abstractmethod
     def stiffness(self, robot: Robot) -> float:
-        """Of a leg's spring, in N·m/rad, by the robot's size."""
+        """Returns the stiffness of a leg's spring for the robot's size, in N·m/rad."""
 
     @abstractmethod
     def check(self, robot: Robot, speeds: Sequence[float]) -> None:
-        """Refuse speeds that no such gait has."""
+        """Refuses speeds that no such gait has."""
 
     @abstractmethod
     def asked(self, robot: Robot) -> Mapping[str, Any]:
-        """What beside the rest tells one study from another."""
+        """Returns further data that tell one study from another."""
 
     @abstractmethod
     def energy(self, robot: Robot, figures: Figures) -> float:
-        """What the motors of the whole robot draw in a cycle, in J."""
+        """Returns the energy that the motors of the whole robot draw in a cycle, in J."""
 
 
 def attempt(gaits: Gaits, robot: Robot, motors: Motors, asked: Search) -> SearchEnd:
-    """Search once."""
+    """Runs one search."""
     begun = time.process_time()
     origin = "cold" if asked.start is None else gaits.words.of(asked.start.point)
     finding = SearchEnd(asked.key, asked.point, origin, asked.meshes, 0.0)

@@ -1,4 +1,4 @@
-"""Grid of a payoff study: kinds of knee, stiffnesses, speeds, and which points are near each other."""
+"""Grid of a payoff study: kinds of knee, stiffnesses, speeds, and which points are neighbours."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class Point:
 
     Attributes:
         kind: one of `KINDS`.
-        speed: wanted mean forward speed, in m/s; of a hop in place, which has none, its flight time, in s.
-        stiffness: of a leg's spring, in N·m/rad; 0 without one, None where the optimiser chooses it.
+        speed: wanted mean forward speed, in m/s; for a hop in place, which has none, its flight time, in s.
+        stiffness: stiffness of a leg's spring, in N·m/rad; 0 without one, None where the optimiser chooses it.
     """
 
     kind: str
@@ -26,10 +26,10 @@ class Point:
     stiffness: float | None = 0.0
 
     def said(self, pace: str) -> str:
-        """The point in words.
+        """Returns the point in words.
 
         Args:
-            pace: how its speed is said, such as "at {:.3g} m/s".
+            pace: format for its speed, such as "at {:.3g} m/s".
         """
         spring = "the best stiffness" if self.stiffness is None else f"{self.stiffness:.3g} N·m/rad"
         own = "" if self.kind == NONE else f" of {spring}"
@@ -38,13 +38,13 @@ class Point:
 
 @dataclass(frozen=True)
 class Grid:
-    """Speeds, as of `Point`, and stiffnesses of a leg in N·m/rad, both rising; knees without a spring beside them."""
+    """Speeds, see `Point`, and stiffnesses of a leg in N·m/rad, both rising; knees without a spring are added."""
 
     speeds: tuple[float, ...]
     stiffnesses: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         for name in ("speeds", "stiffnesses"):
             values = getattr(self, name)
             if not values or values[0] <= 0 or any(a >= b for a, b in zip(values, values[1:], strict=False)):
@@ -60,7 +60,7 @@ class Grid:
         return len(self.speeds) * (1 + 2 * len(self.stiffnesses))
 
     def neighbours(self, point: Point) -> list[Point]:
-        """Points one step away, those first from which a search is likeliest to succeed: softer, slower ones."""
+        """Returns points one step away; those from which a search likely succeeds come first: softer, slower ones."""
         found = []
         j = self.speeds.index(point.speed)
         if point.kind == NONE:

@@ -1,4 +1,4 @@
-"""Hops with one flight time, by the numbers of law and spring that are chosen; the rest of each is solved for."""
+"""Hops with one flight time, by the chosen numbers of law and spring; the other unknowns are solved for."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ DEARER, OTHERS = 1e-2, 12  # of the cost: hops that are tried where there is no 
 
 @dataclass(frozen=True)
 class Hop:
-    """A hop: its unknowns, its cycle, and the Jacobian of the gap by all unknowns, exact or by Broyden's rule."""
+    """A hop: its unknowns, its cycle, and the gap's Jacobian by all unknowns, exact or by Broyden's rule."""
 
     x: Array
     cycle: Cycle
@@ -28,14 +28,14 @@ class Hop:
 
 @dataclass
 class HopFamily:
-    """Hops by what is chosen, each solved for from the nearest one that is known."""
+    """Hops by their chosen numbers, each solved for from the nearest known hop."""
 
     cycles: Cycles
     start: Array = field(init=False)
     known: dict[bytes, Hop | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Find the first one."""
+        """Finds the first hop."""
         x = self.cycles.first()
         cycle = self.cycles.at(x)
         assert cycle is not None
@@ -43,11 +43,11 @@ class HopFamily:
         self.known[self.start.tobytes()] = Hop(x, cycle, self.cycles.jacobian(x, cycle), exact=True)
 
     def at(self, y: Array) -> Hop | None:
-        """The hop with what is chosen, in units; None where none was found."""
+        """Returns the hop with chosen numbers, in units; None where none was found."""
         return self._hop(y, HALVINGS)
 
     def nearest(self, y: Array) -> Hop:
-        """The nearest one that is known."""
+        """Returns the nearest known hop."""
         n = self.cycles.solved
         hops = [hop for hop in self.known.values() if hop is not None]
         return min(hops, key=lambda hop: float(np.abs(hop.x[n:] - y).max()))
@@ -59,7 +59,7 @@ class HopFamily:
         return self.known[key]
 
     def _solved(self, y: Array, halvings: int) -> Hop | None:
-        """From the nearest one, or by way of one between."""
+        """Solves from the nearest hop, or by way of a hop between."""
         near = self.nearest(y)
         hop = self._beside(near, y)
         if hop is None and not near.exact:
@@ -71,13 +71,13 @@ class HopFamily:
         return hop
 
     def _known_exactly(self, hop: Hop) -> Hop:
-        """A hop with its Jacobian by differences: what Broyden's rule has led astray leads nowhere else."""
+        """Returns a hop with its Jacobian by differences, so that errors of Broyden's rule do not persist."""
         exact = Hop(hop.x, hop.cycle, self.cycles.jacobian(hop.x, hop.cycle), exact=True)
         self.known[hop.x[self.cycles.solved :].tobytes()] = exact
         return exact
 
     def _beside(self, near: Hop, y: Array) -> Hop | None:
-        """By Newton's method from another one; None where that leads nowhere."""
+        """Solves by Newton's method from another hop; returns None where that leads nowhere."""
         n, jacobian, last = self.cycles.solved, near.jacobian, near.cycle.gap
         moved = np.concatenate([near.x[:n], y])
         moved[:n] -= np.linalg.lstsq(jacobian[:, :n], last + jacobian[:, n:] @ (y - near.x[n:]), rcond=None)[0]
@@ -87,7 +87,7 @@ class HopFamily:
         return self._by_broyden(near, moved) if seen is None else self._by_derivatives(near, moved, *seen)
 
     def _by_derivatives(self, near: Hop, moved: Array, gap: Array, jacobian: Array) -> Hop | None:
-        """By exact derivatives, from a place where they are known."""
+        """Solves by exact derivatives, from a place where they are known."""
         n, size = self.cycles.solved, np.inf
         for _ in range(CORRECTIONS):
             before, size = size, float(np.abs(gap).max())
@@ -107,7 +107,7 @@ class HopFamily:
         return None
 
     def _by_broyden(self, near: Hop, moved: Array) -> Hop | None:
-        """By cycles without derivatives, with the Jacobian of another hop and Broyden's rule."""
+        """Solves by cycles without derivatives, with the Jacobian of another hop and Broyden's rule."""
         n, before, jacobian, last = self.cycles.solved, near.x, near.jacobian, near.cycle.gap
         size = np.inf
         for _ in range(CORRECTIONS):
@@ -126,10 +126,10 @@ class HopFamily:
         return None
 
     def cheapest(self) -> list[Hop]:
-        """The cheapest hops within limits, each dearer than the one before by more than a little.
+        """Lists the cheapest hops within limits, each dearer than the one before by more than a little.
 
         Raises:
-            NoGait: there is none.
+            NoGait: there is no hop within limits.
         """
         hops = [hop for hop in self.known.values() if hop is not None]
         fitting = [hop for hop in hops if hop.cycle.fits]

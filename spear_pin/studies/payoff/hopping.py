@@ -1,7 +1,7 @@
 """Payoff study of a hop of one leg in place: the hop of least electricity for each knee, stiffness and flight time.
 
-The cost of a hop is the electricity of a cycle over m g h with h = g T²/8, as high as a body rises that is in the air
-for T. At a flight time all hops are so measured by the same work.
+The cost of a hop is the electricity of a cycle over m g h with h = g T²/8, the rise of a body with flight time T. So
+all hops with one flight time refer to the same work.
 """
 
 from __future__ import annotations
@@ -86,23 +86,23 @@ WORDS = Words(
 
 
 def work(robot: Robot, flight_time: float) -> float:
-    """Work m g h of a hop with a flight time T in s, h = g T²/8, in J."""
+    """Returns the work m g h of a hop with a flight time T in s, h = g T²/8, in J."""
     gravity = robot.weight / robot.mass
     return robot.weight * gravity * flight_time**2 / 8.0
 
 
 def electricity(motors: Motors, system: HybridSystem, trajectory: Trajectory) -> float:
-    """What knee and hip draw, in J."""
+    """Returns the energy that knee and hip draw, in J."""
     return sum(energy_drawn(points_of(system.robot, trajectory, part), getattr(motors, part)) for part in PARTS)
 
 
 def effort(system: HybridSystem, trajectory: Trajectory) -> float:
-    """∫ Σ u² dt, in N²·m²·s."""
+    """Returns ∫ Σ u² dt, in N²·m²·s."""
     return float(np.trapezoid((trajectory.u**2).sum(axis=1), trajectory.t))
 
 
 def within(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) -> Array:
-    """What is left of the limits of the joints, and of the motors' envelopes, as shares of them."""
+    """Returns what remains of the limits of the joints, and of the motors' envelopes, as shares of them."""
     robot, left = system.robot, []
     for part in PARTS:
         given, limits = points_of(robot, trajectory, part), robot.limits[part]
@@ -118,11 +118,11 @@ def within(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) 
 
 
 def apart(system: HybridSystem, trajectory: Trajectory) -> Array:
-    """How far a hop is from the brinks beyond which there is none, >= 0 where it is far enough.
+    """Returns how far a hop is from the limits beyond which there is none, >= 0 where it is far enough.
 
-    With too little load a toe leaves the ground again while the knee flexes, in shares of the weight; and where the
-    knee is back at its angle of touchdown before the toe leaves, a spring that is let go there leaves it on the ground
-    until the knee is straight, in rad.
+    With too little load a toe leaves the ground again while the knee flexes; that distance is in shares of the weight.
+    If the knee is back at its touchdown angle before the toe leaves, the spring releases there, and the toe stays on
+    the ground until the knee is straight; that distance is in rad.
     """
     stance, knee = trajectory.phase == "stance", system.robot.index("knee")
     angle, flexing = trajectory.q[stance, knee], trajectory.v[stance, knee] > 0.0
@@ -132,12 +132,12 @@ def apart(system: HybridSystem, trajectory: Trajectory) -> Array:
 
 
 def kept(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) -> Array:
-    """What a search keeps >= 0."""
+    """Returns what a search keeps >= 0."""
     return np.concatenate([within(motors, system, trajectory), apart(system, trajectory)])
 
 
 def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
-    """Of each number that is chosen, least and most.
+    """Returns least and most of each chosen number.
 
     Args:
         robot: a leg.
@@ -163,12 +163,12 @@ def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
 
 
 def figures_of(gait: Gait, motors: Motors, samples: int = MESH) -> Figures:
-    """Figures of a hop.
+    """Returns figures of a hop.
 
     Args:
         gait: a hop in place.
-        motors: that drive it.
-        samples: of each phase.
+        motors: motors that drive it.
+        samples: number of samples of each phase.
     """
     robot, flight = gait.system.robot, gait.durations["flight"]
     trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
@@ -180,7 +180,7 @@ def figures_of(gait: Gait, motors: Motors, samples: int = MESH) -> Figures:
 
 
 def _held(gait: Gait, trajectory: Trajectory, motors: Motors) -> tuple[str, ...]:
-    """Ends of ranges at which the law is, and limits that are used up, in words."""
+    """Lists ends of ranges at which the law is, and limits that are fully used, in words."""
     found = []
     for name, (least, most) in ranges(gait.system.robot, free=False).items():
         if getattr(gait.system.law, name) is None:  # a hip that follows the knee
@@ -195,12 +195,12 @@ def _held(gait: Gait, trajectory: Trajectory, motors: Motors) -> tuple[str, ...]
 
 
 def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
-    """The best hop beside one by SPEAR-II's law, scaled, with one of some frequencies of its square wave.
+    """Finds the best hop near one by SPEAR-II's scaled law, for some frequencies of its square wave.
 
-    That hop is about as long in the air as SPEAR-II's for the leg's size, or as is wanted.
+    The flight time of that hop is SPEAR-II's for the leg's size, or the wanted one.
 
     Raises:
-        NoGait: there is none beside any.
+        NoGait: there is no hop near any of them.
     """
     system = scaled_hopping(robot)
     failures = []
@@ -224,7 +224,7 @@ def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
 
 
 def _down(task: Task, gait: Gait, measure: str, motors: Motors | None) -> Gait:
-    """The hop at the end of the descent from one, if it costs less, and limits are kept."""
+    """Returns the hop at the end of the descent, if it costs less and keeps within limits."""
     end, (least, most) = descended(gait, measure, motors, task.ranges, TAUT), task.ranges[TORQUE]
     if not least <= parameter(end.system, TORQUE) <= most:
         return gait
@@ -238,7 +238,7 @@ def _task(robot: Robot, point: Point, cost: Any, spare: Any, mesh: int) -> Task:
 
 
 class Hops(Gaits):
-    """Hops of one leg in place, by fixed points."""
+    """Hops of one leg in place, found as fixed points."""
 
     kind = "hopping"
     words = WORDS
@@ -246,7 +246,7 @@ class Hops(Gaits):
     finer = (FINER,)
 
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
-        """As of `Gaits`."""
+        """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
         point, (mesh,) = asked.point, asked.meshes
         task = _task(robot, point, partial(electricity, motors), partial(kept, motors), mesh)
         if asked.start is None or asked.start.gait is None:
@@ -258,31 +258,31 @@ class Hops(Gaits):
         return gait, figures_of(gait, motors, mesh), None
 
     def reference(self, robot: Robot, speed: float) -> Gait:
-        """As of `Gaits`."""
+        """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
         point = Point(NONE, speed)
         task = _task(robot, point, effort, partial(kept, None), MESH)
         return _down(task, _from_cold(robot, point, task), "effort", None)
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
-        """As of `Gaits`: flight times."""
+        """Returns default flight times for the robot's size."""
         return tuple(float(f"{share * USUAL * scale_of(robot).time:.3g}") for share in SHARES)
 
     def first(self, robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
-        """As of `Gaits`: those first that are like SPEAR-II's for the leg's size."""
+        """Returns flight times in the order for a first hop: those near SPEAR-II's for the leg's size first."""
         usual = USUAL * scale_of(robot).time
         return sorted(speeds, key=lambda flight: abs(math.log(flight / usual)))
 
     def stiffness(self, robot: Robot) -> float:
-        """As of `Gaits`."""
+        """Returns the stiffness of a leg's spring for the robot's size, in N·m/rad."""
         return Spring.scaled(robot).stiffness
 
     def check(self, robot: Robot, speeds: Sequence[float]) -> None:
-        """As of `Gaits`."""
+        """Refuses flight times that no such gait has."""
         for flight in speeds:
             check_wanted(scaled_hopping(robot), {"flight_time": flight})
 
     def asked(self, robot: Robot) -> Mapping[str, Any]:
-        """As of `Gaits`."""
+        """Returns further data that tell one study from another."""
         return {
             "gait": "hop",
             "search": "with descent",
@@ -290,7 +290,7 @@ class Hops(Gaits):
         }
 
     def energy(self, robot: Robot, figures: Figures) -> float:
-        """As of `Gaits`."""
+        """Returns the energy that the motors of the whole robot draw in a cycle, in J."""
         return figures.cost * work(robot, figures.speed)
 
 
@@ -298,15 +298,15 @@ HOPS = Hops()
 
 
 def hops(robot: Robot, path: Path, **options: Any) -> Study:
-    """Hops of least electricity without a spring, with fixed and with switchable ones.
+    """Finds hops of least electricity without a spring, with fixed and with switchable ones.
 
     Args:
         robot: a leg with boom_x locked, as `spear_pin.monopod` cuts it, or SPEAR-II.
-        path: of the store; what is in it is not searched again.
-        **options: as of `studied`; speeds are flight times, in s, by default `SHARES` of SPEAR-II's for the leg's size.
+        path: path of the store; searches in it are not repeated.
+        **options: see `studied`; speeds are flight times, in s, by default `SHARES` of SPEAR-II's for the leg's size.
 
     Raises:
-        NoGait, BadFile, BadValue: as of `studied`.
+        NoGait, BadFile, BadValue: see `studied`.
         MissingExtra: heyoka, or for several processes joblib, is not installed.
     """
     taylor.require()

@@ -1,4 +1,4 @@
-"""From a hop to the first one of another point, by steps of stiffness and flight time that are small enough."""
+"""Continuation from a hop to the first hop of another point, by small steps of stiffness and flight time."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ HALVINGS = 2  # of a step that leads nowhere
 
 @dataclass(frozen=True)
 class Place:
-    """A hop, or nearly one, of a point."""
+    """A hop, or nearly one, for a point."""
 
     point: Point
     system: HybridSystem
@@ -31,7 +31,7 @@ class Place:
 
     @classmethod
     def of(cls, kind: str, gait: Gait) -> Place:
-        """Where a gait with a kind of knee is."""
+        """Returns the place of a gait with a kind of knee."""
         spring = gait.system.spring.stiffness
         return cls(Point(kind, gait.durations["flight"], spring), gait.system, gait.state)
 
@@ -41,15 +41,15 @@ class Place:
         return float(self.system.spring.stiffness + self.system.law.virtual_stiffness)
 
     def wanted(self, point: Point) -> float:
-        """Stiffness to begin with at a point, in N·m/rad: where it is free that of here, or what the motor imitates."""
+        """Returns the starting stiffness for a point, in N·m/rad: if free, this place's, or the imitated spring's."""
         return point.stiffness if point.stiffness is not None else self.system.spring.stiffness or self.whole
 
 
 def begun(place: Place, point: Point) -> Place:
-    """The same at another point: what its spring does not do of the one before, a virtual one does.
+    """Returns the place at another point: a virtual spring replaces the part that the new spring lacks.
 
-    The damper stays, without a spring too: it is the knee's. The springs pull both ways: where those that are let go
-    would be, no cycle closes, and the way to a hop may lead by there.
+    The damper stays, without a spring too, because it belongs to the knee. The springs act both ways: no cycle closes
+    where springs that release would do so, and the way to a hop may lead through such places.
     """
     law, spring = place.system.law, place.system.spring
     own = place.wanted(point)
@@ -65,12 +65,12 @@ def begun(place: Place, point: Point) -> Place:
 
 
 def let_go(system: HybridSystem) -> HybridSystem:
-    """The system with a spring that is let go where it is slack, but for a fixed one."""
+    """Returns the system with a spring that releases where it is slack, unless the spring is fixed."""
     return rebuilt(system, spring=replace(system.spring, unilateral=system.spring.rest is None))
 
 
 def led(task: Task, place: Place, point: Point) -> Place:
-    """A hop of a point, its stiffness and flight time approached by small steps; the kind changes where there is none.
+    """Finds a hop for a point, by small steps of stiffness and flight time; the kind changes where there is no way.
 
     Raises:
         NoGait: the way ends before.
@@ -85,7 +85,7 @@ def led(task: Task, place: Place, point: Point) -> Place:
 
 
 def _towards(task: Task, place: Place, point: Point, halvings: int) -> Place:
-    """The hop of a point of the same kind, by way of the one between where it is far, or there is none."""
+    """Finds the hop for a point of the same kind, by way of a hop between where it is far, or there is none."""
     if _near(place, point):
         try:
             return _hop(task, begun(place, point))
@@ -107,7 +107,7 @@ def _between(one: Point, other: Point) -> Point:
 
 
 def _hop(task: Task, place: Place) -> Place:
-    """The hop beside."""
+    """Finds the nearby hop."""
     ranges = {name: ends for name, ends in task.ranges.items() if name != "stiffness"}
     task = replace(task, flight_time=place.point.speed, ranges=ranges)
     cycles = Cycles(task, place.system, place.state, chart(place.system, place.state))

@@ -1,4 +1,4 @@
-"""Motors of a payoff study: given, of the robot's own file, or assumed by what a gait without springs takes."""
+"""Motors of a payoff study: given, from the robot's own file, or assumed from a gait without springs."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Motors:
     """Drives of the knees and the hips.
 
     Attributes:
-        knee: of each knee.
-        hip: of each hip.
-        said: of each part where its drive is from, in words.
+        knee: drive of each knee.
+        hip: drive of each hip.
+        said: origin of each part's drive, in words.
         own: parts whose rotors the robot's file has already.
     """
 
@@ -38,12 +38,12 @@ class Motors:
 
 
 def of_file(robot: Robot, part: str, bus: float | None = None) -> Drive | None:
-    """Drive of a part by the robot's TOML file, where it knows the motors of all legs and they are alike.
+    """Returns the drive of a part from the robot's TOML file, where it knows the motors of all legs and they are alike.
 
     Args:
-        robot: in the plane.
+        robot: a robot in the plane.
         part: "knee" or "hip".
-        bus: of the supply, in V; by default the motor's nominal voltage.
+        bus: voltage of the supply, in V; by default the motor's nominal voltage.
     """
     if robot.settings is None:
         return None
@@ -63,7 +63,7 @@ def of_file(robot: Robot, part: str, bus: float | None = None) -> Drive | None:
 
 
 def known(robot: Robot, part: str, bus: float | None = None) -> tuple[Drive, str] | None:
-    """The robot's own drive of a part, and where it is from, in words: its TOML file, or of SPEAR-II the source."""
+    """Returns the robot's own drive of a part, and its origin in words: its TOML file, or the source for SPEAR-II."""
     drive = of_file(robot, part, bus)
     if drive is not None:
         return drive, f"by {robot.settings.path if robot.settings else ''}"
@@ -75,17 +75,17 @@ def known(robot: Robot, part: str, bus: float | None = None) -> tuple[Drive, str
 
 
 def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | None = None) -> Drive:
-    """A catalogue motor scaled so that its continuous torque is `SPARE` times the rms torque of a gait.
+    """Returns a catalogue motor scaled so that its continuous torque is `SPARE` times the rms torque of a gait.
 
     Gears and rotors of the robot's own file stay. The supply is the motor's, or as much as `SPARE` times the gait's
     speed needs.
 
     Args:
-        robot: in the plane.
+        robot: a robot in the plane.
         part: "knee" or "hip".
         torque: largest rms torque of one motor in a gait without springs, in N·m.
-        rate: largest speed of the joints in it, in rad/s.
-        bus: of the supply, in V, if it is known.
+        rate: largest speed of the joints in that gait, in rad/s.
+        bus: voltage of the supply, in V, if it is known.
     """
     like = motor(KIND)
     ratio = _ratio(robot, joints_of(robot, part)[0]) if _has_rotor(robot, part) else None
@@ -96,7 +96,7 @@ def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | No
 
 
 def fitted(robot: Robot, motors: Motors) -> Robot:
-    """The robot with the motors' gears and rotors in it, but for those that its file has."""
+    """Returns the robot with the motors' gears and rotors, except for those that its file has."""
     values: dict[str, float] = {}
     for part in PARTS:
         drive: Drive = getattr(motors, part)
@@ -107,7 +107,7 @@ def fitted(robot: Robot, motors: Motors) -> Robot:
 
 
 def own_rotors(robot: Robot) -> tuple[str, ...]:
-    """Parts whose rotors the robot's file has."""
+    """Returns the parts whose rotors the robot's file has."""
     return tuple(part for part in PARTS if _has_rotor(robot, part))
 
 
@@ -116,5 +116,5 @@ def _has_rotor(robot: Robot, part: str) -> bool:
 
 
 def _ratio(robot: Robot, joint: str) -> float | None:
-    """Gear ratio by the robot's file, 1 for a direct drive that it names; None where it names none."""
+    """Returns the gear ratio in the robot's file, 1 for a direct drive that it names; None where it names none."""
     return float(robot.model.rotorGearRatio[robot.index(joint)]) or None

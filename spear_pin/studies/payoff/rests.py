@@ -1,4 +1,4 @@
-"""What a payoff study rests on, in words."""
+"""Assumptions of a payoff study, in words."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ALWAYS = (
 
 
 def rests_of(study: Study) -> list[tuple[str, str]]:
-    """What a study rests on, names and what they say."""
+    """Returns the assumptions of a study, as names and texts."""
     motors = [(f"{part} motors, {study.motors.said[part]}", _motor(study, part)) for part in PARTS]
     limits = "limits of the file", "; ".join(_limits(study, part) for part in PARTS)
     return [*motors, limits, *study.gaits.words.rests, *ALWAYS]

@@ -1,4 +1,4 @@
-"""Searches of a payoff study in processes, each kept in its store: asked for again it is read, not searched."""
+"""Searches of a payoff study in processes; each is kept in its store, and read from there when it is needed again."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class Searcher:
 
     Attributes:
         gaits: the kind of gait.
-        robot: in the plane, the motors' rotors in it.
-        motors: its motors.
+        robot: robot in the plane, with the motors' rotors.
+        motors: motors of the robot.
         store: where findings are kept.
-        n_jobs: processes.
-        tell: called with what is going on, in words.
+        n_jobs: number of processes.
+        tell: called with messages about progress, in words.
     """
 
     gaits: Gaits
@@ -38,7 +38,7 @@ class Searcher:
     tell: Tell = lambda text: None
 
     def find(self, searches: Sequence[Search]) -> list[SearchEnd]:
-        """What comes of some searches, in their order."""
+        """Returns the findings of some searches, in their order."""
         missing = {each.key: each for each in searches if self.store.get(each.key) is None}
         if missing:
             words = self.gaits.words

@@ -1,4 +1,4 @@
-"""Searches of a payoff study and what came of them, and both in JSON's terms."""
+"""Searches of a payoff study and their findings, and both as JSON."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ class Search:
     """One search.
 
     Attributes:
-        point: what is asked.
-        start: the finding to start from; None: cold.
-        meshes: intervals of each phase, as of `spear_pin.gaits.optimize.search`; of a hop the samples of each phase.
+        point: the point to search at.
+        start: the finding to start from; None: the search starts from initial guesses.
+        meshes: intervals of each phase, see `spear_pin.gaits.optimize.search`; for a hop the samples of each phase.
     """
 
     point: Point
@@ -33,24 +33,24 @@ class Search:
 
     @property
     def key(self) -> str:
-        """Its name in the store."""
+        """Name of the search in the store."""
         return digest([asdict(self.point), None if self.start is None else self.start.key, list(self.meshes)])
 
 
 @dataclass(frozen=True)
 class SearchEnd:
-    """What came of a search.
+    """Finding of a search.
 
     Attributes:
-        key: of the search.
-        point: what was asked.
-        origin: the point that it began from, in words.
+        key: key of the search.
+        point: point of the search.
+        origin: point from which it began, in words.
         meshes: intervals of each phase.
-        seconds: of a processor.
+        seconds: CPU time, in s.
         reason: why there is no gait; empty where there is one.
-        figures: of the gait.
-        gait: what `rebuilt` makes it from.
-        solution: the optimiser's, of a bound.
+        figures: figures of the gait.
+        gait: data from which `rebuilt` makes the gait.
+        solution: solution of the optimiser, for a bound.
     """
 
     key: str
@@ -70,7 +70,7 @@ class SearchEnd:
 
 
 def written(gait: Gait) -> dict[str, Any]:
-    """What of a gait the robot does not say, in JSON's terms."""
+    """Returns the data of a gait that its robot does not give, as JSON."""
     return {
         "law": asdict(gait.system.law),
         "spring": asdict(gait.system.spring),
@@ -83,7 +83,7 @@ def written(gait: Gait) -> dict[str, Any]:
 
 
 def rebuilt(kind: str, robot: Robot, said: Mapping[str, Any]) -> Gait:
-    """The gait of a robot that `written` wrote, of a kind among ``KINDS`` of `spear_pin.gaits.gait`."""
+    """Returns the gait of a robot that `written` wrote, of a kind among ``KINDS`` of `spear_pin.gaits.gait`."""
     build, law_of = KINDS[kind]
     law = law_of(**{name: _tuples(value) for name, value in said["law"].items()})
     spring = Spring(**{name: _tuples(value) for name, value in said["spring"].items()})
@@ -94,7 +94,7 @@ def rebuilt(kind: str, robot: Robot, said: Mapping[str, Any]) -> Gait:
 
 
 def to_json(finding: SearchEnd) -> dict[str, Any]:
-    """A finding in JSON's terms."""
+    """Returns a finding as JSON."""
     line = {field.name: getattr(finding, field.name) for field in fields(finding)}
     line["point"] = asdict(finding.point)
     line["figures"] = None if finding.figures is None else asdict(finding.figures)
@@ -105,7 +105,7 @@ def to_json(finding: SearchEnd) -> dict[str, Any]:
 
 
 def of_json(line: Mapping[str, Any]) -> SearchEnd:
-    """The finding of a line."""
+    """Returns the finding of a line."""
     said = dict(line) | {"point": Point(**line["point"]), "meshes": tuple(line["meshes"])}
     if line["figures"] is not None:
         said["figures"] = Figures(**line["figures"] | {"held": tuple(line["figures"]["held"])})

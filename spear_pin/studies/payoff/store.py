@@ -1,7 +1,7 @@
 """Store of a payoff study: a file with one search a line, so that nothing is searched twice.
 
 Each line is a JSON object, one field of which is a checksum of the others. The first line says what is studied. Lines
-are appended as searches end; one that was cut off by a kill is dropped.
+are appended as searches end. An incomplete line after a kill is dropped.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ class Store:
     """Lines by their keys, on disk as soon as they are kept.
 
     Args:
-        path: of the file; it is made where there is none.
-        asked: what is studied, in JSON's terms; a file of another study is refused.
+        path: path of the file; it is made where there is none.
+        asked: subject of the study, as JSON; a file of another study is refused.
 
     Raises:
-        BadFile: the file is none, is damaged other than at its end, or is of another study.
+        BadFile: the file is not a store, is damaged other than at its end, or belongs to another study.
     """
 
     def __init__(self, path: Path, asked: Mapping[str, Any]) -> None:
@@ -54,14 +54,14 @@ class Store:
         return len(self._lines)
 
     def get(self, key: str) -> dict[str, Any] | None:
-        """The line of a key, if there is one."""
+        """Returns the line with a key, if there is one."""
         return self._lines.get(key)
 
     def keep(self, line: dict[str, Any]) -> None:
-        """Append a line; it is on disk when this returns.
+        """Appends a line; it is on disk when this returns.
 
         Raises:
-            BadFile: it cannot be written.
+            BadFile: the line cannot be written.
         """
         try:
             with open(self.path, "a", encoding="utf-8") as file:
@@ -74,7 +74,7 @@ class Store:
 
 
 def digest(value: Any) -> str:
-    """A short name of something in JSON's terms."""
+    """Returns a short name for JSON data."""
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:DIGITS]
 
 
@@ -84,7 +84,7 @@ def _line(value: Mapping[str, Any]) -> str:
 
 
 def _read(path: Path) -> list[dict[str, Any]]:
-    """The lines of a file; one at its end that was cut off is removed from it."""
+    """Returns the lines of a file; an incomplete one at its end is removed from it."""
     text = read_bytes(path, MAX_BYTES).decode("utf-8", errors="replace")
     *whole, rest = text.split("\n")
     if whole and whole[0][DIGITS + 1 :].startswith(BEFORE):

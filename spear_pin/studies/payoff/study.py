@@ -1,4 +1,4 @@
-"""Payoff study of any kind of gait: the one of least electrical cost for each knee, stiffness and speed."""
+"""Payoff study of any kind of gait: the gait of least electrical cost for each knee, stiffness and speed."""
 
 from __future__ import annotations
 
@@ -32,22 +32,22 @@ BETTER = 0.005  # of a cost: what counts as better
 
 @dataclass(frozen=True)
 class Study:
-    """What was found.
+    """Findings of a study.
 
     Attributes:
         gaits: the kind of gait.
-        robot: in the plane, the motors' rotors in it.
-        motors: its motors.
-        grid: what was asked.
-        tries: every search on the usual mesh, by point, in order.
-        best: of each kind the cheapest finding at `speed`, its stiffness of the grid or chosen by the optimiser, on the
-            usual mesh or the finer one.
-        finer: the same on a finer mesh; where that failed with a reason.
-        changes: of each kind by how much of its cost the finer mesh changed it; NaN where there is no gait on it.
-        speed: at which the answer is given, as of `Point`.
+        robot: robot in the plane, with the motors' rotors.
+        motors: motors of the robot.
+        grid: grid of the study.
+        tries: all searches on the usual mesh, by point, in order.
+        best: for each kind the cheapest finding at `speed`, with a stiffness of the grid or one that the optimiser
+            chose, on the usual mesh or the finer one.
+        finer: the same on a finer mesh; a failed search has a reason.
+        changes: for each kind, by how much the finer mesh changed its cost; NaN where there is no gait on it.
+        speed: speed of the answer: mean forward speed, in m/s; for a hop in place its flight time, in s.
         chosen: stiffness of a leg's switchable spring that the optimiser chose for the grid, in N·m/rad; None where
             stiffnesses were given, or none was found.
-        seconds: of processors, all searches together.
+        seconds: CPU time of all searches together, in s.
     """
 
     gaits: Gaits
@@ -63,26 +63,26 @@ class Study:
     seconds: float = 0.0
 
     def ends(self, point: Point) -> list[SearchEnd]:
-        """Every search of a point, that on the finer mesh too."""
+        """Returns all searches of a point, with those on the finer mesh."""
         return [*self.tries.get(point, ()), *(end for end in self.finer.values() if end.point == point)]
 
     def at(self, point: Point) -> SearchEnd | None:
-        """The cheapest gait of a point, on whatever mesh; None where there is none."""
+        """Returns the cheapest gait of a point, on whatever mesh; None where there is none."""
         return cheapest(self.ends(point))
 
     def gait(self, finding: SearchEnd) -> Gait:
-        """The gait of a finding that has one."""
+        """Returns the gait of a finding that has one."""
         assert finding.gait is not None
         return rebuilt(self.gaits.kind, self.robot, finding.gait)
 
     def along(self, kind: str, speed: float) -> list[SearchEnd]:
-        """The cheapest gaits of a kind at a speed, by stiffness."""
+        """Returns the cheapest gaits of a kind at a speed, by stiffness."""
         points = [point for point in self.grid if (point.kind, point.speed) == (kind, speed)]
         return [found for point in points if (found := self.at(point)) is not None]
 
 
 def cheapest(findings: Iterable[SearchEnd]) -> SearchEnd | None:
-    """The finding of least cost; None where no search found a gait."""
+    """Returns the finding of least cost; None where no search found a gait."""
     found = [each for each in findings if each.figures is not None]
     return min(found, key=lambda each: each.cost, default=None)
 
@@ -99,24 +99,25 @@ def studied(
     n_jobs: int | None = 1,
     tell: Tell = lambda text: None,
 ) -> Study:
-    """Gaits of least electrical cost without springs, with fixed and with switchable ones.
+    """Finds gaits of least electrical cost without springs, with fixed and with switchable ones.
 
     Args:
         gaits: the kind of gait.
-        robot: in the plane.
-        path: of the store; what is in it is not searched again.
-        speeds: as of `Point`, rising; by default by the robot's size.
-        stiffnesses: of a leg's spring, rising, in N·m/rad; by default `STEPS` of the one that the optimiser chooses.
-        drives: of "knee" and "hip"; those left out are the robot's own, or assumed.
-        bus: of the supply, in V, of motors that are not given.
-        n_jobs: processes.
-        tell: called with what is going on, in words.
+        robot: a robot in the plane.
+        path: path of the store; searches in it are not repeated.
+        speeds: rising speeds in m/s, or flight times in s for a hop in place; by default for the robot's size.
+        stiffnesses: rising stiffnesses of a leg's spring, in N·m/rad; by default `STEPS` of the one that the optimiser
+            chooses.
+        drives: drives of "knee" and "hip"; those left out are the robot's own, or assumed.
+        bus: voltage of the supply, in V, for motors that are not given.
+        n_jobs: number of processes.
+        tell: called with messages about progress, in words.
 
     Raises:
         NoGait, Infeasible: not even a gait without springs was found.
-        BadFile: the store is of another study, or cannot be written.
-        BadValue: what was asked makes no sense.
-        MissingExtra: for several processes joblib, is not installed.
+        BadFile: the store belongs to another study, or cannot be written.
+        BadValue: an argument is not valid.
+        MissingExtra: joblib is not installed, which several processes need.
     """
     speeds = tuple(speeds or gaits.speeds(robot))
     Grid(speeds, tuple(stiffnesses or (1.0,)))
@@ -154,13 +155,13 @@ def studied(
 
 
 def _change(coarse: SearchEnd, fine: SearchEnd) -> float:
-    """Relative change of the cost on a finer mesh, by magnitude; NaN where there is no gait on it."""
+    """Returns the relative change of the cost on a finer mesh, by magnitude; NaN where there is no gait on it."""
     return abs(fine.cost / coarse.cost - 1.0) if np.isfinite(fine.cost) else float(np.nan)
 
 
 @dataclass
 class _Work:
-    """The searches of a study, and what they found so far."""
+    """The searches of a study, with their findings so far."""
 
     searcher: Searcher
     tries: dict[Point, list[SearchEnd]] = field(default_factory=dict)
@@ -180,12 +181,12 @@ class _Work:
         return cheapest(self.tries.get(point, ()))
 
     def improved(self, finding: SearchEnd) -> bool:
-        """Whether a point's gait is better than the first that was found for it."""
+        """Tells whether a point's gait is better than the first that was found for it."""
         first = next(each for each in self.tries[finding.point] if each.figures is not None)
         return finding.cost < (1.0 - BETTER) * first.cost
 
     def begin(self, points: Sequence[Point]) -> SearchEnd:
-        """The gait of the first point that has one, from cold."""
+        """Finds the gait of the first point that has one, from initial guesses."""
         words, reasons = self.searcher.gaits.words, []
         for point in points:
             (found,) = self.search([self.of(point)])
@@ -195,7 +196,7 @@ class _Work:
         raise SpearError(f"there is no {words.one} to begin with: {reasons[0]}")
 
     def stiffnesses(self, bare: SearchEnd) -> tuple[float | None, list[float]]:
-        """The stiffness that the optimiser chooses, and those about it, or about the one by the robot's size."""
+        """Returns the stiffness that the optimiser chooses, and those around it, or around one by the robot's size."""
         point = Point(SWITCHED, bare.point.speed, None)
         (found,) = self.search([self.of(point, bare)])
         if found.figures is None:
@@ -205,9 +206,9 @@ class _Work:
         return chosen, [float(f"{step * chosen:.3g}") for step in STEPS]
 
     def fill(self, grid: Grid, gaits: int = 1) -> None:
-        """Search every point from neighbours that have a gait, until it has so many itself, or enough were tried.
+        """Searches every point from neighbours with a gait, until it has enough gaits, or enough were tried.
 
-        A first gait is searched for from the nearest neighbour, others from the last.
+        The first gait of a point is searched for from the nearest neighbour, others from the last.
         """
         while True:
             searches = []
@@ -222,7 +223,7 @@ class _Work:
             self.search(searches)
 
     def again(self, grid: Grid) -> None:
-        """Search every point once more, until it has a gait from another neighbour."""
+        """Searches every point once more, until it has a gait from another neighbour."""
         self.fill(grid, GAITS)
         for _ in range(FOLLOWED):  # what became better may make its neighbours so
             searches = []
@@ -235,15 +236,15 @@ class _Work:
             self.search(searches)
 
     def _from_neighbours(self, grid: Grid, point: Point) -> list[Search]:
-        """Searches of a point from neighbours' best gaits, but for those that were done."""
+        """Lists searches of a point from neighbours' best gaits, except for those that were done."""
         done = {each.key for each in self.tries.get(point, ())}
         starts = [found for near in grid.neighbours(point) if (found := self.at(near)) is not None]
         return [each for start in starts if (each := self.of(point, start)).key not in done]
 
     def best(self, grid: Grid) -> tuple[dict[str, SearchEnd], float]:
-        """Find of each kind the best at one speed, its stiffness free where several stiffnesses were asked for.
+        """Finds the best of each kind at one speed, with free stiffness if the grid has several stiffnesses.
 
-        The speed is the one at which a switchable spring costs least, of those at which most kinds have a gait.
+        The speed is the one at which a switchable spring costs least, among those at which most kinds have a gait.
         """
         everything = [each for point in grid if (each := self.at(point)) is not None]
         kinds = {

@@ -1,9 +1,10 @@
-"""Verdict of a payoff study at one speed: which knee pays, by a table of what searches found.
+"""Verdict of a payoff study at one speed: which knee pays, by a table of search outcomes.
 
-A gait that was found can be had for its cost, since it is simulated. A search may still miss a cheaper gait. Searches
+A gait that was found has its cost for certain, since it is simulated. A search may still miss a cheaper gait. Searches
 from several starts, for one knee with one stiffness, show how far that may go. So one knee surely costs less than
-another where every search for it, with one of its stiffnesses, ended cheaper than every search for the other knee, and
-at least two starts led to the other knee's gait. Whatever is sure neither way is left open.
+another if two conditions hold. Every search for it, with one of its stiffnesses, ended cheaper than every search for
+the other knee. And at least two starts led to the other knee's gait. Whatever is sure in neither direction is left
+open.
 """
 
 from __future__ import annotations
@@ -26,14 +27,15 @@ VERDICTS = (SWITCHABLE, FIXED, SPRING, NONE, UNKNOWN)
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one search came to.
+    """Outcome of one search.
 
     Attributes:
-        kind: of the knee, one of ``KINDS`` of `grid`.
-        stiffness: of a leg's spring, in N·m/rad; 0 without one.
-        cost: of the gait; what is no finite number > 0 is no gait.
+        kind: kind of the knee, one of ``KINDS`` of `grid`.
+        stiffness: stiffness of a leg's spring, in N·m/rad; 0 without one.
+        cost: cost of the gait; a value that is not a finite number > 0 means no gait.
         chosen: whether the optimiser chose the stiffness.
-        again: whether it began with a gait of the same knee, on a finer mesh: that is no start of its own.
+        again: whether the search began with a gait of the same knee, on a finer mesh: then it is not a start of its
+            own.
     """
 
     kind: str
@@ -50,18 +52,19 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Judgement:
-    """What follows from a table of searches.
+    """Conclusions from a table of searches.
 
     Attributes:
-        verdict: of `VERDICTS`: a switchable spring pays, a fixed one does as well, a spring pays and whether it has to
-            be switched is open, no spring pays, or it cannot be told.
-        why: what leaves the verdict open, in words; empty where nothing does.
-        best: of each kind the cheapest outcome.
-        saving: of each kind of spring the share of the cost without one that its best saves, negative where it costs
+        verdict: one of `VERDICTS`: a switchable spring pays, a fixed one does as well, a spring pays and it is open
+            whether it has to be switched, no spring pays, or it cannot be decided.
+        why: why the verdict is open, in words; empty where it is not.
+        best: cheapest outcome of each kind.
+        saving: for each kind of spring, the share of the cost without one that its best saves, negative where it costs
             more; NaN where one of both is missing.
-        pays: of each kind of spring whether it surely saves `LEAST`, surely does not, or None: it is not sure.
-        spread: of each kind the relative difference between the starts with the stiffness of the best; NaN of one.
-        outside: of each kind of spring the stiffness of the best, where it lies outside those that were asked for.
+        pays: for each kind of spring, whether it surely saves `LEAST` or surely does not; None: it is not sure.
+        spread: for each kind, the relative difference between the starts with the stiffness of the best; NaN for one
+            start.
+        outside: for each kind of spring, the stiffness of the best, where it lies outside the given ones.
     """
 
     verdict: str
@@ -93,7 +96,7 @@ class _Knee(NamedTuple):
 
     @property
     def ends(self) -> str:
-        """Where the searches ended that are for the stiffness with the least cost, in words."""
+        """Results, in words, of the searches for the stiffness with the least cost."""
         group = min(self.groups, key=lambda group: min(group.costs))
         low, high = min(group.costs), max(group.costs)
         cost = f"{low:.3g}" if high == low else f"{low:.3g} to {high:.3g}"
@@ -101,18 +104,18 @@ class _Knee(NamedTuple):
 
 
 class _Comparison(NamedTuple):
-    """Whether a knee surely costs less than another, surely does not, or None: it is open, and why."""
+    """Whether a knee surely costs less than another, or surely does not; None if it is open, with the reason."""
 
     less: bool | None
     why: str
 
 
 def judge(outcomes: Iterable[Outcome], stiffnesses: Sequence[float]) -> Judgement:
-    """Judge searches at one speed.
+    """Judges searches at one speed.
 
     Args:
-        outcomes: of all searches, those without a gait too.
-        stiffnesses: of a leg's spring that were asked for, rising, in N·m/rad.
+        outcomes: outcomes of all searches, with those without a gait.
+        stiffnesses: given stiffnesses of a leg's spring, rising, in N·m/rad.
     """
     table = [outcome for outcome in outcomes if outcome.found]
     knees = {kind: _knee(kind, table, (0.0,) if kind == NONE else stiffnesses) for kind in KINDS}
@@ -146,7 +149,7 @@ def judge(outcomes: Iterable[Outcome], stiffnesses: Sequence[float]) -> Judgemen
 
 
 def spread(outcomes: Iterable[Outcome]) -> float:
-    """Tell how far starts for one knee with one stiffness differ at most, relatively; NaN where no two are alike."""
+    """Returns the largest relative difference between starts for one knee with one stiffness; NaN if none are alike."""
     found = [outcome for outcome in outcomes if outcome.found and not outcome.again]
     groups = [[other.cost for other in found if _alike(other, one)] for one in found]
     return max((max(costs) / min(costs) - 1.0 for costs in groups if len(costs) > 1), default=math.nan)
@@ -165,12 +168,12 @@ def _within(stiffness: float, low: float, high: float) -> bool:
 
 
 def _knee(kind: str, table: Sequence[Outcome], stiffnesses: Sequence[float]) -> _Knee:
-    """What was found of one kind of knee.
+    """Returns what was found for one kind of knee.
 
     Args:
-        kind: of `grid`.
+        kind: kind of `grid`.
         table: outcomes that have a gait.
-        stiffnesses: that were asked for; of each there have to be as many starts as agree.
+        stiffnesses: given stiffnesses; each needs as many starts as agree.
     """
     own = [outcome for outcome in table if outcome.kind == kind]
     groups, doubts = [], []
@@ -197,7 +200,7 @@ def _said(kind: str, stiffness: float) -> str:
 
 
 def _compare(knee: _Knee, other: _Knee) -> _Comparison:
-    """Whether a knee surely costs less than another by `LEAST` of its cost, or surely does not."""
+    """Tells whether a knee surely costs less than another by `LEAST` of its cost, or surely does not."""
     share = 1.0 - LEAST
     if any(max(group.costs) <= share * other.least for group in knee.groups):
         return _Comparison(None if other.doubt else True, other.doubt)
@@ -209,10 +212,10 @@ def _compare(knee: _Knee, other: _Knee) -> _Comparison:
 
 
 def _verdict(fixed: bool | None, switched: bool | None, switch: bool | None) -> str:
-    """The simplest knee that pays: a switch has to save something for itself.
+    """Returns the simplest knee that pays: a switch has to save something for itself.
 
     Args:
-        fixed: whether a fixed spring saves, as `_compare` tells it.
+        fixed: whether a fixed spring saves, by `_compare`.
         switched: whether a switchable one does.
         switch: whether a switchable one costs less than a fixed one.
     """

@@ -1,4 +1,4 @@
-"""The push test of Section 4.1: the leg is pushed down, held, let go; what its knee does."""
+"""The push test of Section 4.1: the leg is pushed down, held, and let go; and the knee's motion after that."""
 
 from spear_pin.studies.push_test.gears import RATIOS, GearRow, gear_study
 from spear_pin.studies.push_test.motion import simulated

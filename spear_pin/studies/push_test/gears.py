@@ -19,9 +19,9 @@ class GearRow:
     """One gear ratio of the study of Figs. 4.5 and 4.6.
 
     Attributes:
-        ratio: None without motor.
+        ratio: gear ratio; None without motor.
         rotor: its inertia reflected to the knee, in kg·m².
-        knee: what acts on the knee.
+        knee: torque law of the knee.
         swing: the small oscillation.
         release: the motion.
     """
@@ -42,13 +42,13 @@ def gear_study(
     engaged: PassiveKnee = WITH_MOTOR,
     disengaged: PassiveKnee = WITHOUT_MOTOR,
 ) -> list[GearRow]:
-    """One release with each gear ratio, as in Fig. 4.6.
+    """Simulates one release with each gear ratio, as in Fig. 4.6.
 
     Args:
         ratios: turns of the rotor per turn of the knee; None without motor.
-        depth: of the push, in m.
+        depth: depth of the push, in m.
         static_rest: whether the knees' zeros are meant as the angle at rest.
-        duration: of the motions, in s.
+        duration: duration of the motions, in s.
         engaged: the knee with motor, for every ratio (default: Table 4.1, with motor, 10 cm).
         disengaged: the knee without (default: Table 4.1, no motor, 10 cm).
 

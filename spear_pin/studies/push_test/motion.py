@@ -1,4 +1,4 @@
-"""The release of Section 4.1 in time: the pinned leg let go, as a hybrid system, with its sensitivities.
+"""The release of Section 4.1: the pinned leg let go, as a hybrid system, with its sensitivities.
 
 A hand holds the leg; at its release the spring is engaged and the knee swings, whose torque is
 
@@ -61,9 +61,9 @@ class KneeMotion:
         angle: θ, (n,), in rad.
         rate: θ̇, (n,), in rad/s.
         acceleration: θ̈, (n,), in rad/s².
-        sensitivity: ∂θ/∂p, (n, parameters), for those asked for.
+        sensitivity: ∂θ/∂p, (n, parameters), for the given parameters.
         turns: times at which the knee stands still between two swings, in s.
-        extrema: θ at them, in rad.
+        extrema: θ at these times, in rad.
         reason: "complete"; or what ended it, the angle being held from there on: "limit" of the joint,
             "step_size", "not_finite", "pieces", too many of them, or "work", more than a release takes: forces are too
             stiff.
@@ -80,15 +80,16 @@ class KneeMotion:
 
 @typed
 def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool | None = None) -> HybridSystem:
-    """The leg, let go as soon as a run begins in the phase "pushed", and swinging.
+    """Returns the system of the leg: let go as soon as a run begins in the phase "pushed", and swinging.
 
-    It has no section: a run ends when the duration is over, where dry friction holds the knee, or at the joint's limit.
+    The system has no section. A run ends when the duration is over, where dry friction holds the knee, or at the
+    joint's limit.
 
     Args:
         leg: the pinned leg, with its rotor.
-        knee: what acts on its knee.
-        duration: of the motion, in s.
-        dry: whether dry friction is among it, be it of zero; None: if there is any.
+        knee: torque law of the knee.
+        duration: duration of the motion, in s.
+        dry: whether there is dry friction, even if it is zero; None: if the knee has any.
     """
     robot, row, (low, high) = leg.robot, leg.robot.index(leg.joint), leg.span
     still, conducts = (0.0,) * robot.nu, knee.braking > 0.0 and knee.braking_from > 0.0
@@ -143,13 +144,13 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
 def simulated(
     leg: PinnedLeg, knee: PassiveKnee, initial_angle: float, duration: float = 1.5, rate: float = 1000.0
 ) -> Trajectory:
-    """Let the leg go at rest, and sample all of its motion, as that of any other system.
+    """Simulates the leg from its release at rest, and samples all of its motion, as for any other system.
 
     Args:
         leg: the pinned leg, with its rotor.
-        knee: what acts on its knee.
-        initial_angle: at which it is let go, in rad.
-        duration: of the motion, in s.
+        knee: torque law of the knee.
+        initial_angle: angle at which it is let go, in rad.
+        duration: duration of the motion, in s.
         rate: samples a second, about.
 
     Raises:
@@ -173,14 +174,14 @@ def move(
     wrt: Sequence[str] = (),
     rtol: float = RTOL,
 ) -> KneeMotion:
-    """Let the leg go at rest and follow its motion.
+    """Lets the leg go at rest, and returns its motion.
 
     Args:
         leg: the pinned leg, with its rotor.
-        knee: what acts on its knee.
-        initial_angle: at which it is let go, in rad.
-        times: at which the motion is wanted, increasing, (n,), in s since the release.
-        wrt: of `PARAMETERS`, those by which θ is derived.
+        knee: torque law of the knee.
+        initial_angle: angle at which it is let go, in rad.
+        times: times of the samples, increasing, (n,), in s since the release.
+        wrt: parameters, of `PARAMETERS`, for the derivatives of θ.
         rtol: relative tolerance; the absolute one is a hundredth of it, in rad and rad/s.
 
     Raises:
@@ -217,7 +218,7 @@ def move(
 
 
 def _checked(leg: PinnedLeg, initial_angle: float, times: ArrayLike, wrt: Sequence[str], rtol: float) -> Array:
-    """The times, if all that `move` takes is valid."""
+    """Returns the times, if all that `move` takes is valid."""
     try:
         at = np.asarray(times, dtype=float)
     except (TypeError, ValueError):
@@ -238,7 +239,7 @@ def _pushed(leg: PinnedLeg, angle: float) -> Moment:
 
 
 def _work(duration: float) -> int:
-    """Right-hand sides that a release may take."""
+    """Returns the number of right-hand sides that a release may take."""
     return WORK + round(WORK_PER_SECOND * duration)
 
 
@@ -255,7 +256,7 @@ def _with_spring(knee: PassiveKnee, spring: Spring) -> PassiveKnee:
 
 
 def _brake_switch(row: int) -> Guard:
-    """The motor begins to brake, or ceases to, where the rate passes the threshold."""
+    """Returns the event at which the motor begins to brake, or ceases to: the rate passes the threshold."""
 
     def beyond(t: Any, q: Any, v: Any, held: Any, p: PassiveKnee, dyn: Dynamics, ops: Operations) -> Any:
         return (1.0 - 2.0 * held["brakes"]) * (p.braking_from - ops.maximum(v[row], -v[row]))
@@ -264,14 +265,14 @@ def _brake_switch(row: int) -> Guard:
 
 
 def _ending_at_rest(domain: Domain) -> Domain:
-    """A swing that dry friction holds is over: nothing will free it."""
+    """Returns a domain in which a swing ends when dry friction holds the knee, because nothing frees it."""
     if domain.phase == "pushed" or all(rub.sign for rub in domain.rubs):
         return domain
     return replace(domain, guards=(Guard("rest", lambda *_: -1.0, ends="stuck"),))
 
 
 def _steps(result: Run, row: int, nq: int) -> Iterator[Step]:
-    """The steps of the swing, in time."""
+    """Returns the steps of the swing, in time."""
 
     def motion(state: Callable[[Array], Array], times: Array) -> Array:
         return np.asarray(state(times)[[row, nq + row]])

@@ -1,4 +1,4 @@
-"""The small oscillation of the knee about its rest: frequency and damping, and both modes of a belt that gives."""
+"""The small oscillation of the knee about its rest: frequency and damping, and both modes with an elastic belt."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from spear_pin.studies.push_test.rest import equilibrium
 
 @dataclass(frozen=True)
 class Swing:
-    """The small oscillation about the static equilibrium, with the damping that is linear.
+    """The small oscillation about the static equilibrium, with linear damping.
 
     Attributes:
-        frequency: undamped, in Hz.
-        damped_frequency: in Hz; 0 where it does not oscillate.
+        frequency: undamped frequency, in Hz.
+        damped_frequency: damped frequency, in Hz; 0 where it does not oscillate.
         damping_ratio: ζ.
-        rotor_share: of the effective inertia there.
+        rotor_share: share of the rotor in the effective inertia there.
     """
 
     frequency: float
@@ -33,14 +33,14 @@ class Swing:
 
 @dataclass(frozen=True)
 class BeltFrequencies:
-    """Undamped frequencies of the small oscillation, in Hz, by how the belt is taken.
+    """Undamped frequencies of the small oscillation, in Hz, by the model of the belt.
 
     Attributes:
-        rigid: no belt in between, the rotor moving with the knee.
-        parallel: the belt added to the spring, the rotor moving with the knee nevertheless: the source's reading.
-        locked: the belt added to the spring, the rotor standing still.
-        low: the belt in series, the rotor floating: the slower mode.
-        high: the faster.
+        rigid: a rigid belt; the rotor moves with the knee.
+        parallel: the belt added to the spring, and the rotor still moving with the knee: the source's reading.
+        locked: the belt added to the spring, and the rotor standing still.
+        low: the belt in series with a floating rotor: the slower mode.
+        high: the same: the faster mode.
     """
 
     rigid: float
@@ -52,7 +52,7 @@ class BeltFrequencies:
 
 @typed
 def swing(leg: PinnedLeg, knee: PassiveKnee) -> Swing:
-    """The small oscillation about the static equilibrium.
+    """Returns the small oscillation about the static equilibrium.
 
     Raises:
         BadValue: the leg does not rest on its spring.
@@ -72,18 +72,18 @@ def swing(leg: PinnedLeg, knee: PassiveKnee) -> Swing:
 
 @typed
 def belt_frequencies(leg: PinnedLeg, knee: PassiveKnee, belt: float) -> BeltFrequencies:
-    """The small oscillation with a belt that is not rigid, read in either way.
+    """Returns frequencies of the small oscillation with an elastic belt, by either reading.
 
-    The source adds the belt to the spring, which holds while the rotor does not turn. Without current the
-    rotor floats, and the belt lies in series between it and the knee: two inertias, two modes.
+    The source adds the belt to the spring, which is right while the rotor does not turn. Without current the rotor
+    floats, and the belt is in series between rotor and knee: two inertias, two modes.
 
     Args:
         leg: the pinned leg, with its rotor.
-        knee: with the stiffness of its spring alone.
+        knee: torque law of the knee with the stiffness of its spring alone.
         belt: k_rotBelt of (4.7), in N·m/rad.
 
     Raises:
-        BadValue: the belt or the rotor is none, or the leg does not rest on its spring.
+        BadValue: the belt or the rotor is missing, or the leg does not rest on its spring.
     """
     require("belt", belt, lambda k: k > 0, "a stiffness > 0, in N·m/rad")
     require("rotor", leg.rotor, lambda inertia: inertia > 0, "an inertia > 0, in kg·m²")

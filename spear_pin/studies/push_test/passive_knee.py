@@ -1,6 +1,7 @@
-"""Torques on the knee of the push test: its spring, friction, and what a motor without command adds.
+"""Torques on the knee of the push test: its spring, friction, and the braking of a motor without command.
 
-The law of the spring is `Spring`'s, and that of a motion with events the hybrid system's, see `motion.released`.
+The law of the spring is that of `Spring`. The law of a motion with events is that of the hybrid system, see
+`motion.released`.
 """
 
 from __future__ import annotations
@@ -25,16 +26,15 @@ MOST = 1e30  # N·m of dry friction: with more, forces are no numbers
 class PassiveKnee:
     """Torque on the knee while no motor acts: -k (θ - θ₀) - b θ̇ - τ_c sign θ̇, in N·m.
 
-    In the push test the spring stays engaged, its zero is an angle of its own, and it is taken to pull
-    both ways.
+    In the push test the spring stays engaged, its zero is an angle of its own, and it acts both ways.
 
     Attributes:
         stiffness: k_rot, in N·m/rad (default: source Table 4.1, with motor, 10 cm).
         damping: b, in N·m·s/rad (default: source Table 4.1, with motor, 10 cm).
         coulomb: τ_c, in N·m; the source has none.
         zero: θ₀, the angle at which the spring is slack, in rad (default: RA of Table 4.1, read so).
-        unilateral: whether the spring pulls only beyond its zero, as a chain does.
-        braking: what a motor without command adds to b beyond a rate, in N·m·s/rad (see `power_off`).
+        unilateral: whether the spring pulls only beyond its zero, like a chain.
+        braking: addition of a motor without command to b beyond a rate, in N·m·s/rad (see `power_off`).
         braking_from: that rate, in rad/s.
     """
 
@@ -47,7 +47,7 @@ class PassiveKnee:
     braking_from: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check the fields."""
+        """Checks the fields."""
         for name, unit, most in (
             ("stiffness", "N·m/rad", STIFFEST),
             ("damping", "N·m·s/rad", STIFFEST),
@@ -65,25 +65,25 @@ class PassiveKnee:
         return Spring(self.stiffness, self.damping, self.unilateral)
 
     def braking_torque(self, rate: Any, maximum: Callable[[Any, float], Any] = np.maximum) -> Any:
-        """Of the motor, against the motion beyond a rate, in N·m, of whatever scalars `maximum` takes."""
+        """Returns the motor's torque against the motion beyond a rate, in N·m, for scalars that `maximum` takes."""
         forward, backward = maximum(rate - self.braking_from, 0.0), maximum(-rate - self.braking_from, 0.0)
         return -self.braking * (forward - backward)
 
     def torque(self, angle: ArrayLike, rate: ArrayLike, pulls: ArrayLike, direction: ArrayLike) -> Array:
-        """All of it, in N·m.
+        """Returns the whole torque, in N·m.
 
         Args:
             angle: θ, in rad.
             rate: θ̇, in rad/s.
-            pulls: 1 where the spring does, 0 where it is slack.
-            direction: of the motion as dry friction sees it, -1, 0 or 1.
+            pulls: 1 where the spring acts, 0 where it is slack.
+            direction: direction of the motion for dry friction, -1, 0 or 1.
         """
         elastic = np.asarray(pulls) * self.spring.torque(np.asarray(angle) - self.zero)
         viscous = self.spring.drag(np.asarray(rate)) + self.braking_torque(np.asarray(rate))
         return np.asarray(elastic + viscous - self.coulomb * np.asarray(direction))
 
     def spring_torque(self, angle: ArrayLike) -> Array:
-        """-k (θ - θ₀), in N·m."""
+        """Returns -k (θ - θ₀), in N·m."""
         stretch = np.asarray(angle) - self.zero
         return np.asarray(self.spring.torque(np.maximum(stretch, 0.0) if self.unilateral else stretch))
 

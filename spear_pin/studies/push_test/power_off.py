@@ -1,8 +1,8 @@
-"""The power-off experiment of Section 4.1.5.3, Fig. 4.7: does a motor without command brake the swing?
+"""The power-off experiment of Section 4.1.5.3, Fig. 4.7: whether a motor without command brakes the swing.
 
-Without a command all switches of the bridge are open. The motor is then a generator without load until its
-back-EMF (4.8) exceeds the battery and two diodes; connecting the power supply makes no difference below that.
-A motor with its phases shorted would.
+Without a command all switches of the bridge are open. The motor is then a generator without load until its back-EMF
+(4.8) exceeds the battery and two diodes. Below that, a connected power supply makes no difference. A motor with shorted
+phases would brake.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ CASES: dict[str, State | None] = {
 
 @dataclass(frozen=True)
 class PowerOff:
-    """One case.
+    """One case of the experiment.
 
     Attributes:
-        label: which.
+        label: label of the case.
         release: the motion.
-        peak_emf: largest back-EMF of the motor, in V; 0 without.
-        threshold: back-EMF above which current flows, in V; infinite for none.
+        peak_emf: largest back-EMF of the motor, in V; 0 without one.
+        threshold: back-EMF above which current flows, in V; infinite if it never does.
         apart: largest difference of the boom's height from the case with the supply off, in m.
     """
 
@@ -50,15 +50,15 @@ class PowerOff:
 def idling(
     knee: PassiveKnee, state: State, machine: Motor, ratio: float, battery: Battery, bridge: Bridge
 ) -> PassiveKnee:
-    """The knee with what a motor adds to it while nothing is commanded.
+    """Returns the knee with the braking of a motor without command.
 
     Args:
-        knee: without that.
-        state: of the bridge, see `spear_pin.model.bridge.idle_current`.
+        knee: torque law of the knee without the motor.
+        state: state of the bridge, see `spear_pin.model.bridge.idle_current`.
         machine: needs `torque_constant` and `resistance`.
-        ratio: of its gearbox.
-        battery: behind the bridge.
-        bridge: its diodes.
+        ratio: ratio of its gearbox.
+        battery: battery behind the bridge.
+        bridge: bridge with its diodes.
     """
     constant, resistance = machine.known("torque_constant"), machine.known("resistance")
     if state == "open":
@@ -80,16 +80,16 @@ def power_off(
     static_rest: bool = False,
     duration: float = 1.5,
 ) -> list[PowerOff]:
-    """The release with the motor in each of the states of Fig. 4.7, and shorted.
+    """Simulates the release with the motor in each of the states of Fig. 4.7, and shorted.
 
     Args:
-        depth: of the push, in m.
-        ratio: of the gearbox.
+        depth: depth of the push, in m.
+        ratio: ratio of the gearbox.
         machine: the knee motor (default: the source's, its resistance an assumption).
         battery: default 24 V.
         bridge: default diodes of 0.7 V.
         static_rest: whether RA is the angle at rest.
-        duration: of the motions, in s.
+        duration: duration of the motions, in s.
     """
     machine, battery, bridge = machine or motor("spear_ii_knee"), battery or Battery(), bridge or Bridge()
     limits = {"open": np.inf, "coast": conduction_threshold(battery, bridge), "short": 0.0}

@@ -26,12 +26,12 @@ class Release:
         t: time since the release, (n,), in s.
         angle: θ, (n,), in rad.
         rate: θ̇, (n,), in rad/s.
-        height: of the hip above the toe, (n,), in m.
-        force: of the ground on the toe, x and z, (n, 2), in N; negative z is what the pin would have to pull.
+        height: height of the hip above the toe, (n,), in m.
+        force: force of the ground on the toe, x and z, (n, 2), in N; where z is negative, the pin would have to pull.
         rest: angle of the static equilibrium without dry friction, in rad.
         turns: times at which the knee stands still, in s.
-        extrema: the angles there, in rad.
-        lift_off: when the pinned leg begins to pull on the ground, in s; None if it never does.
+        extrema: angles at these times, in rad.
+        lift_off: time at which the pinned leg begins to pull on the ground, in s; None if it never does.
         reason: "complete", or what ended the motion (see `KneeMotion`).
     """
 
@@ -56,13 +56,13 @@ def release(
     rate: float = RATE,
     rtol: float = RTOL,
 ) -> Release:
-    """Push the leg down by a depth, in m, below its rest, and let it go.
+    """Pushes the leg down by a depth, in m, below its rest, lets it go, and returns the release.
 
     Args:
         leg: the pinned leg, with its rotor.
-        knee: what acts on its knee.
-        depth: in m.
-        duration: of the motion, in s.
+        knee: torque law of the knee.
+        depth: depth of the push, in m.
+        duration: duration of the motion, in s.
         rate: samples a second.
         rtol: relative tolerance of the integration.
 
@@ -90,7 +90,7 @@ def release(
 
 
 def _crossing(t: Array, force: Array) -> float | None:
-    """When a force first becomes negative, between samples by a straight line."""
+    """Returns when a force first becomes negative, linearly between samples."""
     below = np.flatnonzero(force < 0.0)
     if below.size == 0:
         return None

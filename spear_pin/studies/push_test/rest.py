@@ -1,7 +1,7 @@
 """The leg of the push test before its release: pinned, at rest on its spring, pushed down by a depth.
 
-The source's RA, "the resting angle", has two readings: the zero of the spring, or the angle at which the
-leg rests on it. They differ by the weight's share, Sᵀ G / k, about 0.2 rad.
+The source's RA, "the resting angle", has two readings: the zero of the spring, or the angle at which the leg rests on
+it. They differ by the weight's share, Sᵀ G / k, about 0.2 rad.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from spear_pin.studies.push_test.passive_knee import PassiveKnee
 @typed
 @cache
 def spear_ii(ratio: float | None = 15.0) -> PinnedLeg:
-    """SPEAR-II on its slider, its toe pinned.
+    """Returns SPEAR-II on its slider, with its toe pinned.
 
     Args:
-        ratio: of the knee's gearbox; None for the belt taken off, no rotor.
+        ratio: ratio of the knee's gearbox; None if the belt is off, without rotor.
     """
     robot = load("spear_ii", locked=["boom_x"])
     return pin_toe(vary(robot, knee_rotor=0.0) if ratio is None else vary(robot, knee_ratio=ratio))
@@ -34,10 +34,10 @@ def spear_ii(ratio: float | None = 15.0) -> PinnedLeg:
 
 @typed
 def equilibrium(leg: PinnedLeg, knee: PassiveKnee) -> float:
-    """The angle at which the leg rests on its spring, in rad, dry friction aside.
+    """Returns the angle at which the leg rests on its spring, in rad, without dry friction.
 
     Raises:
-        BadValue: within the joint's limits it does not rest, or at several angles.
+        BadValue: within the joint's limits the leg does not rest, or rests at several angles.
     """
     angles = np.linspace(*leg.span, 2001)
     torque = knee.spring_torque(angles) - leg.gravity(angles)
@@ -57,14 +57,14 @@ def equilibrium(leg: PinnedLeg, knee: PassiveKnee) -> float:
 
 @typed
 def resting_at(leg: PinnedLeg, knee: PassiveKnee, rest: float) -> PassiveKnee:
-    """Knee with the spring's zero such that the leg rests at an angle, in rad: RA read so."""
+    """Returns the knee whose spring's zero lets the leg rest at an angle, in rad, the second reading of RA."""
     require("stiffness", knee.stiffness, lambda k: k > 0, "a number > 0, in N·m/rad")
     return replace(knee, zero=rest + float(leg.gravity(rest)) / knee.stiffness)
 
 
 @typed
 def pushed_angle(leg: PinnedLeg, knee: PassiveKnee, depth: float) -> float:
-    """The knee's angle with the hip a depth, in m, below its height at rest.
+    """Returns the knee's angle with the hip a depth, in m, below its height at rest.
 
     Raises:
         BadValue: the leg cannot go that deep.

@@ -1,4 +1,4 @@
-"""Derivatives of a release by its parameters: its equation of motion, linearised along it.
+"""Derivatives of a release by its parameters: the linearised equation of motion along the release.
 
     J δ̈ = (∂τ/∂θ - G' - ½ J'' θ̇² - J' θ̈) δ + (∂τ/∂θ̇ - J' θ̇) δ̇ + ∂τ/∂p,      δ = ∂θ/∂p
 
@@ -29,15 +29,15 @@ POLYNOMIALS = np.linalg.inv(np.vander(NODES, increasing=True))  # those that are
 
 @dataclass(frozen=True)
 class Step:
-    """One step of the motion, in which what acts on the knee is smooth.
+    """One step of the motion, in which the torque law of the knee is smooth.
 
     Attributes:
-        begin: in s.
-        end: in s.
+        begin: beginning, in s.
+        end: end, in s.
         motion: θ and θ̇ at times, (2, n).
-        pulls: 1 where the spring does, 0 where it is slack.
+        pulls: 1 where the spring acts, 0 where it is slack.
         brakes: 1 where the motor brakes, else 0.
-        direction: of the motion as dry friction sees it, -1, 0 or 1.
+        direction: direction of the motion for dry friction, -1, 0 or 1.
     """
 
     begin: float
@@ -49,14 +49,14 @@ class Step:
 
 
 def derivatives(leg: PinnedLeg, knee: PassiveKnee, steps: Sequence[Step], wrt: Sequence[str], times: Array) -> Array:
-    """∂θ/∂p at increasing times, (n, parameters); after the last step they stay as they are.
+    """Returns ∂θ/∂p at increasing times, (n, parameters); after the last step they stay constant.
 
     Args:
-        leg: with its rotor.
-        knee: what acts on it.
-        steps: of the motion, one after the other from rest.
+        leg: the leg with its rotor.
+        knee: torque law of the knee.
+        steps: steps of the motion, one after the other from rest.
         wrt: the parameters, of `PARAMETERS`.
-        times: (n,), in s.
+        times: times, (n,), in s.
     """
     angle = np.array([float(name == "initial_angle") for name in wrt])
     if not steps or not wrt:
@@ -81,13 +81,13 @@ def derivatives(leg: PinnedLeg, knee: PassiveKnee, steps: Sequence[Step], wrt: S
 
 
 def _integrals(place: Array) -> tuple[Array, Array]:
-    """The polynomials' integrals from 0 to a place on a step of length one, and the integrals of these: (n, STAGES)."""
+    """Returns integrals of the polynomials from 0 to a place on a unit step, and integrals of these, (n, STAGES)."""
     powers = place[:, None] ** POWERS / POWERS
     return powers @ POLYNOMIALS, (powers * place[:, None] / (POWERS + 1)) @ POLYNOMIALS
 
 
 def _responses(leg: PinnedLeg, knee: PassiveKnee, steps: Sequence[Step], wrt: Sequence[str], h: Array) -> Array:
-    """δ̈ at the nodes of each step per δ and δ̇ at its beginning, and for none of them: (steps, STAGES, 2 + wrt)."""
+    """Returns δ̈ at each step's nodes per initial δ and δ̇, and for none of them: (steps, STAGES, 2 + wrt)."""
     theta, v = np.stack([s.motion(s.begin + NODES * (s.end - s.begin)) for s in steps], axis=1)
     pulls, brakes, direction = (
         np.array([[getattr(step, name)] for step in steps]) for name in ("pulls", "brakes", "direction")
@@ -114,7 +114,7 @@ def _responses(leg: PinnedLeg, knee: PassiveKnee, steps: Sequence[Step], wrt: Se
 
 
 def _jumps(leg: PinnedLeg, knee: PassiveKnee, steps: Sequence[Step]) -> list[float]:
-    """Ratio of δ̇ after the beginning of each step to that before."""
+    """Returns the ratio of δ̇ after the beginning of each step to that before."""
     jumps = [1.0]
     for before, after in pairwise(steps):
         if before.direction == after.direction:

@@ -1,6 +1,6 @@
 """Design maps: fixed points and multipliers over any parameters, in chunks, on any number of processes.
 
-`points` make a `job`, whose `chunks` are solved, and kept in a `store`.
+`points` make a `job`; its `chunks` are solved and kept in a `store`.
 """
 
 from spear_pin.studies.sweep.chunks import reasons, sweep, table

@@ -1,4 +1,4 @@
-"""A sweep solved chunk by chunk, here, in processes or on a Dask cluster, and stored as it comes.
+"""A sweep solved chunk by chunk, in this process, in several, or on a Dask cluster; each chunk is stored when done.
 
 The rows do not depend on where they were solved.
 """
@@ -43,21 +43,22 @@ def sweep(
     resume: bool = False,
     on_points: Callable[[int, int], object] = lambda done, total: None,
 ) -> Any:
-    """Find the gaits at many points, and store them as an xarray Dataset in zarr.
+    """Finds the gaits at many points, and stores them as an xarray Dataset in zarr.
 
-    What is done is on disk chunk by chunk; after a kill the same call with `resume` loses no chunk and repeats none.
+    Each finished chunk is on disk. After a kill, the same call with `resume` loses no chunk and repeats none.
 
     Args:
-        system: robot, law, spring and ground, for what the points leave open.
+        system: robot, law, spring and ground, for everything that the points do not set.
         points: numbers by name, (n,) each: fields of law, spring or contact, those of `variants.PARAMETERS` that the
-            robot has, or measures of the cycle, which are targets then. See `grid` and `sample`.
-        out: the folder to write, *.zarr; until it is whole, chunks are beside it in *.zarr.parts.
+            robot has, or measures of the cycle, which then are targets. See `grid` and `sample`.
+        out: the folder to write, *.zarr; until it is complete, chunks are next to it in *.zarr.parts.
         vary: parameters to solve for at each point.
         target: wanted values of measures at all points; with those among `points` as many as `vary`.
-        rtol: as of `find_many`.
-        chunk: points that are solved together, and lost together.
-        n_jobs: processes; by default that of `joblib.parallel_config`, in which a Dask cluster can be named, else one.
-        resume: go on where this sweep was broken off.
+        rtol: relative tolerance; see `find_many`.
+        chunk: number of points that are solved together, and lost together.
+        n_jobs: number of processes; by default that of `joblib.parallel_config`, in which a Dask cluster can be named,
+            else one.
+        resume: whether to continue an interrupted sweep.
         on_points: called with the number of points done and of all.
 
     Returns:
@@ -65,9 +66,9 @@ def sweep(
 
     Raises:
         MissingExtra: heyoka, joblib, xarray or zarr is not installed.
-        UnknownName: no parameter or measure of a name.
-        BadValue: what was asked makes no sense.
-        BadFile: something is there already, or what is to be resumed is another sweep.
+        UnknownName: no parameter or measure has such a name.
+        BadValue: an argument is not valid.
+        BadFile: a file is there already, or the sweep to resume is another one.
     """
     taylor.require()
     store.require()
@@ -96,15 +97,15 @@ def sweep(
 
 
 def reasons(dataset: Any) -> NDArray[np.str_]:
-    """Reason for which each point's search ended, in words of `gaits.gait_table.REASONS`."""
+    """Returns the reason for which each point's search ended, in words of `gaits.gait_table.REASONS`."""
     return np.asarray(np.array(list(REASONS))[dataset["reason"].to_numpy()])
 
 
 def table(dataset: Any) -> GaitTable:
-    """The rows of a sweep as `gaits.many.find_many` gives them, all of them read; a notebook shows how many ended how.
+    """Returns the rows of a sweep as a table of `gaits.many.find_many`, all read; a notebook shows how many ended how.
 
     Args:
-        dataset: what `sweep` returns, or what was read of its folder.
+        dataset: the Dataset that `sweep` returned, or one read from its folder.
     """
     attributes, arrays = dataset.attrs, {name: dataset[name].to_numpy() for name in dataset.variables}
     phases = [str(phase) for phase in attributes["phases"]]
@@ -124,7 +125,7 @@ def _solve(index: int, job: Job) -> tuple[int, Rows]:
 
 
 def _start(system: HybridSystem, job: Job) -> dict[str, Any]:
-    """Start of every lane: the gait of the system as it is, or its guess if it has none."""
+    """Returns the start of every lane: the gait of the system as it is, or its guess if it has none."""
     targets: dict[Any, float] = {
         name: float(np.median(values)) for name, values in job.points.items() if name in system.measures
     }

@@ -1,4 +1,4 @@
-"""The job of a sweep: what is solved for at which points, checked, in a form that goes to another process."""
+"""The job of a sweep: unknowns, targets and points, checked, in a form that other processes can receive."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ CARRIED = ("section", "cyclic", "phase_limit", "shortest_flight")  # fields that
 
 @dataclass(frozen=True)
 class Job:
-    """Job of solving at some points, in a form that goes to another process.
+    """A job of solving at some points, in a form that other processes can receive.
 
     Attributes:
-        kind: of the system.
+        kind: kind of the system.
         robot: the robot that is varied.
         parts: law, spring and contact.
-        changes: what else was made of the system, in order.
-        replaced: fields replaced in it.
+        changes: other changes of the system, in order.
+        replaced: fields that were replaced in the system.
         points: parameters of the system, of the robot, or measures that are targets, (n,) each.
         vary: parameters to solve for, from the system's own values.
         target: wanted values of measures that are the same at all points.
         guess: a state to begin from.
-        rtol: as of `find_many`.
+        rtol: relative tolerance; see `find_many`.
     """
 
     kind: str
@@ -59,16 +59,16 @@ class Job:
     rtol: float
 
     def take(self, points: slice | NDArray[np.int64]) -> Job:
-        """The job at some of its points."""
+        """Returns the job at some of its points."""
         return replace(self, points={name: values[points] for name, values in self.points.items()})
 
     def system(self, **varied: float) -> HybridSystem:
-        """The system, its robot varied."""
+        """Returns the system with its varied robot."""
         bare = KINDS[self.kind][0](vary(self.robot, **varied), *self.parts.values())
         return replace(reduce(changed, self.changes, bare), **self.replaced)
 
     def rows(self) -> Rows:
-        """Solve: a row for each point, lanes of the same robot together."""
+        """Solves, and returns a row for each point; lanes of the same robot are solved together."""
         n, base = len(next(iter(self.points.values()))), self.system()
         of_robot = [name for name in self.points if name in PARAMETERS]
         shapes = _shapes(base)
@@ -104,7 +104,7 @@ class Job:
 def asked(
     system: HybridSystem, points: Mapping[str, ArrayLike], vary: tuple[str, ...], target: Any, rtol: float
 ) -> Job:
-    """Job as it was asked for, checked; points of one robot stand together."""
+    """Returns the checked job for a request; points of one robot stand together."""
     kept = _check_system(system)
     given = {name: np.array(values, dtype=float) for name, values in points.items()}
     of_robot = [name for name in given if name in parameters_of(system.robot)]
@@ -130,7 +130,7 @@ def asked(
 
 
 def _check_system(system: HybridSystem) -> dict[str, Any]:
-    """Fields that were replaced in a system, which other processes can make with them; others are refused."""
+    """Returns fields that were replaced in a system and that other processes can replace; refuses others."""
     if system.kind not in KINDS or not built_as_named(system):
         raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
     check_lanes(system)
@@ -146,7 +146,7 @@ def _check_system(system: HybridSystem) -> dict[str, Any]:
 
 
 def _check_points(given: Mapping[str, Array], vary: tuple[str, ...]) -> int:
-    """Number of points, which each name has a number for."""
+    """Returns the number of points, for which each name has a number."""
     if not given:
         raise BadValue("points", dict(given), "at least one parameter")
     n = max(values.size for values in given.values())
@@ -159,7 +159,7 @@ def _check_points(given: Mapping[str, Array], vary: tuple[str, ...]) -> int:
 
 
 def _shapes(system: HybridSystem) -> dict[str, tuple[int, ...]]:
-    """Contents of a row, and how many numbers of each."""
+    """Returns the contents of a row, with the count of numbers for each."""
     robot, section = system.robot, system.of_phase(system.section_phase)[0]
     closed = sum(mode != OPEN for mode in section.contacts)
     multipliers = robot.nq + robot.nv - 2 * closed - len(system.cyclic)  # with sliding toes; fewer if they stick
@@ -173,7 +173,7 @@ def _shapes(system: HybridSystem) -> dict[str, tuple[int, ...]]:
 
 
 def _check_name(system: HybridSystem, name: str) -> None:
-    """Raise `UnknownName` with every valid name unless one is a parameter of the system."""
+    """Raises `UnknownName` with every valid name unless one is a parameter of the system."""
     try:
         with_parameters(system, {name: 1.0})
     except UnknownName as error:

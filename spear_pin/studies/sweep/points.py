@@ -17,7 +17,7 @@ from spear_pin.kinds import typed
 
 @typed
 def grid(axes: Mapping[str, ArrayLike]) -> dict[str, Array]:
-    """Every combination of values, the last name running fastest.
+    """Returns every combination of values; the last name runs fastest.
 
     Args:
         axes: values by the names of parameters.
@@ -29,17 +29,17 @@ def grid(axes: Mapping[str, ArrayLike]) -> dict[str, Array]:
 
 @typed
 def sample(ranges: Mapping[str, tuple[float, float]], n: int, method: str = "sobol", seed: int = 0) -> dict[str, Array]:
-    """Points that fill a box evenly.
+    """Returns points that fill a box evenly.
 
     Args:
         ranges: least and largest values by the names of parameters.
-        n: number of points; of a Sobol sequence best a power of two.
+        n: number of points; for a Sobol sequence best a power of two.
         method: "sobol" or "latin", a Latin hypercube.
-        seed: of the scrambling.
+        seed: seed of the scrambling.
 
     Raises:
-        UnknownName: no such method.
-        BadValue: a range is none, n is not positive, or the seed is negative.
+        UnknownName: there is no such method.
+        BadValue: a range is empty, n is not positive, or the seed is negative.
     """
     methods: dict[str, Callable[..., Any]] = {"sobol": scipy.stats.qmc.Sobol, "latin": scipy.stats.qmc.LatinHypercube}
     if method not in methods:

@@ -34,10 +34,10 @@ MEANINGS = " ".join(REASONS)
 
 
 def require() -> Any:
-    """The package xarray.
+    """Returns the package xarray.
 
     Raises:
-        MissingExtra: it or zarr is not installed.
+        MissingExtra: xarray or zarr is not installed.
     """
     for name in ("xarray", "zarr"):
         try:
@@ -50,17 +50,17 @@ def require() -> Any:
 
 
 def parts(out: Path) -> Path:
-    """Folder of the chunks."""
+    """Returns the folder of the chunks."""
     return out.with_name(f"{out.name}.parts")
 
 
 def size(n: int, chunk: int, index: int) -> int:
-    """Number of points of a chunk."""
+    """Returns the number of points of a chunk."""
     return min(chunk, n - index * chunk)
 
 
 def description(job: Job, chunk: int, n: int) -> dict[str, Any]:
-    """Description of what was asked, in JSON's terms, so that two sweeps can be told apart."""
+    """Returns a description of the request as JSON, by which two sweeps can be distinguished."""
     return {
         "format": FORMAT,
         "version": spear_pin.__version__,
@@ -83,10 +83,10 @@ def description(job: Job, chunk: int, n: int) -> dict[str, Any]:
 
 
 def begin(out: Path, described: Mapping[str, Any], resume: bool) -> bool:
-    """Make the folder, or check what is in it; False if there is nothing left to do.
+    """Makes the folder, or checks what is in it; returns False if there is nothing left to do.
 
     Raises:
-        BadFile: something is there that may not be touched, or cannot be resumed.
+        BadFile: a file is there that must not be touched, or a sweep that cannot be resumed.
     """
     described = json.loads(json.dumps(described))
     folder = parts(out)
@@ -111,7 +111,7 @@ def begin(out: Path, described: Mapping[str, Any], resume: bool) -> bool:
 
 
 def started(out: Path, start: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Start of every lane: found once, and read from the manifest after that, so that it is the same after a kill."""
+    """Returns the start of every lane: found once, then read from the manifest, so that it is the same after a kill."""
     found = _manifest(out)
     if "start" not in found:
         found["start"] = start()
@@ -120,14 +120,14 @@ def started(out: Path, start: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 
 
 def missing(out: Path) -> list[int]:
-    """Numbers of the chunks that are not on disk."""
+    """Returns the numbers of the chunks that are not on disk."""
     request = _manifest(out)["request"]
     count = -(-request["number"] // request["chunk"])
     return [index for index in range(count) if not _chunk(out, index).exists()]
 
 
 def keep(out: Path, index: int, rows: Rows) -> None:
-    """Write the rows of a chunk, whole or not at all."""
+    """Writes the rows of a chunk, whole or not at all."""
     with atomic(_chunk(out, index), at_once=True) as temporary, open(temporary, "wb") as file:
         np.savez(file, allow_pickle=False, **rows)
         file.flush()
@@ -135,7 +135,7 @@ def keep(out: Path, index: int, rows: Rows) -> None:
 
 
 def finish(out: Path, job: Job, described: Mapping[str, Any], chunk: int) -> None:
-    """Write the chunks into one store, one at a time, and remove them."""
+    """Writes the chunks into one store, one at a time, and removes them."""
     whole = parts(out) / "whole.zarr"
     shutil.rmtree(whole, ignore_errors=True)
     for index in range(-(-described["number"] // chunk)):
@@ -151,10 +151,10 @@ def finish(out: Path, job: Job, described: Mapping[str, Any], chunk: int) -> Non
 
 
 def read(out: Path) -> Any:
-    """The Dataset of a finished sweep, read lazily.
+    """Returns the Dataset of a finished sweep, read lazily.
 
     Raises:
-        BadFile: it is none.
+        BadFile: the folder is not a finished sweep.
     """
     xarray = require()
     try:
@@ -164,7 +164,7 @@ def read(out: Path) -> Any:
 
 
 def _dataset(job: Job, rows: Mapping[str, Any], described: Mapping[str, Any]) -> Any:
-    """Rows with names and units."""
+    """Returns rows with names and units."""
     xarray, system = require(), job.system()
     robot = system.robot
     values = rows["multipliers"]
@@ -228,7 +228,7 @@ def _attribute(out: Path) -> dict[str, Any]:
 
 
 def _same(path: Path, before: Mapping[str, Any], now: Mapping[str, Any]) -> None:
-    """Refuse to go on with another request."""
+    """Refuses to go on with another request."""
     differing = [name for name in now if before.get(name) != now[name]]
     if differing:
         raise BadFile(
@@ -237,7 +237,7 @@ def _same(path: Path, before: Mapping[str, Any], now: Mapping[str, Any]) -> None
 
 
 def fingerprint(robot: Robot) -> str:
-    """A digest of a robot's numbers, by which two robots can be told apart."""
+    """Returns a digest of a robot's numbers, by which two robots can be distinguished."""
     model = robot.model
     parts = [body.toDynamicParameters() for body in model.inertias]
     parts += [place.homogeneous.ravel() for place in model.jointPlacements]

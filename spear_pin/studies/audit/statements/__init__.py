@@ -1,4 +1,4 @@
-"""Statements of the source in its chapters 2 to 6, as data, and findings on them; to add one, add an entry."""
+"""Statements of the source in its chapters 2 to 6, as data, with findings on them; a new entry adds a statement."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Assumptions of this package, for what the source does not print; statements name those that they rest on."""
+"""Assumptions of this package, where the source prints nothing; each statement names the assumptions it uses."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Other:
-    """Alternative that could have been assumed instead.
+    """An alternative to an assumption.
 
     Attributes:
-        label: in words.
-        given: what a statement's study is called with for it, as (keyword, value).
+        label: label in words.
+        given: arguments, as (keyword, value), with which it calls a statement's study.
     """
 
     label: str
@@ -21,17 +21,17 @@ class Other:
 
 @dataclass(frozen=True)
 class Assumption:
-    """A number or a reading of the text that the source leaves open.
+    """A number, or a reading of the text, that the source leaves open.
 
-    What has neither `others` nor is `settled` stands in for something that is not known, and no statement that rests
-    on it agrees or differs.
+    An assumption with neither `others` nor `settled` replaces an unknown. A statement that uses it neither agrees nor
+    differs.
 
     Attributes:
-        id: that it is called by.
-        what: the source leaves open.
-        here: what stands in its place.
-        others: what a statement that rests on it is looked at with, too.
-        settled: why a statement that rests on it may be judged all the same.
+        id: name in the code.
+        what: what the source leaves open.
+        here: the number or reading that replaces it.
+        others: alternatives with which a statement that uses it is checked, too.
+        settled: why a statement that uses it may be judged all the same.
     """
 
     id: str
@@ -42,7 +42,7 @@ class Assumption:
 
     @property
     def stands_in(self) -> bool:
-        """Whether nothing can be judged that rests on it."""
+        """Whether a statement that uses this assumption cannot be judged."""
         return not (self.others or self.settled)
 
 

@@ -1,4 +1,4 @@
-"""Statements of Section 4.1: the push test, gears, and the motor that is driven from outside."""
+"""Statements of Section 4.1: the push test, gears, and the motor driven from outside."""
 
 from __future__ import annotations
 

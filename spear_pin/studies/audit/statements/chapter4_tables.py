@@ -1,4 +1,4 @@
-"""Statements of Tables 4.1 and 4.2: what was estimated from the push test, and what the motor adds to it."""
+"""Statements of Tables 4.1 and 4.2: estimates from the push test, and how the motor changes them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ AVERAGED = {  # columns of Table 4.2: symbol, unit, and how far rounding may tak
 
 
 def _average(column: str, motor: bool) -> Statement:
-    """The statement that a number of Table 4.2 is the mean of Table 4.1's rows."""
+    """Returns the statement that a number of Table 4.2 is the mean of Table 4.1's rows."""
     name, unit, tolerance = AVERAGED[column]
     printed, case = float(getattr(PRINTED[motor], column)), "with motor" if motor else "no motor"
     return Statement(

@@ -1,4 +1,4 @@
-"""Statements of Chapter 6: conclusions and future work. What repeats an earlier chapter stands there."""
+"""Statements of Chapter 6: conclusions and future work; repetitions of an earlier chapter are listed there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Criteria that numbers have to meet for a statement to hold, in words and as a test; both from the same limits."""
+"""Criteria for the numbers of a statement, in words and as a test; both come from the same limits."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ class Criterion:
     """A test of numbers.
 
     Attributes:
-        text: in words.
-        holds: whether numbers meet it.
+        text: the criterion in words.
+        holds: tells whether numbers meet it.
     """
 
     text: str
@@ -24,20 +24,20 @@ class Criterion:
 
 
 def near(printed: Value, tolerance: float) -> Criterion:
-    """Each number within an absolute tolerance of the printed one."""
+    """Makes the criterion that each number is within an absolute tolerance of the printed one."""
     wanted = "; ".join(f"{number:g}" for number in _tuple(printed))
     text = f"within {tolerance:g} of {wanted}" if tolerance else f"exactly {wanted}"
     return Criterion(text, lambda value: _all_within(value, printed, tolerance))
 
 
 def about(printed: float, share: float) -> Criterion:
-    """Within a share of the printed number."""
+    """Makes the criterion that each number is within a share of the printed one."""
     tolerance = share * abs(printed)
     return Criterion(f"within {100 * share:g} % of {printed:g}", lambda value: _all_within(value, printed, tolerance))
 
 
 def equal(share: float) -> Criterion:
-    """Two numbers within a share of the second of each other."""
+    """Makes the criterion that two numbers differ by at most a share of the second."""
 
     def holds(value: Value) -> bool:
         first, second = _tuple(value)
@@ -47,39 +47,39 @@ def equal(share: float) -> Criterion:
 
 
 def below(limit: float) -> Criterion:
-    """Every number below a limit."""
+    """Makes the criterion that every number is below a limit."""
     return Criterion(f"below {limit:g}", lambda value: max(_tuple(value)) < limit)
 
 
 def above(limit: float) -> Criterion:
-    """Every number above a limit."""
+    """Makes the criterion that every number is above a limit."""
     return Criterion(f"above {limit:g}", lambda value: min(_tuple(value)) > limit)
 
 
 def between(low: float, high: float) -> Criterion:
-    """Every number between two limits, these included."""
+    """Makes the criterion that every number is between two limits, limits included."""
     return Criterion(
         f"from {low:g} to {high:g}", lambda value: low <= min(_tuple(value)) and max(_tuple(value)) <= high
     )
 
 
 def first(criterion: Criterion) -> Criterion:
-    """A criterion for the first number alone; the others are there to compare with."""
+    """Makes a criterion for the first number alone; the other numbers are there for comparison."""
     return Criterion(f"the first {criterion.text}", lambda value: criterion.holds(_tuple(value)[0]))
 
 
 def rising() -> Criterion:
-    """Each number larger than the one before."""
+    """Makes the criterion that each number is larger than the one before."""
     return Criterion("each larger than the one before", lambda value: all(a < b for a, b in pairwise(_tuple(value))))
 
 
 def falling() -> Criterion:
-    """Each number smaller than the one before."""
+    """Makes the criterion that each number is smaller than the one before."""
     return Criterion("each smaller than the one before", lambda value: all(a > b for a, b in pairwise(_tuple(value))))
 
 
 def least(which: int) -> Criterion:
-    """One of the numbers, counted from 0, smaller than each of the others."""
+    """Makes the criterion that one number, counted from 0, is smaller than each of the others."""
 
     def holds(value: Value) -> bool:
         numbers = _tuple(value)

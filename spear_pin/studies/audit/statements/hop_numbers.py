@@ -1,4 +1,4 @@
-"""Numbers of the hop in place that statements ask for."""
+"""Numbers of the hop in place for statements."""
 
 from __future__ import annotations
 
@@ -30,52 +30,52 @@ OFFSET, BOOM_RADIUS = 0.10, 2.0  # m, Section 2.4.4
 
 
 def fixed_point_residual(knee: float = KNEE, friction: float = FRICTION) -> float:
-    """‖P(x) - x‖ of the hop, SI units."""
+    """Returns ‖P(x) - x‖ of the hop, SI units."""
     return float(hop(knee, friction).residual)
 
 
 def largest_multiplier(knee: float = KNEE, friction: float = FRICTION) -> float:
-    """Magnitude of the hop's largest Floquet multiplier."""
+    """Returns the modulus of the hop's largest Floquet multiplier."""
     return float(np.abs(hop(knee, friction).multipliers).max())
 
 
 def leading_multiplier(knee: float = KNEE, friction: float = FRICTION) -> float:
-    """The hop's largest Floquet multiplier, its real part; negative: what is high one hop is low the next."""
+    """Returns the real part of the hop's largest Floquet multiplier; if negative, high and low hops alternate."""
     leading = max(hop(knee, friction).multipliers, key=abs)
     return float(leading.real)
 
 
 def flight_time() -> float:
-    """Duration of flight, in s."""
+    """Returns the duration of flight, in s."""
     return float(hop().durations["flight"])
 
 
 def stance_in_periods() -> float:
-    """Duration of stance over the period of the square wave, 1/f."""
+    """Returns the duration of stance over the period of the square wave, 1/f."""
     return float(hop().durations["stance"] * hop().system.law.frequency)
 
 
 def push_share_of_spring(knee: float = KNEE, friction: float = FRICTION) -> float:
-    """Share of the spring in the push at the knee."""
+    """Returns the share of the spring in the push at the knee."""
     return spring_share(one_hop(knee, friction))
 
 
 def peak_knee_rate() -> float:
-    """Largest rate of the knee, in rad/s."""
+    """Returns the largest rate of the knee, in rad/s."""
     run = one_hop()
     return Curves.of(run.t).amount(run.v[:, run.coordinates.index("knee")])
 
 
 def knee_rate_at_touchdown(knee: float = KNEE, friction: float = FRICTION) -> float:
-    """Rate of the knee just before touchdown, in rad/s."""
+    """Returns the rate of the knee just before touchdown, in rad/s."""
     run = one_hop(knee, friction)
     return float(abs(run.named("touchdown")[-1].v_before[run.coordinates.index("knee")]))
 
 
 def work_against(knee: float = KNEE, friction: float = FRICTION) -> tuple[float, ...]:
-    """Work of the knee motor against the knee's motion in stance, with f halved, as it is, and doubled, in J.
+    """Returns the knee motor's work against the knee's motion in stance, with f halved, as it is, and doubled, in J.
 
-    Each from the touchdown of the hop with f as it is, through the stance that follows.
+    Each run starts at the touchdown of the hop with f as it is, and lasts through the stance that follows.
     """
     gait, found = hop(knee, friction), []
     for factor in (0.5, 1.0, 2.0):
@@ -89,7 +89,7 @@ def work_against(knee: float = KNEE, friction: float = FRICTION) -> tuple[float,
 
 
 def work_and_heat_by_ratio(ratios: Sequence[float] = (7.5, 15.0, 30.0)) -> tuple[float, ...]:
-    """Of the knee motor in a hop by gear ratio: its positive work, in J, then ∫ (τ/N)² dt, in N²m²s."""
+    """Returns the knee motor's positive work in a hop by gear ratio, in J, then ∫ (τ/N)² dt, in N²m²s."""
     work, heat = [], []
     for ratio in ratios:
         run = one_hop(ratio=ratio)
@@ -100,26 +100,26 @@ def work_and_heat_by_ratio(ratios: Sequence[float] = (7.5, 15.0, 30.0)) -> tuple
 
 
 def offset_moment(offset: float = OFFSET) -> float:
-    """Largest moment of the hop's ground force about a slider that the toe is this far ahead of, in N·m."""
+    """Returns the largest moment of the hop's ground force about a slider this far behind the toe, in N·m."""
     run = one_hop()
     return Curves.of(run.t).peak(run.force[:, 0, 1]) * offset
 
 
 def boom_error(angle: float = np.pi / 180.0) -> float:
-    """Error of the hip's height by an error of the rotary boom's angle, over the rise of a hop of 0.2 s of flight."""
+    """Returns the hip's height error by an error of the boom's angle, over the rise of a hop with 0.2 s of flight."""
     boom = RotaryBoom(radius=BOOM_RADIUS, pivot=0.0)
     error = height_by_sine(boom, read_angle(boom, Encoder(offset=angle), 0.0))
     return float(error / (GRAVITY * FLIGHT_TIME**2 / 8.0))
 
 
 def squared_gains() -> tuple[float, float]:
-    """Squares of the printed proportional gains of hip and knee, in (N·m/rad)²."""
+    """Returns the squares of the printed proportional gains of hip and knee, in (N·m/rad)²."""
     law = HoppingLaw()
     return law.hip_gain**2, law.knee_gain**2
 
 
 def saturated_share() -> float:
-    """Share of the time in which the knee motor's current is at its limit, on disturbed hardware."""
+    """Returns the share of time in which the knee motor's current is at its limit, on disturbed hardware."""
     run = rough_hops()
     current = np.abs(run.current[:, run.actuated.index("knee")])
     at_limit = current >= CURRENT_LIMIT * (1.0 - BRINK)
@@ -127,23 +127,23 @@ def saturated_share() -> float:
 
 
 def apex_spread() -> float:
-    """From the lowest to the highest apex of eleven hops on disturbed hardware, in m."""
+    """Returns the difference of the highest and lowest apex in eleven hops on disturbed hardware, in m."""
     return float(np.ptp(_apexes()))
 
 
 def hops_completed() -> float:
-    """Whole hops on disturbed hardware."""
+    """Returns the number of whole hops on disturbed hardware."""
     return float(rough_hops().cycles)
 
 
 def regained_share() -> float:
-    """Energy of a hop that the batteries get back, over what they give."""
+    """Returns the energy of a hop that the batteries get back, over the energy that they give."""
     flow = hop_energy()
     return flow.total("regained") / flow.total("given")
 
 
 def motor_losses_share() -> float:
-    """Energy lost in windings and gears over what the batteries give on balance."""
+    """Returns the energy lost in windings and gears over the net energy that the batteries give."""
     flow = hop_energy()
     return (flow.losses["joule"] + flow.losses["gearbox"]) / flow.battery
 

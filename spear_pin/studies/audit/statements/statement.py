@@ -1,4 +1,4 @@
-"""A statement of the source, and what checking it finds."""
+"""A statement of the source, and the result of checking it."""
 
 from __future__ import annotations
 
@@ -30,21 +30,22 @@ Study: TypeAlias = "Callable[[], Value] | partial[Value]"
 
 @dataclass(frozen=True)
 class Statement:
-    """Statement of the source, and how it is checked.
+    """A statement of the source, with the way to check it.
 
     Attributes:
-        id: that it is called by.
+        id: name in the code.
         place: where the source states it.
-        says: what, in words of our own.
-        finds: what the numbers of `study` are.
-        study: a function of a module, or a `functools.partial` of one, that finds them; None where nothing can be.
-        unit: of these numbers.
+        says: the statement, in words of our own.
+        finds: what the numbers of `study` mean.
+        study: a function of a module, or a `functools.partial` of one, that returns the numbers; None where nothing
+            can.
+        unit: unit of these numbers.
         printed: the source's number; None where it has none.
-        criterion: what the numbers have to meet; None where the source gives nothing to hold them against.
-        unknown: why it cannot be known, if so.
-        built: why its numbers could not meet the criterion any less, if so: it then holds by construction.
-        remark: what else a reader should know.
-        assumes: ids of the assumptions that the numbers rest on.
+        criterion: criterion for the numbers; None where the source gives nothing to compare with.
+        unknown: why the statement cannot be checked, if so.
+        built: why the numbers could not fail the criterion, if so: the statement then holds by construction.
+        remark: other remarks for a reader.
+        assumes: ids of the assumptions that the numbers use.
         exhibit: id of the figure or table that shows it, if one does.
     """
 
@@ -64,17 +65,17 @@ class Statement:
 
     @property
     def command(self) -> str:
-        """Line to type to have the numbers again; empty where there is no study."""
+        """Shell line that computes the numbers again; empty where there is no study."""
         return "" if self.study is None else command_of(self.study)
 
     @property
     def assumptions(self) -> tuple[Assumption, ...]:
-        """Assumptions that the numbers rest on."""
+        """Assumptions that the numbers use."""
         return tuple(assumption for assumption in ASSUMPTIONS if assumption.id in self.assumes)
 
     @property
     def others(self) -> tuple[Other, ...]:
-        """Alternatives that the numbers are looked at with, too; none where there is nothing to judge."""
+        """Alternatives with which the numbers are computed, too; none where there is nothing to judge."""
         if self.unknown or self.built or self.criterion is None:
             return ()
         return tuple(other for assumption in self.assumptions for other in assumption.others)
@@ -82,10 +83,10 @@ class Statement:
 
 @dataclass(frozen=True)
 class Case:
-    """Numbers of a statement with something else assumed.
+    """Numbers of a statement with another assumption.
 
     Attributes:
-        label: what.
+        label: the other assumption.
         value: the numbers.
         holds: whether they meet the criterion.
     """
@@ -100,11 +101,11 @@ class Finding:
     """Result of checking a statement.
 
     Attributes:
-        id: of the statement.
+        id: id of the statement.
         value: the numbers; None where there are none.
-        verdict: by `RULES`.
-        reason: why it failed, cannot be known or holds by construction; else empty.
-        cases: the numbers with what else could be assumed.
+        verdict: verdict by `RULES`.
+        reason: why it failed, cannot be checked or holds by construction; else empty.
+        cases: the numbers with other assumptions.
     """
 
     id: str
@@ -115,13 +116,13 @@ class Finding:
 
     @classmethod
     def of(cls, data: dict[str, Any]) -> Finding:
-        """From `dataclasses.asdict` by way of JSON, which has lists for tuples."""
+        """Makes a finding from the data of `dataclasses.asdict` after JSON, which has lists for tuples."""
         cases = tuple(Case(**case | {"value": _value(case["value"])}) for case in data["cases"])
         return cls(**data | {"value": _value(data["value"]), "cases": cases})
 
 
 def check(statement: Statement) -> Finding:
-    """Make the numbers of a statement and judge it by `RULES`; what goes wrong is part of the finding."""
+    """Computes the numbers of a statement and judges it by `RULES`; an error becomes part of the finding."""
     value: Value | None = None
     others: list[tuple[Other, Value]] = []
     if statement.study is not None:
@@ -152,7 +153,7 @@ def _value(data: Any) -> Any:
 
 
 def _numbers(study: Callable[..., Any]) -> Value:
-    """Numbers that a study finds as plain ones, NumPy's too; each finite."""
+    """Returns the numbers of a study as plain finite ones, NumPy's too."""
     value = study()
     numbers = tuple(map(float, value)) if isinstance(value, tuple) else float(value)
     if not all(map(math.isfinite, numbers if isinstance(numbers, tuple) else (numbers,))):
@@ -161,7 +162,7 @@ def _numbers(study: Callable[..., Any]) -> Value:
 
 
 def command_of(function: Callable[..., object]) -> str:
-    """The line for a shell that calls a function of a module, or a partial of one, and prints what it returns."""
+    """Returns the shell line that calls a function of a module, or a partial of one, and prints its result."""
     whole = function if isinstance(function, partial) else partial(function)
     words = [*map(repr, whole.args), *(f"{name}={value!r}" for name, value in whole.keywords.items())]
     name = whole.func.__name__

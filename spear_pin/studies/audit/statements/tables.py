@@ -1,4 +1,4 @@
-"""The tables of the source that hold numbers, each beside what this package makes of them."""
+"""The tables of the source that hold numbers, each with this package's numbers next to them."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ class Tabulation:
     """A table of the report.
 
     Attributes:
-        id: that statements call it by.
-        place: the tables of the source that it answers.
+        id: name by which statements refer to it.
+        place: the tables of the source that it shows.
         caption: what it shows.
-        head: of its columns.
-        rows: a function of a module that makes its rows, as long as the head.
-        assumes: ids of the assumptions that it rests on.
+        head: heads of its columns.
+        rows: a function of a module that returns its rows, as long as the head.
+        assumes: ids of the assumptions that it uses.
     """
 
     id: str
@@ -77,7 +77,7 @@ LINK_ONLY = {
 
 
 def legs() -> Rows:
-    """Tables 2.2 and 2.4: both legs as printed, SPEAR-II by its URDF, rotors by the catalogue."""
+    """Returns Tables 2.2 and 2.4: both legs as printed, SPEAR-II by its URDF, rotors by the catalogue."""
     leg = shipped_leg()
     rows: Rows = []
     for name in quantities():
@@ -94,7 +94,7 @@ def legs() -> Rows:
 
 
 def symbols() -> Rows:
-    """Table 3.1: its symbols, with SPEAR-II's values by its URDF."""
+    """Returns Table 3.1: its symbols, with SPEAR-II's values by its URDF."""
     robot, leg = load("spear_ii"), shipped_leg()
     q = np.zeros(robot.nq)
     places = [robot.frame_position(q, name) for name in ("thigh", "shank", "toe")]
@@ -126,7 +126,7 @@ def symbols() -> Rows:
 
 
 def estimates() -> Rows:
-    """Tables 4.1 and 4.2: the rows, their means computed here, and the means as printed."""
+    """Returns Tables 4.1 and 4.2: the rows, their means computed here, and the means as printed."""
     rows: Rows = []
     for motor, case in ((True, "With motor"), (False, "No motor")):
         printed = next(row for row in TABLE_4_2 if row.motor == motor)
@@ -136,7 +136,7 @@ def estimates() -> Rows:
 
 
 def quadruped() -> Rows:
-    """Table 5.1: as printed, and Q-SPEAR by its URDF."""
+    """Returns Table 5.1: as printed, and Q-SPEAR by its URDF."""
     shipped, labels = shipped_quadruped(), LABELS | LINK_ONLY
     return [
         (*labels[field.name], getattr(Q_SPEAR, field.name), shipped[field.name]) for field in fields(QuadrupedDesign)
@@ -144,7 +144,7 @@ def quadruped() -> Rows:
 
 
 def shipped_quadruped() -> dict[str, float | None]:
-    """Table 5.1 as Q-SPEAR's URDF has it, of one leg; None where a URDF says nothing."""
+    """Returns Table 5.1 by Q-SPEAR's URDF, for one leg; None where the URDF gives nothing."""
     robot = load("q_spear")
     torso, thigh, shank = (
         robot.model.inertias[robot.model.getJointId(name)] for name in ("pitch", "posterior_hip", "posterior_knee")

@@ -9,7 +9,7 @@ TURNS = ("turn_4", "turn_9", "turn_13", "turn_9_2.25", "turn_9_2.75")
 
 
 def adduction_over_knee() -> tuple[float, ...]:
-    """Largest speed of an adduction over that of a knee, then range in a stride, in each of `TURNS`."""
+    """Returns the largest speed, then the range, of an adduction over a knee's in a stride, in each of `TURNS`."""
     shares = []
     for name in TURNS:
         gait = Gait.load(name)
