@@ -7,7 +7,16 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_rtol, add_seed, add_workers, check_folder
+from spear_pin.cli.arguments import (
+    Commands,
+    add_command,
+    add_open,
+    add_rtol,
+    add_seed,
+    add_workers,
+    check_folder,
+    folder,
+)
 from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait, offer_words
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import aligned
@@ -54,7 +63,7 @@ def add(commands: Commands) -> None:
     add_leg(parser, "one of its legs hops")
     parser.output.add_argument(
         "--out",
-        type=Path,
+        type=folder,
         default=Path(),
         metavar="DIR",
         help=f"write {NAME} and its map into this folder, or into files named NAME.zarr (default: the current one)",

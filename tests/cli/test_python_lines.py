@@ -130,6 +130,7 @@ def test_strides(capsys, tmp_path, call):
     assert space["trajectory"].t[-1] == found["shown"][-1]
 
 
+@SLOW
 def test_a_push(capsys, tmp_path):
     """The state of the gait stays as it is."""
     path = Path(__file__).parents[1] / "solved" / "trot_steady.json"
@@ -189,6 +190,7 @@ def test_numbers(capsys, tmp_path, monkeypatch, call, in_python, name):
     np.testing.assert_array_equal(in_python(space), found[name])
 
 
+@SLOW
 def test_derivatives(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     call = ("sensitivity", "hop", "--over", "stiffness", "--motor", "knee=spear_ii_knee", "--bus", 24)

@@ -12,6 +12,7 @@ from spear_pin.gaits.orbits import balance
 from spear_pin.gaits.orbits.parity import merged
 from spear_pin.gaits.spatial.trot_law import TROT_INPUTS
 from tests.cli.calls import printed, refused, rows, run
+from tests.solve.kept import FOLDER
 
 
 def held(gait, inputs=TROT_INPUTS):
@@ -89,6 +90,13 @@ def test_it_says_how_long_it_takes(capsys):
 
 @pytest.mark.slow
 def test_a_push_is_recovered_from(capsys, tmp_path):
+    result = printed(capsys, "trot", FOLDER / "trot_steady.json", "--push", 0.2, "--out", tmp_path)
+    assert result["cycles"] == 10 and abs(math.degrees(result["heading"])) < 3.0
+    assert abs(complex(*result["multipliers"][0])) < 0.5
+
+
+@pytest.mark.nightly
+def test_feedback_of_the_shipped_trot_is_found_and_holds_it(capsys, tmp_path):
     result = printed(capsys, "trot", "--push", 0.2, "--out", tmp_path)
     assert result["cycles"] == 10 and abs(math.degrees(result["heading"])) < 3.0
     assert abs(complex(*result["multipliers"][0])) < 0.5 < abs(complex(*result["multipliers_without_feedback"][0]))

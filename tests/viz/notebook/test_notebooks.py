@@ -13,7 +13,7 @@ import pytest
 from tests.viz import chromium
 
 ROOT = Path(__file__).parents[3]
-NOTEBOOKS = ROOT / "docs" / "notebooks"
+NOTEBOOKS = ROOT / "docs" / "tutorials" / "notebooks"
 WANTED = {  # of each page: cards, figures and frames
     "hop": (["spear_ii", "hopping", "Motion of spear_ii"], 1, 1),
     "two_springs": (["hopping", "hopping"], 1, 1),
