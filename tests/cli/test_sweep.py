@@ -119,7 +119,7 @@ class TestMistakes:
 
     def test_of_a_gait_by_its_name(self, capsys, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
-        assert "none with trot" in refused(capsys, "sweep", "trot", *OVER, "--gait", "pace")
+        assert "left out with trot" in refused(capsys, "sweep", "trot", *OVER, "--gait", "pace")
         assert "expected a bounding gait" in refused(capsys, "sweep", "trot", *OVER)
         assert "nearest of 24: bound," in refused(capsys, "sweep", "bounds", *OVER)
         assert "to go with hop" in refused(capsys, "sweep", "long_stride", *OVER, "--flight-time", "0.2")

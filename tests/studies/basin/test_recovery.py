@@ -36,7 +36,7 @@ class TestMoments:
         for fraction in (0.0, 1.0, -0.5):
             with pytest.raises(BadValue, match="fraction"):
                 midway(gait, "flight_1", fraction)
-        with pytest.raises(BadValue, match="flight_3"):
+        with pytest.raises(UnknownName, match="flight_3"):
             midway(gait, "flight_3")
 
     def test_a_push_is_added(self, gait: Gait) -> None:
