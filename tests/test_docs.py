@@ -100,11 +100,15 @@ def test_the_limits_of_the_readme_are_explained():
 
 
 @pytest.fixture
-def gallery(monkeypatch):
-    monkeypatch.setattr(sys, "path", [str(DOCS / "_extensions"), *sys.path])
-    import gallery
+def extension(monkeypatch):
+    """Imports an extension of the site by its name."""
+    monkeypatch.syspath_prepend(str(DOCS / "_extensions"))
+    return importlib.import_module
 
-    return gallery
+
+@pytest.fixture
+def gallery(extension):
+    return extension("gallery")
 
 
 @pytest.mark.extra("sphinx")
@@ -205,9 +209,8 @@ def test_links_to_files_lead_to_the_pages_made_from_them(gallery):
 @pytest.mark.extra("sphinx")
 class TestArchitecture:
     @pytest.fixture
-    def drawn(self, monkeypatch):
-        monkeypatch.syspath_prepend(str(DOCS / "_extensions"))
-        return importlib.import_module("architecture")
+    def drawn(self, extension):
+        return extension("architecture")
 
     def test_every_module_is_on_the_plan(self, drawn):
         files = {path.stem for path in (ROOT / "spear_pin").rglob("*.py")} | {
@@ -237,9 +240,8 @@ class TestArchitecture:
 @pytest.mark.extra("sphinx")
 class TestReference:
     @pytest.fixture
-    def reference(self, monkeypatch):
-        monkeypatch.syspath_prepend(str(DOCS / "_extensions"))
-        return importlib.import_module("reference")
+    def reference(self, extension):
+        return extension("reference")
 
     def test_has_every_command_once(self, reference):
         names = [name for members in reference.groups().values() for name in members]
@@ -288,9 +290,8 @@ class TestReference:
 
 
 @pytest.mark.extra("sphinx")
-def test_the_page_of_motors_has_every_number_of_the_catalogue(monkeypatch):
-    monkeypatch.syspath_prepend(str(DOCS / "_extensions"))
-    motors = importlib.import_module("motors")
+def test_the_page_of_motors_has_every_number_of_the_catalogue(extension):
+    motors = extension("motors")
     assert motors.entries().keys() == {*MOTORS, *GEARBOXES}
     for name, shown in motors.entries().items():
         assert [row.quantity for row in shown] == [*{**MOTORS, **GEARBOXES}[name]]

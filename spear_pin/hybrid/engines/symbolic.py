@@ -97,8 +97,10 @@ class Motion:
         arguments = self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops
         what, law = f"law of domain {self.domain.name!r}", self.domain.law
         self._in_law = True
-        answer = self._asked(what, law, law, arguments)
-        self._in_law = False
+        try:
+            answer = self._asked(what, law, law, arguments)
+        finally:
+            self._in_law = False
         u = torques(what, law, answer, self.system.robot.actuated) if is_own(law) else list(answer)
         imposed = self._imposed
         if imposed is None or {j for j, _ in imposed.torques} != set(range(len(u))):
