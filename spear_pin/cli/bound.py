@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear bound least_effort --open", "simulate a gait that ships, and open a page that plays it")
-    parser = add_command(commands, "bound", run, "find a quadruped's bound, push it, in the plane or in 3-D", example)
+    parser = add_command(
+        commands, "bound", run, "find and simulate a quadruped's bound, in 2-D or 3-D, with pushes", example
+    )
     parser.add_argument(
         "gait", nargs="?", default=argparse.SUPPRESS, metavar="GAIT", help=f"a gait by name or path (default: {BOUND})"
     )

@@ -28,7 +28,7 @@ def add(commands: Commands) -> None:
         "spear hop --stiffness 55 --open",
         "find SPEAR-II's hop with a stiffer spring, and open a page that plays it",
     )
-    parser = add_command(commands, "hop", run, "find a leg's hop in place and simulate it", example)
+    parser = add_command(commands, "hop", run, "find and simulate a leg's hop in place", example)
     wanted = parser.add_mutually_exclusive_group()
     wanted.add_argument(
         "--flight-time",

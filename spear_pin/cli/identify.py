@@ -33,7 +33,9 @@ def add(commands: Commands) -> None:
         "spear identify lab.csv --volts-per-rad 1.06 --offset 0.4",
         "estimate stiffness, damping and rest angle from lab.csv, which `spear push-test --write-csv lab` writes",
     )
-    parser = add_command(commands, "identify", run, "estimate a knee's parameters from recorded releases", example)
+    parser = add_command(
+        commands, "identify", run, "estimate a knee's spring and friction from logs of that test", example
+    )
     parser.add_argument("files", nargs="+", metavar="FILE", help="CSV or .mat: time, and voltage or angle of the knee")
     data = parser.add_argument_group("records")
     data.add_argument(

@@ -28,7 +28,7 @@ DRAWN = 4  # strides
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear turn turn_9 --open", "simulate a turn of 9° a stride that ships, and open a page that plays it")
-    parser = add_command(commands, "turn", run, "find a bounding gait that turns in 3-D and simulate it", example)
+    parser = add_command(commands, "turn", run, "find and simulate a bound that turns in 3-D", example)
     parser.add_argument(
         "gait",
         nargs="?",
