@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import os
 import sys
+import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from threading import Timer
 from typing import TYPE_CHECKING, Any, TextIO
 
 from spear_pin.errors import RobotWarning, SpearError
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".html", ".npz", ".svg", ".json", ".csv", ".mat", ".mcap", ".png", ".mp4")  # of what is written of a motion
 IN_PYTHON = "# the same in Python:"
+PAUSE = 15.0  # s between lines of progress where nobody looks at a terminal
 UNREAD = 128 + 13  # status where nobody reads what is printed: that of the signal SIGPIPE
 
 
@@ -96,12 +99,17 @@ def joined(lines: Iterable[str]) -> str:
 
 @contextmanager
 def progress() -> Iterator[Callable[[str], None]]:
-    """Show what is going on in one line of a terminal's stderr, and clear it when that is done."""
+    """Show what is going on: in one line of a terminal, cleared at the end; elsewhere in a line now and then."""
     seen = sys.stderr.isatty()
+    due = time.monotonic() + PAUSE
 
     def show(text: str) -> None:
+        nonlocal due
         if seen:
             print(f"\r{printable(text)}\033[K", end="", file=sys.stderr, flush=True)
+        elif time.monotonic() >= due:
+            complain(printable(text))
+            due = time.monotonic() + PAUSE
 
     try:
         yield show
@@ -112,13 +120,25 @@ def progress() -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def foretold(command: str, takes: str | None) -> Iterator[None]:
-    """Show how long a command will take, until it shows what is going on; None: it is soon done."""
+    """Show how long a command will take, until it shows what is going on; None: it is soon done.
+
+    Where stderr is no terminal, it is a line after PAUSE.
+    """
     if takes is None:
         yield
         return
+    text = f"{command}: takes {takes}"
+    later = Timer(PAUSE, complain, [text])
+    later.daemon = True
     with progress() as show:
-        show(f"{command}: takes {takes}")
-        yield
+        if sys.stderr.isatty():
+            show(text)
+        else:
+            later.start()
+        try:
+            yield
+        finally:
+            later.cancel()
 
 
 def draw(pictures: Mapping[Path, Callable[[Path], object]]) -> None:

@@ -1,10 +1,11 @@
 """How long commands take is told on a terminal before they begin, and is gone when they are done."""
 
 import sys
+import time
 
 import pytest
 
-from spear_pin.cli import _parser
+from spear_pin.cli import _parser, output
 from spear_pin.cli.durations import LASTING, expected, usual
 from tests.cli.calls import run
 
@@ -49,6 +50,27 @@ def test_on_a_terminal(capsys, monkeypatch, tmp_path):
     assert cleared.startswith("\033[K") and "gone.npz" in complaint
 
 
-def test_nothing_elsewhere(capsys, tmp_path):
+def test_nothing_at_once_elsewhere(capsys, tmp_path):
     _, _, err = run(capsys, "export", "gone.npz", "--mp4", "--out", tmp_path)
     assert "takes" not in err
+
+
+def test_a_line_now_and_then_in_a_log(capsys, monkeypatch):
+    now = iter([0.0, 10.0, 16.0, 16.0, 20.0, 32.0, 32.0])  # s: at the start, and where lines are due or written
+    monkeypatch.setattr(output.time, "monotonic", lambda: next(now))
+    with output.progress() as show:
+        for search in range(1, 5):
+            show(f"search {search} of 4")
+    assert capsys.readouterr().err == "search 2 of 4\nsearch 4 of 4\n"
+
+
+def test_in_a_log_a_command_that_lasts_says_so_after_a_while(capsys, monkeypatch):
+    monkeypatch.setattr(output, "PAUSE", 0.01)
+    with output.foretold("turn", "two minutes"):
+        time.sleep(0.2)
+    with output.foretold("hop", None):
+        time.sleep(0.05)
+    with output.foretold("trot", "a minute"):
+        pass
+    time.sleep(0.05)
+    assert capsys.readouterr().err == "turn: takes two minutes\n"
