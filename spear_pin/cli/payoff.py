@@ -262,11 +262,12 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
         figures = finding.figures
         assert figures is not None
         knee, hip = (most(figures.peak, part) for part in ("knee", "hip"))
+        unstable = ": unstable" if figures.multiplier > 1.0 else ""
         spring = f"{figures.stiffness:.3g} N·m/rad, " if finding.point.kind != "none" else ""
         return (
             f"{figures.cost:.4f}, {study.gaits.energy(study.robot, figures):.3g} J:"
             f" {spring}peak knee {knee:.3g}, hip {hip:.3g} N·m,"
-            f" heat {max(figures.heat.values()):.2f} of continuous, multiplier {figures.multiplier:.3f}"
+            f" heat {max(figures.heat.values()):.2f} of continuous, multiplier {figures.multiplier:.3f}{unstable}"
         )
 
     def share(saved: Judgement, kind: str) -> str:

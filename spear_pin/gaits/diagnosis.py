@@ -17,6 +17,7 @@ from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.scale import Scale, scale_of
 
 KIND = "hopping"  # kind of the systems that can be diagnosed
+HOPPING = "spear_pin.gaits.hopping"  # where their laws stand
 ASIDE = 0.35  # rad: between the line from hip to toe at touchdown and straight down
 OFF = 2.0  # factor between a number and SPEAR-II's scaled one
 SWITCHED = 1e-6  # share of a period: the square wave ends a stance that ends so near to its end
@@ -67,7 +68,7 @@ def explained(
         target: wanted values of measures.
         reached: the farthest point of its continuation.
     """
-    if system.kind != KIND:
+    if system.kind != KIND or not _led_by_its_own(system):
         return failure
     try:
         found = diagnosis(system, vary, target, reached)
@@ -92,6 +93,11 @@ def diagnosis(
         return turned
     case = _Case(system, vary, target, reached, HoppingLaw.scaled(system.robot), Spring.scaled(system.robot))
     return next((found for test in TESTS if (found := test(case)) is not None), None)
+
+
+def _led_by_its_own(system: HybridSystem) -> bool:
+    """Tells whether the hop's own laws lead it, not one that somebody has put into a domain."""
+    return all(domain.law.__module__ == HOPPING for domain in system.domains)
 
 
 def _knee_side(system: HybridSystem) -> Diagnosis | None:

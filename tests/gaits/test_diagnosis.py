@@ -91,6 +91,15 @@ def test_other_systems_keep_their_failure(leg):
     assert (again.reason, again.residual) == ("nothing", 0.1) and again.cause and again.remedy
 
 
+def test_a_law_of_ones_own_keeps_its_failure(leg):
+    """It need not use what the remedies name."""
+    failure, system = NoGait("nothing", 0.1), hop(leg, {"frequency": 8.0})
+    stance = next(domain for domain in system.domains if domain.phase == "stance")
+    own = replace(stance, law=lambda t, q, v, held, p, dyn, ops: (0.0, 5.0))
+    domains = tuple(own if domain is stance else domain for domain in system.domains)
+    assert explained(failure, replace(system, domains=domains), [], {}) is failure
+
+
 @pytest.mark.slow
 def test_is_told_soon(monkeypatch, leg):
     """A spring of this size with SPEAR-II's damper took 23 s to fail; evaluations do not depend on the machine."""

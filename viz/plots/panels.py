@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.hybrid.column_names import PAIR, of_a_pair
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
@@ -141,7 +142,9 @@ def over(axes: Axes, trajectory: Trajectory, label: str) -> None:
 
 
 def _levels(axes: Axes, trajectory: Trajectory, levels: list[tuple[Span, float]], style: str, label: str) -> None:
-    """Draws constant pieces, as one line with gaps."""
+    """Draws constant pieces, as one line with gaps; none is no line."""
+    if not levels:
+        return
     times = [time for (first, last), _ in levels for time in (trajectory.t[first], trajectory.t[last], np.nan)]
     values = [value for _, level in levels for value in (level, level, np.nan)]
     axes.plot(times, values, style, color=VERMILLION if style == "--" else GREEN, label=label)
@@ -175,8 +178,10 @@ def _runs(trajectory: Trajectory, chosen: NDArray[np.bool_]) -> list[Span]:
 
 
 def _commanded(trajectory: Trajectory, joint: str, gait: Gait) -> list[tuple[Span, float]]:
-    """Returns the flights, and the law's commands in each: the hip's depends on the speed at lift-off."""
+    """Returns the flights, and the commands of a `HoppingLaw` in each: the hip's depends on the speed at lift-off."""
     law = gait.system.law
+    if not isinstance(law, HoppingLaw):
+        return []
     hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
     levels = []
     for first, last in _runs(trajectory, ~_bears(trajectory)):

@@ -154,6 +154,16 @@ def test_the_summary_shows_all_hops_and_details_of_two(hops: Trajectory, gait: G
     assert {axes.get_xlim() for axes in details} == {(0.0, hops.t[hops.cycle <= 2][-1])}
 
 
+def test_the_summary_of_a_law_of_ones_own_shows_no_commands(hops: Trajectory, gait: Gait):
+    own = replace(gait, system=replace(gait.system, law=object()))
+    assert not [
+        line for axes in plots.hop_summary(hops, own).axes for line in axes.lines if line.get_label() == "commanded"
+    ]
+    assert [
+        line for axes in plots.hop_summary(hops, gait).axes for line in axes.lines if line.get_label() == "commanded"
+    ]
+
+
 @pytest.mark.parametrize("plot", [plots.energy_per_hop, plots.hop_summary])
 def test_energy_needs_a_whole_hop(plot, gait: Gait):
     fallen = simulate(replace(gait.system, phase_limit=0.1), gait.state, 1, 1e-6, progress=False)
