@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.engines import one_core, table
+from benchmarks.engines import one_core
+from benchmarks.markdown import table
 from benchmarks.peers import drake_hop, drake_system, mujoco_native
 from benchmarks.peers.task import FINEST, STATES, Array, Task, taylor
 from benchmarks.peers.task import hop as hopping_task

@@ -13,6 +13,7 @@ import math
 import time
 from typing import Any
 
+from benchmarks.markdown import table
 from spear_pin import load
 from spear_pin.errors import SpearError
 from spear_pin.gaits.bounding_programme import transcribe
@@ -47,12 +48,6 @@ def meshes(request: Request, solution: Solution) -> list[dict[str, Any]]:
         row = {"intervals": intervals, "objective": solution.objective, "iterations": solution.iterations}
         rows.append(row | {"success": solution.success, "seconds": time.process_time() - begin})
     return rows
-
-
-def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
-    print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
 
 
 def main() -> None:

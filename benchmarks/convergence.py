@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from benchmarks import markdown
 from spear_pin import Gait, find_gait, hopping, load, simulate
 from spear_pin.errors import NoGait
 
@@ -48,15 +49,15 @@ def main() -> None:
         "multipliers",
         "ledger [J]",
         "toe [m]",
+        "evaluations",
     ]
-    print("| " + " | ".join([*head, "evaluations"]) + " |")
-    print("|" + " --- |" * (len(head) + 1))
+    markdown.begin(*head)
     for rtol in TOLERANCES:
         try:
             gait = find_gait(reference.system, guess=coarse.state, rtol=rtol)
-            print("| " + " | ".join(row(gait, rtol, reference)) + " |", flush=True)
+            markdown.row(*row(gait, rtol, reference))
         except NoGait as error:
-            print(f"| {rtol:.0e} | {error} |" + " |" * 7)
+            markdown.row(f"{rtol:.0e}", error, *[""] * (len(head) - 2))
 
 
 if __name__ == "__main__":

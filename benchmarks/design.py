@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import markdown
 from spear_pin import Gait, load
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.collocation import Solution
@@ -128,10 +129,13 @@ def main() -> None:
     for name in given.only:
         rows, head = TABLES[name][0](), (*TABLES[name][1], "reason")
         if not given.json:
-            print(f"\n{name}\n\n| {' | '.join(head)} |\n|{' --- |' * len(head)}", flush=True)
+            print(f"\n{name}\n")
+            markdown.begin(*head)
         for row in rows:
-            cells = " | ".join(cell(row.get(key, "")) for key in head)
-            print(json.dumps({"table": name} | row) if given.json else f"| {cells} |", flush=True)
+            if given.json:
+                print(json.dumps({"table": name} | row), flush=True)
+            else:
+                markdown.row(*(cell(row.get(key, "")) for key in head))
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+from benchmarks.markdown import table
 from benchmarks.peers import lean_stride
 from benchmarks.peers.task import (
     AGREES,
@@ -182,13 +183,6 @@ def machine() -> Row:
         "load": list(os.getloadavg()) if hasattr(os, "getloadavg") else None,
         "versions": versions,
     }
-
-
-def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> None:
-    print("| " + " | ".join(head) + " |\n|" + " --- |" * len(head))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
-    print()
 
 
 def show(unit: str, rows: list[Row]) -> None:

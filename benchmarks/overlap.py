@@ -1,7 +1,7 @@
-"""Measures how results depend on the duration of an impact: `python -m benchmarks.overlap [--write]`.
+"""Measures how results depend on the duration of an impact: `python -m benchmarks.overlap`.
 
 For durations from 0 to 20 ms it gives the residual of a turn that ships, and what is left of a push after ten strides,
-with feedback to ten inputs. With `--write` the table goes into docs/results/space.md.
+with feedback to ten inputs.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from __future__ import annotations
 import argparse
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
+from benchmarks.markdown import begin, row
 from spear_pin import Gait, simulate
 from spear_pin.arrays import Array
 from spear_pin.gaits.orbits.balance import balanced
@@ -22,7 +22,6 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.periodic import residual
 from spear_pin.hybrid.symmetry import ROLL, YAW, Y, Z, mirror_of
 
-PAGE = Path(__file__).parents[1] / "docs" / "results" / "space.md"
 HEADS = "impacts last, ms | residual of `turn_9` | left of a push after ten strides"
 WINDOWS = (0.0, 0.002, 0.005, 0.010, 0.020)  # s
 STRIDES, HEADING = 10, 30.0
@@ -30,23 +29,15 @@ PUSH = math.radians(5.0), 0.2, math.radians(10.0)  # rad of roll, m/s to the lef
 
 
 def main() -> None:
-    """Print the table, or write it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
-    arguments = parser.parse_args()
+    """Print the table."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     system, state = embedded(Gait.load("long_stride"))
     straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
     steady, turn = balanced(straight, ACROSS, heading=HEADING), Gait.load("turn_9")
-    rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]
+    begin(*HEADS.split(" | "))
     for window in WINDOWS:
         off = residual(replace(turn.system, overlap=window), turn.state)
-        rows.append(f"{1e3 * window:.0f} | {off:.0e} | {left_of(steady, PUSH, window)}")
-        print(rows[-1], flush=True)
-    if arguments.write:
-        table = "\n".join(f"| {row} |" for row in rows)
-        text = PAGE.read_text(encoding="utf-8")
-        head, _, rest = text.partition("| impacts last, ms |")
-        PAGE.write_text(f"{head}{table}\n\n{rest.partition(chr(10) * 2)[2]}", encoding="utf-8")
+        row(f"{1e3 * window:.0f}", f"{off:.0e}", left_of(steady, PUSH, window))
 
 
 def left_of(gait: Gait, push: tuple[float, float, float], window: float | None = None) -> str:

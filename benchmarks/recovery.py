@@ -13,11 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks import markdown
 from spear_pin import Gait
 from spear_pin.gaits.feedback import regulated, speed_regulated
 from spear_pin.gaits.library import names
 from spear_pin.studies.basin import airborne, midway, pushed, recover
 
+HEADS = "flight | push | strides to 1 % | error at the section, first and last | ended | domains beside the four"
 STRIDES = 25
 FLIGHT_SHARE = 0.5
 DEGREE = math.pi / 180.0
@@ -76,8 +78,7 @@ def main() -> None:
         print(json.dumps({"gait": given.gait, "scheme": given.scheme, "radius": radius, "pushes": found}, indent=1))
         return
     print(f"{given.gait}, {given.scheme}: largest multiplier {radius:.4f}\n")
-    print("| flight | push | strides to 1 % | error at the section, first and last | ended | domains beside the four |")
-    print("|" + " --- |" * 6)
+    markdown.begin(*HEADS.split(" | "))
     for row in recoveries(gait, given.strides):
         errors = f"{row['first_error']:.3g}, {row['last_error']:.1e}" if row["crossings"] else "did not get there"
         lost = "" if row["reason"] == "complete" else f"after {row['crossings']} crossings: {row['message']}"
@@ -89,7 +90,7 @@ def main() -> None:
             lost,
             ", ".join(row["domains"]),
         )
-        print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
+        markdown.row(*cells)
 
 
 if __name__ == "__main__":

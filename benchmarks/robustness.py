@@ -1,9 +1,9 @@
-"""Measures how feedback holds altered robots: `python -m benchmarks.robustness [--write]`.
+"""Measures how feedback holds altered robots: `python -m benchmarks.robustness`.
 
 Feedback is found for `long_stride` on Q-SPEAR as it ships, for one input per stride and for ten with the heading kept.
 It then acts on robots with another roll inertia of the torso, hip spacing, or gains of the adductions in stance. The
 gait does not depend on these. For each robot it gives the largest lateral multiplier without feedback and with either,
-and what ten inputs leave of a push in ten strides. With `--write` the table goes into docs/results/space.md.
+and what ten inputs leave of a push in ten strides.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.overlap import HEADING, PAGE, PUSH, left_of
+from benchmarks.markdown import begin, row
+from benchmarks.overlap import HEADING, PUSH, left_of
 from spear_pin import Gait, SpatialLaw, load
 from spear_pin.gaits.orbits.balance import Linear, across, balanced
 from spear_pin.gaits.orbits.embedding import embedded
@@ -37,21 +38,13 @@ ONE = ("posterior_adduction",)
 
 
 def main() -> None:
-    """Print the table, or write it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
-    arguments = parser.parse_args()
+    """Print the table."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
     shipped = straight(*CASES["nothing"])
     laws = [balanced(shipped, ONE).system.law, balanced(shipped, ACROSS, heading=HEADING).system.law]
-    rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]
+    begin(*HEADS.split(" | "))
     for name, factors in CASES.items():
-        rows.append(f"{name} | {_row(straight(*factors), laws)}")
-        print(rows[-1], flush=True)
-    if arguments.write:
-        table = "\n".join(f"| {row} |" for row in rows)
-        text = PAGE.read_text(encoding="utf-8")
-        head, _, rest = text.partition("| changed |")
-        PAGE.write_text(f"{head}{table}\n\n{rest.partition(chr(10) * 2)[2]}", encoding="utf-8")
+        row(name, _row(straight(*factors), laws))
 
 
 def straight(inertia: float, spacing: float, gains: float) -> Gait:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
+from benchmarks import markdown
 from spear_pin.studies.identification import Calibration, MovingAverage, Record, cut, identify, smoothed
 from spear_pin.studies.laboratory import Instrument, synthesize
 from spear_pin.studies.push_test import PassiveKnee, spear_ii
@@ -86,11 +87,10 @@ def main() -> None:
     if arguments.json:
         print(json.dumps({"records": arguments.records, "classes": rows}))
         return
-    print("| | within 2σ | worst | rms | σ of white noise: within 2σ | worst | rms |")
-    print("| --- | --- | --- | --- | --- | --- | --- |")
+    markdown.begin("", "within 2σ", "worst", "rms", "σ of white noise: within 2σ", "worst", "rms")
     for row in rows:
         cells = [f"{s['within']:.1%} | {s['worst']:.1f} | {s['rms']:.2f}" for s in (row["counted"], row["white"])]
-        print(f"| {row['class']} | {' | '.join(cells)} |")
+        markdown.row(row["class"], *cells)
 
 
 if __name__ == "__main__":

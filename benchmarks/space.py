@@ -1,9 +1,8 @@
-"""Measures the planar gaits in three dimensions: `python -m benchmarks.space [--write]`.
+"""Measures the planar gaits in three dimensions: `python -m benchmarks.space`.
 
 For each gait whose feet lift off by the knee it gives residual, lateral motion and energy ledger of a stride, and the
 cost of a stride against the plane's in the same run. It also gives the largest lateral multiplier without feedback, and
-with feedback once per stride to one input. With `--write` the table goes into docs/results/space.md. It takes some
-minutes.
+with feedback once per stride to one input. It takes some minutes.
 """
 
 from __future__ import annotations
@@ -11,10 +10,10 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
+from benchmarks.markdown import begin, row
 from spear_pin import Gait, SpatialLaw
 from spear_pin.gaits import library
 from spear_pin.gaits.orbits.balance import across, regulated
@@ -22,28 +21,18 @@ from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.periodic import eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Run
 
-PAGE = Path(__file__).parents[1] / "docs" / "results" / "space.md"
 HEADS = "gait | residual | lateral motion | ledger, J | cost of a stride | fall sideways | with one input"
 ACROSS = [1, 3, 5]
 REPEATS = 3
 
 
 def main() -> None:
-    """Print the table, or write it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
-    arguments = parser.parse_args()
-    rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1))]
+    """Print the table."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
+    begin(*HEADS.split(" | "))
     for name in library.names():
         if Gait.load(name).system.law.lift_off == "knee":
-            rows.append(_row(name))
-            print(rows[-1], flush=True)
-    if arguments.write:
-        table = "\n".join(f"| {row} |" for row in rows)
-        text = PAGE.read_text(encoding="utf-8")
-        head, _, rest = text.partition("| gait |")
-        after = rest.partition("\n\n")[2]
-        PAGE.write_text(f"{head}{table}\n\n{after}", encoding="utf-8")
+            row(_row(name))
 
 
 def _row(name: str) -> str:

@@ -1,10 +1,9 @@
-"""Derivatives of 200 random hops: `python -m benchmarks.triples [--triples 200] [--json FILE] [--write]`.
+"""Derivatives of 200 random hops: `python -m benchmarks.triples [--triples 200] [--json FILE]`.
 
 Of each triple of spring stiffness, knee gear ratio and friction a gait is searched: of even ones with 0.2 s of flight,
 the stance torque solved for, of odd ones that which lifts off at once as the torque switches, with 6.5 N·m; where there
 is none, the other. All derivatives of its cycle by the section's coordinates and by six parameters, and of the gait and
-its multipliers by three, are compared with Richardson's extrapolation of differences. With `--write` the table goes
-into docs/results/derivatives.md.
+its multipliers by three, are compared with Richardson's extrapolation of differences.
 """
 
 from __future__ import annotations
@@ -29,8 +28,6 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from tests.gaits.sensitivity import oracle
 
-PAGE = Path(__file__).parents[1] / "docs" / "results" / "derivatives.md"
-BEGIN, END = "<!-- triples -->\n", "<!-- end of triples -->"
 RANGES = {"stiffness": (35.0, 70.0), "knee_ratio": (8.0, 25.0), "friction": (0.1, 1.2)}  # N·m/rad, 1, 1
 OVER = ("stance_torque", "stiffness", "knee_ratio", "friction", "knee_mass", "hip_to_knee")
 BRANCH = ("stiffness", "knee_ratio", "friction")
@@ -180,7 +177,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--triples", type=int, default=200)
     parser.add_argument("--json", type=Path, metavar="FILE", help="keep results there, and go on from those there are")
-    parser.add_argument("--write", action="store_true", help="put the table into docs/results/derivatives.md")
     arguments = parser.parse_args()
     results = read(arguments.json)
     for n, triple in list(enumerate(triples(arguments.triples)))[len(results) :]:
@@ -189,10 +185,6 @@ def main() -> None:
         if arguments.json:
             arguments.json.write_text(json.dumps([asdict(each) for each in results], indent=1), encoding="utf-8")
     print(table_of(results))
-    if arguments.write:
-        text = PAGE.read_text(encoding="utf-8")
-        head, _, rest = text.partition(BEGIN)
-        PAGE.write_text(f"{head}{BEGIN}\n{table_of(results)}\n\n{END}{rest.partition(END)[2]}", encoding="utf-8")
 
 
 def read(file: Path | None) -> list[Result]:

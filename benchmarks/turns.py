@@ -1,17 +1,16 @@
-"""Measures the turns that ship, and what their adductions do: `python -m benchmarks.turns [--write]`.
+"""Measures the turns that ship, and what their adductions do: `python -m benchmarks.turns`.
 
 For each turn it gives the angle, the speed of the straight gait, rate, speed on the circle, radius, residual and
 largest multiplier. Then come range, speed, torque and power of adductions and knees, torque of the hips and friction
-used, over three strides. "Mirrored" is the residual of the mirror image, which turns to the right. With `--write` the
-table goes into docs/results/space.md.
+used, over three strides. "Mirrored" is the residual of the mirror image, which turns to the right.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 
+from benchmarks.markdown import table
 from spear_pin import Gait, simulate
 from spear_pin.gaits import library
 from spear_pin.gaits.spatial.law import ACROSS
@@ -20,7 +19,6 @@ from spear_pin.hybrid.periodic import residual
 from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.studies.bound.turn import summarize_turn
 
-PAGE = Path(__file__).parents[1] / "docs" / "results" / "space.md"
 HEADS = (
     "° a stride | straight, m/s | °/s | m/s | radius, m | residual | mirrored | multiplier | "
     "adduction: range, ° | rad/s | N·m | W | knee: range, ° | rad/s | N·m | W | hip, N·m | friction: all, lateral"
@@ -29,18 +27,9 @@ STRIDES = 3
 
 
 def main() -> None:
-    """Print the table, or write it."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/results/space.md")
-    arguments = parser.parse_args()
-    rows = [HEADS, " | ".join(["---"] * (HEADS.count("|") + 1)), *map(_row, library.TURNS)]
-    print(*rows, sep="\n")
-    if arguments.write:
-        table = "\n".join(f"| {row} |" for row in rows)
-        text = PAGE.read_text(encoding="utf-8")
-        head, _, rest = text.partition("| ° a stride |")
-        after = rest.partition("\n\n")[2]
-        PAGE.write_text(f"{head}{table}\n\n{after}", encoding="utf-8")
+    """Print the table."""
+    argparse.ArgumentParser(description=__doc__).parse_args()
+    table(HEADS.split(" | "), ([_row(name)] for name in library.TURNS))
 
 
 def _row(name: str) -> str:

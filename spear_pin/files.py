@@ -135,7 +135,9 @@ def atomic(path: str | Path, at_once: bool = False) -> Iterator[Path]:
     except OSError as error:
         raise BadFile(target, f"cannot be written: {error.strerror or error}") from None
     except UnicodeEncodeError as error:
-        raise BadFile(target, f"cannot be written: no text has {error.object[error.start : error.end]!a}") from None
+        raise BadFile(
+            target, f"cannot be written: remove {error.object[error.start : error.end]!a}, which UTF-8 cannot encode"
+        ) from None
     finally:
         if not waits:
             with suppress(OSError):  # it may be gone, or its folder may be none

@@ -74,8 +74,8 @@ def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
     """
     schemas = m.load()
     if robot.coordinates != trajectory.coordinates or robot.toes != trajectory.toes:
-        expected = f"one of {listed(robot.coordinates)} with the toes {listed(robot.toes)}"
-        raise BadValue("trajectory", f"one of {listed(trajectory.coordinates)}", expected)
+        expected = f"one of this robot, with {listed(robot.coordinates)} and the toes {listed(robot.toes)}"
+        raise BadValue("trajectory", f"one with {listed(trajectory.coordinates)}", expected)
     begin = min(0.0, float(read_times(trajectory)[0]))
     times = [round(1e9 * (time - begin)) for time in trajectory.t.tolist()]
     names, table = trajectory.columns()

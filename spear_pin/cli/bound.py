@@ -100,7 +100,9 @@ def _gait(arguments: argparse.Namespace, program: Program) -> tuple[str, Gait, l
             program.let("gait", program.call(at_speed, named, arguments.speed))
         return name, gait, []
     if arguments.gait is not None:
-        raise BadValue("--gait", arguments.gait, "to be left out with --robot: a bound of that robot is searched")
+        raise BadValue(
+            "--gait", arguments.gait, "to be left out with --robot, which searches for a bound of that robot"
+        )
     notes: list[tuple[str, str]] = []
     with progress() as show:
         show(f"searching for a bound of {called(robot)}")

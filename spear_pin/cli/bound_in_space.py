@@ -46,7 +46,7 @@ def check(arguments: argparse.Namespace) -> None:
         for name in ("push", "keep_heading"):
             if getattr(arguments, name):
                 option = f"--{name.replace('_', '-')}"
-                raise BadValue(option, getattr(arguments, name), "to be left out, or --space added")
+                raise BadValue(option, getattr(arguments, name), "only with --space")
         return
     if arguments.speed and not arguments.robot:
         raise BadValue("--speed", arguments.speed, "to be left out with --space: name a gait of that speed by --gait")

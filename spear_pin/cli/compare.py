@@ -48,7 +48,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Compare, and write the page."""
     check_out(arguments)
     if arguments.names and len(arguments.items) < len(arguments.names):
-        raise BadValue("A B", " ".join(arguments.items), "what to compare in front of --names: A B --names NAME NAME")
+        raise BadValue(
+            "A B", " ".join(arguments.items), "as many items as names, in front of --names: A B --names NAME NAME"
+        )
     from spear_pin.viz.compare import compare
 
     with progress() as show:
@@ -76,7 +78,7 @@ def _hop_or_gait(arguments: argparse.Namespace, program: Program) -> tuple[Gait 
         if value is not None and arguments.of is not None:
             raise BadValue(option, value, "to be left out with --gait, which already has a robot and a flight time")
         if value is not None and not any("=" in item for item in arguments.items):
-            raise BadValue(option, value, "to go with springs to compare, such as stiffness=40 stiffness=60")
+            raise BadValue(option, value, "only with springs to compare, such as stiffness=40 stiffness=60")
     if arguments.of is not None:
         from spear_pin.gaits.gait import Gait
 

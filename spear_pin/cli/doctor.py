@@ -96,7 +96,9 @@ def _check_bound() -> None:
     trajectory = simulate(gait.system, gait.state, cycles=1, rtol=1e-8)
     left = abs(trajectory.q[-1, 1:] - gait.state[0][1:]).max() if trajectory.complete else math.inf
     if left > 1e-5 or abs(trajectory.ledger.residual).max() > 1e-5:
-        raise BadValue("one stride", f"{trajectory.reason}, open by {left:.1e}", "closed, with its energy ledger")
+        raise BadValue(
+            "one stride", f"{trajectory.reason}, open by {left:.1e}", "a closed stride, with its energy ledger closed"
+        )
 
 
 CHECKS = {"dynamics of spear_ii": _check_dynamics, "one hop": _check_hop, "one stride": _check_bound}

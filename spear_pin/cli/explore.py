@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _check(arguments: argparse.Namespace) -> None:
     """Refuse what does not go together, before anything is computed."""
     if arguments.motion == "hop" and arguments.gait is not None:
-        raise BadValue("GAIT", arguments.gait, "to go with bound: a hop begins at its default numbers")
+        raise BadValue("GAIT", arguments.gait, "only with bound: a hop starts from its default numbers")
     for name in ("robot", *OPTIONS):
         value = getattr(arguments, name)
         if arguments.motion == "bound" and value is not None:

@@ -77,13 +77,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if misfit and Path(arguments.what).suffix not in ("", ".npz", GAIT, *URDF):
         raise BadFile(arguments.what, "is neither a robot nor a saved trajectory (.npz); give one of them")
     if not asked:
-        raise SpearError(f"{arguments.what} is a {kind}: say what to write: {valid}")
+        raise SpearError(f"{arguments.what} is a {kind}; choose what to write: {valid}")
     if misfit:
-        raise BadValue("format", ", ".join(f"--{name}" for name in asked), f"of a {kind}: {valid}")
+        raise BadValue("format", ", ".join(f"--{name}" for name in asked), f"a format for a {kind}: {valid}")
     for option, formats in NEEDS.items():
         if getattr(arguments, option) not in (None, False) and not set(asked) & set(formats):
             valid = " or ".join(f"--{name}" for name in formats)
-            raise BadValue(f"--{option}", getattr(arguments, option), f"to go with {valid}")
+            raise BadValue(f"--{option}", getattr(arguments, option), f"only with {valid}")
     name = Path(arguments.what).stem if {"/", "\\", "."} & set(arguments.what) else arguments.what
     part = f"_{arguments.leg}" if arguments.leg else "_plane" if arguments.plane else ""
     paths = {form: arguments.out / f"{name}{part}.{fitting[form]}" for form in asked}
@@ -130,7 +130,7 @@ def _whose(arguments: argparse.Namespace) -> Robot:
 
     for option in LOADED:
         if (value := getattr(arguments, option)) is not None:
-            raise BadValue(f"--{option}", value, "to go with a robot: a gait has its own")
+            raise BadValue(f"--{option}", value, "only with a robot: a saved gait already has these options")
     return Gait.load(arguments.what).system.robot
 
 

@@ -107,9 +107,9 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.what != "hop":
         for option in ("robot", "flight_time", "at"):
             if getattr(arguments, option) is not None:
-                raise BadValue(f"--{option.replace('_', '-')}", getattr(arguments, option), "to go with hop")
+                raise BadValue(f"--{option.replace('_', '-')}", getattr(arguments, option), "only with hop")
     if arguments.what == "hop" and arguments.speed is not None:
-        raise BadValue("--speed", arguments.speed, "to go with a bound; a hop takes --flight-time")
+        raise BadValue("--speed", arguments.speed, "only with a bound; for a hop give --flight-time")
 
 
 def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[str], dict[str, float]]:
@@ -118,7 +118,7 @@ def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[
 
     gait = None if arguments.what == "hop" else named_gait(arguments.what)
     if gait is not None and arguments.speed is not None and gait.system.kind != "bounding":
-        raise BadValue("--speed", arguments.speed, f"to go with a bound; this is of the kind {gait.system.kind!r}")
+        raise BadValue("--speed", arguments.speed, f"only with a bound; this gait is of the kind {gait.system.kind!r}")
     bounds = gait is not None and gait.system.kind == "bounding"
     solved, measure = (SPEED_BY, "mean_speed") if bounds else ("stance_torque", "flight_time")
     value = arguments.speed if bounds else arguments.flight_time
@@ -130,7 +130,9 @@ def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[
     measured = arguments.over[0] in gait.system.measures
     if measured and target:
         raise BadValue(
-            "--over", arguments.over[0], f"a parameter, or to go without {'--speed' if bounds else '--flight-time'}"
+            "--over",
+            arguments.over[0],
+            f"a parameter; for a measure leave out {'--speed' if bounds else '--flight-time'}",
         )
     return gait, [solved] if measured or target else [], target
 

@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     robot = other or load("spear_ii", locked=locked)
     rig = _rig(arguments, other)
     if rig is not None and arguments.save:
-        raise BadValue("--save", True, "to go without --hardware, which a saved gait does not keep")
+        raise BadValue("--save", True, "to be left out with --hardware, which a saved gait does not keep")
     usual = None if other is None else scaled_hopping(other)
     system = _system(arguments, robot, usual, rig)
     program = Program()
@@ -222,7 +222,7 @@ def _helped(failure: NoGait) -> SpearError:
     """The failure of a search, with what to try."""
     if failure.remedy:
         return failure
-    return SpearError(f"{failure}; nearer to the defaults there is one: change less, or --knee as well")
+    return SpearError(f"{failure}; there are hops nearer to the defaults: change less, or change --knee too")
 
 
 def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
@@ -235,7 +235,7 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
     if not arguments.hardware:
         if given:
             raise BadValue(
-                f"--{next(iter(given)).replace('_', '-')}", next(iter(given.values())), "to go with --hardware"
+                f"--{next(iter(given)).replace('_', '-')}", next(iter(given.values())), "only with --hardware"
             )
         return None
     if other is not None:

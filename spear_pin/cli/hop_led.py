@@ -35,7 +35,7 @@ KEPT = (
     *dict.fromkeys(each for each, _ in UNITS.values() if each != "hip"),
 )
 UNSAID = {"knee": 1.0, "slope": 0.0, "foot_placement": 0.0}  # what need not be said
-NOWHERE = "SPEAR-II's numbers, scaled to this leg, have no hop either from which one could be led there"
+NOWHERE = "SPEAR-II's numbers, scaled to this leg, give no hop either, so there is none to continue from"
 
 
 def continue_hop(arguments: argparse.Namespace, system: HybridSystem, failure: NoGait) -> Gait:
@@ -68,7 +68,7 @@ def describe_way(way: Way) -> str:
     option, unit = UNITS[way.number]
     name, value = option.replace("_", " "), f"{way.reached:.4g} {unit}".rstrip()
     flight = "" if way.number == "flight_time" else f" with {way.flight_time:.3g} s of flight"
-    return f"from {name} {way.begun:.4g} hops go on to {value}{flight}: {way.why}"
+    return f"hops continue from {name} {way.begun:.4g} to {value}{flight}: {way.why}"
 
 
 def write_call(arguments: argparse.Namespace, way: Way) -> str:

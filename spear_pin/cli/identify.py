@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.window is None and (arguments.smoothed_already or arguments.model_as_is):
         raise BadValue("--window", None, "the number of samples that the records were smoothed over")
     if arguments.window is None and arguments.filter is not None:
-        raise BadValue("--filter", arguments.filter, "to go with --window")
+        raise BadValue("--filter", arguments.filter, "only with --window")
     kind: Any = "centred" if arguments.filter is None else arguments.filter
     smoothing = None if arguments.window is None else MovingAverage(arguments.window, kind)
     program = Program()
@@ -188,7 +188,7 @@ def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage |
         if arguments.offset is None:
             notes.append("--offset is not given: the voltage of the straight leg is taken as 0")
     elif arguments.offset is not None:
-        raise BadValue("--offset", arguments.offset, "to go with --volts-per-rad")
+        raise BadValue("--offset", arguments.offset, "only with --volts-per-rad")
     record = read_record(
         path,
         column=arguments.column,

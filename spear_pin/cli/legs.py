@@ -75,8 +75,8 @@ def in_the_plane(arguments: argparse.Namespace) -> Robot | None:
         return None
     plane = _plane(robot, arguments.side)
     if unknown := [leg.knee for leg in plane.legs if not leg.side]:
-        expected = f"1 or -1 for each pair, where {' and '.join(unknown)} point as they flex, 1 forward"
-        raise BadValue("--side", None, f"{expected}: {robot.name} does not tell")
+        expected = f"1 or -1 for each pair, 1 if {' and '.join(unknown)} point forward as they flex"
+        raise BadValue("--side", None, f"{expected}: the file of {robot.name} does not say")
     return plane
 
 
@@ -109,10 +109,10 @@ def cut_out(source: str, arguments: argparse.Namespace, options: dict[str, Any])
 
     sides = arguments.side or []
     if arguments.body is not None and arguments.leg is None:
-        raise BadValue("--body", arguments.body, "to go with --leg")
+        raise BadValue("--body", arguments.body, "only with --leg")
     if arguments.leg is None and arguments.plane is None:
         if sides:
-            raise BadValue("--side", sides[0], "to go with --leg or --plane")
+            raise BadValue("--side", sides[0], "only with --leg or --plane")
         return load(source, **options)
     _check_body(arguments.body)
     wanted, base = (1, "fixed") if arguments.plane is None else (2, "free")
@@ -243,7 +243,7 @@ def _leg(robot: Robot, name: str | None, side: int | None, body: float | None, l
     leg = robot.legs[0 if name is None else names.index(name)]
     own = leg.side if side is None else side * leg.knee_sign
     if own not in (-1, 1):
-        expected = f"1 if {leg.knee} points forward as it flexes, -1 if backward: {robot.name} does not tell"
+        expected = f"1 if {leg.knee} points forward as it flexes, -1 if backward: the file of {robot.name} does not say"
         raise BadValue("--side", side, expected if not leg.side else "1 or -1")
     return monopod(robot, replace(leg, side=own), "share" if body is None else body, locked)
 
@@ -259,7 +259,7 @@ def _loaded(arguments: argparse.Namespace, base: str) -> Robot | None:
     if arguments.robot is None:
         if given:
             name, value = next(iter(given.items()))
-            raise BadValue(f"--{name}", value, "to go with --robot")
+            raise BadValue(f"--{name}", value, "only with --robot")
         return None
     from spear_pin import load
 

@@ -42,11 +42,11 @@ def check_motors(arguments: argparse.Namespace) -> None:
     if arguments.bus is not None:
         require("--bus", arguments.bus, lambda volts: 0.0 < volts < float("inf"), "a number > 0, in V")
         if not arguments.motor:
-            raise BadValue("--bus", arguments.bus, "to go with --motor JOINT=MOTOR")
+            raise BadValue("--bus", arguments.bus, "only with --motor JOINT=MOTOR")
     if arguments.efficiency is not None:
         require("--efficiency", arguments.efficiency, lambda eta: 0.0 < eta <= 1.0, "a number in (0, 1]")
         if arguments.bus is None:
-            raise BadValue("--efficiency", arguments.efficiency, "to go with --bus, the supply of --motor")
+            raise BadValue("--efficiency", arguments.efficiency, "only with --bus, the supply of --motor")
 
 
 def motors(arguments: argparse.Namespace, robot: Robot) -> dict[str, Motor | Drive]:

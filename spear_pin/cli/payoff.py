@@ -160,14 +160,14 @@ def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study],
     from spear_pin.studies.payoff import bounds
 
     for option in ("body", "flight_times"):
-        _only(arguments, option, "to go with --leg")
+        _only(arguments, option, "only with --leg")
     casadi()
     if arguments.robot == QUADRUPED:
         _only(arguments, "side", f"to be left out: the sides of {QUADRUPED} are known")
         return load(QUADRUPED), bounds, arguments.speeds
     if arguments.side is not None and len(arguments.side) != 2:
         raise BadValue(
-            "--side", arguments.side, "two numbers, of the posterior and of the anterior knees; one with --leg"
+            "--side", arguments.side, "two numbers, for the posterior and for the anterior knees; with --leg one"
         )
     robot = in_the_plane(arguments)
     assert robot is not None
@@ -179,7 +179,7 @@ def _hops(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], S
     from spear_pin import load
     from spear_pin.studies.payoff import hops
 
-    _only(arguments, "speeds", "to go without --leg: of a hop give --flight-times")
+    _only(arguments, "speeds", "to be left out with --leg: for a hop give --flight-times")
     if arguments.robot == LEG:
         for option in ("leg", "side", "body"):
             _only(arguments, option, f"to be left out: {LEG} is one leg")
@@ -226,7 +226,7 @@ def given_drives(arguments: argparse.Namespace) -> dict[str, Drive]:
         named, ratio = getattr(arguments, f"{part}_motor"), getattr(arguments, f"{part}_ratio")
         if (named is None) != (ratio is None):
             missing, other = (f"--{part}-motor", f"--{part}-ratio")[:: 1 if named is None else -1]
-            raise BadValue(missing, None, f"a value, to go with {other}")
+            raise BadValue(missing, None, f"a value, which {other} needs")
         if named is None:
             continue
         if named not in MOTORS:
@@ -238,7 +238,7 @@ def given_drives(arguments: argparse.Namespace) -> dict[str, Drive]:
         bus = own.known("nominal_voltage") if arguments.bus is None else arguments.bus
         found[part] = Drive(own, Gearbox(ratio, arguments.efficiency or EFFICIENCY), bus)
     if arguments.efficiency is not None and not found:
-        raise BadValue("--efficiency", arguments.efficiency, "to go with --knee-motor or --hip-motor")
+        raise BadValue("--efficiency", arguments.efficiency, "only with --knee-motor or --hip-motor")
     return found
 
 

@@ -123,7 +123,7 @@ def _csv(word: str) -> str:
     """The name of a file in --out, whose suffix may be left out."""
     name = word if Path(word).suffix == ".csv" else f"{word}.csv"
     if word.strip() in ("", ".", "..") or len(Path(name).parts) != 1 or not name.isprintable():
-        raise argparse.ArgumentTypeError(f"{word!r} is no name of a file; its folder is given by --out")
+        raise argparse.ArgumentTypeError(f"{word!r} is not a file name such as release.csv; give its folder by --out")
     return name
 
 

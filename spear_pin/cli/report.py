@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     page = arguments.out / PAGE
     text = render(report).encode()
     if len(text) > MOST_BYTES:
-        raise BadFile(page, f"would have {len(text)} bytes, more than {MOST_BYTES}")
+        raise BadFile(page, f"would have {len(text)} bytes, more than {MOST_BYTES}; make fewer parts with --only")
     with atomic(page) as temporary:
         temporary.write_bytes(text)
     files = [str(page)]

@@ -122,7 +122,7 @@ def requested(arguments: argparse.Namespace, program: Program) -> tuple[Robot, R
         changed |= {"knee_ratio": drive.gearbox.ratio, "knee_rotor": rotor}
         given["knee_drive"] = drive
     elif arguments.objective in ("electrical", "violation"):
-        raise BadValue("--knee-motor", None, f"a motor, for the objective {arguments.objective!r}")
+        raise BadValue("--knee-motor", None, f"a motor, which the objective {arguments.objective!r} needs")
     if changed:
         robot, named = vary(robot, **changed), program.let("robot", program.call(vary, named, **changed))
     if other is None:
@@ -144,7 +144,7 @@ def _knee_drive(arguments: argparse.Namespace) -> Drive | None:
     if arguments.knee_motor is None:
         for name in ("ratio", "bus"):
             if getattr(arguments, name) is not None:
-                raise BadValue("--knee-motor", None, f"a motor, for --{name} to belong to")
+                raise BadValue("--knee-motor", None, f"a motor, which --{name} needs")
         return None
     ratio = RATIO if arguments.ratio is None else arguments.ratio
     bus = BUS if arguments.bus is None else arguments.bus

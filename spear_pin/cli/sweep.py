@@ -162,16 +162,16 @@ def _check(arguments: argparse.Namespace) -> None:
         if value is not None and value < least:
             raise BadValue(f"--{option}", value, f"a whole number, at least {least}")
     if arguments.what == "hop" and arguments.speed is not None:
-        raise BadValue("--speed", arguments.speed, "to go with bound; a hop takes --flight-time")
+        raise BadValue("--speed", arguments.speed, "only with bound; for a hop give --flight-time")
     if arguments.what == "hop" and arguments.gait is not None:
-        raise BadValue("--gait", arguments.gait, "to go with bound; a hop is found anew")
+        raise BadValue("--gait", arguments.gait, "only with bound: the search for a hop needs no gait")
     if arguments.what == "bound" and arguments.robot is not None:
         expected = (
-            "to go with hop; of another quadruped save a bound by spear bound --robot ... --save, and give --gait"
+            "only with hop; for a bound of this robot type `spear bound --robot NAME --save`, then --gait bound.json"
         )
         raise BadValue("--robot", arguments.robot, expected)
     if arguments.what == "bound" and arguments.flight_time is not None:
-        raise BadValue("--flight-time", arguments.flight_time, "to go with hop; a bound takes --speed")
+        raise BadValue("--flight-time", arguments.flight_time, "only with hop; for a bound give --speed")
     if arguments.speed is not None and not 0.0 < arguments.speed < math.inf:
         raise BadValue("--speed", arguments.speed, "a number > 0")
 
@@ -201,7 +201,9 @@ def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
     if sampled or not colons:
         return name, numbers
     if colons == 1:
-        raise BadValue("--over", word, f"--sobol or --latin with a range, or the number of its values too: {word}:5")
+        raise BadValue(
+            "--over", word, f"the number of values too, such as {word}:5, or --sobol or --latin with a range"
+        )
     first, last, count = numbers
     if count % 1 or not 2 <= count <= MOST:
         raise BadValue("--over", word, f"LOW:HIGH:NUMBER with a whole NUMBER of values, 2 to {MOST}")
@@ -237,7 +239,7 @@ def _asked(
         raise BadValue(
             "--over",
             measure,
-            f"a parameter, or to go without {'--flight-time' if arguments.what == 'hop' else '--speed'}",
+            f"a parameter; for a measure leave out {'--flight-time' if arguments.what == 'hop' else '--speed'}",
         )
     asked = value is not None or measure in names
     return system, [solved] if asked else [], {} if value is None else {measure: value}

@@ -111,7 +111,7 @@ def _gait(name: str) -> Gait:
 
     gait = Gait.load(name)
     if gait.system.kind not in GOES:
-        raise BadValue("GAIT", name, f"{TROT}, {PACE}, {PRONK} or a saved one of these")
+        raise BadValue("GAIT", name, f"{TROT}, {PACE}, {PRONK}, or the file of a saved trot, pace or pronk")
     return gait
 
 

@@ -118,7 +118,7 @@ def _found(arguments: argparse.Namespace, program: Program, show: Any) -> tuple[
         angle = arguments.rate * plane.period
     if abs(angle) > STEEPEST:
         option, given = ("--angle", angle) if arguments.rate is None else ("--rate", arguments.rate)
-        raise BadValue(option, given, f"within ±{STEEPEST:g}° a stride")
+        raise BadValue(option, given, f"a turn within ±{STEEPEST:g}° a stride, not {angle:.3g}°")
     law = SpatialLaw(plane.system.law, adduction_stiffness=0.0, adduction_damping=0.0)
     system, state = embedded(plane, law)
     straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})

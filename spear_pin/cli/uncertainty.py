@@ -123,7 +123,7 @@ def _spread(
 
     spread = table.uncertainty(sigma)
     if not spread.covariance.any():
-        raise BadValue("--sigma", dict(sigma), "one or more that are not 0")
+        raise BadValue("--sigma", dict(sigma), "at least one standard deviation other than 0")
     if not correlation:
         program.let("spread", program.method(written, "uncertainty", dict(sigma)))
         return spread
@@ -141,7 +141,7 @@ def _spread(
             raise BadValue("--correlation", f"{pair}={word}", "two parameters and a number from -1 to 1, as in k,b=0.3")
         i, j = (table.parameters.index(name) for name in names)
         if matrix[i, j]:
-            raise BadValue("--correlation", pair, "each two parameters once")
+            raise BadValue("--correlation", pair, "each pair of parameters once")
         matrix[i, j] = matrix[j, i] = value
     deviations = spread.parameter_deviations
     covariance = matrix * np.outer(deviations, deviations)

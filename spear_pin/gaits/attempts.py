@@ -177,7 +177,8 @@ class Search:
         error = float(np.abs(displacement(system, state, result.state)).max())
         allowed = max(RESIDUAL, 10.0 * self.rtol)
         if not error <= allowed:
-            raise NoGait(f"the cycle that was found closes no better at rtol {self.rtol:g}", error)
+            reason = f"the cycle that was found does not close to {allowed:.1g} at rtol {self.rtol:g}"
+            raise NoGait(reason, error, remedy="a smaller rtol")
         if self.exact is not None and not np.allclose(self.measure(result), self.wanted, rtol=MEANT, atol=MEANT):
             differenced = replace(self, exact=None)  # the system means something else by a name
             return differenced.gait(*differenced.directly(system, state))
@@ -242,7 +243,8 @@ def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float)
     again = run(system, moment, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
     error = float(np.abs(displacement(system, cycle.state, again.state)).max()) if again.cycles else np.inf
     if not error <= allowed:
-        raise NoGait("the next cycle differs: something latched before the section acts after it", error)
+        reason = "the next cycle differs: a value latched before the section is used after it"
+        raise NoGait(reason, error, remedy="to latch that value again after the section")
 
 
 class Hopeless(Exception):

@@ -262,7 +262,11 @@ def _begun(evolution: Evolution) -> Held:
 
 def _guess(robot: Robot, law: BoundingLaw, ground: Ground) -> tuple[Any, Any]:
     if not law.nominal:
-        raise BadValue("BoundingLaw.nominal", law.nominal, f"the {STATES} numbers of a section state, or give a state")
+        raise BadValue(
+            "BoundingLaw.nominal",
+            law.nominal,
+            f"the {STATES} numbers of a section state; or give a state to start from",
+        )
     q, v = np.array([0.0, *law.nominal[:6]]), np.array(law.nominal[6:])
     q[1] += ground.under(robot.toe_position(q, legs_of(robot)[0].toe)[0])
     return q, v

@@ -314,7 +314,9 @@ def legs_of(robot: Robot) -> tuple[Leg, Leg]:
     joints = tuple(f"{name}_{part}" for name in LEGS for part in ("hip", "knee"))
     expected = ("torso_x", "torso_z", "pitch", *joints)
     if robot.coordinates != expected or robot.actuated != joints or robot.toes != ("posterior_toe", "anterior_toe"):
-        alike = f"the coordinates {listed(expected, 8)}, motors on the last four, and two toes, as of sagittal(...)"
+        alike = (
+            f"a robot as sagittal(...) makes it: coordinates {listed(expected, 8)}, motors on the last four, two toes"
+        )
         raise BadValue("robot", robot, alike)
     posterior, anterior = (
         Leg(name, hip, hip + 1, _side(robot, found, usual), (found.thigh, found.shank), (hip - 3, hip - 2))

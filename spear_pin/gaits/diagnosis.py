@@ -108,10 +108,10 @@ def _knee_side(system: HybridSystem) -> Diagnosis | None:
     leg = legs[0]
     if leg.knee_sign < 0 or leg.side < 0:
         cause = f"the knee {leg.knee!r} flexes to negative angles, and the law to positive ones"
-        return Diagnosis(cause, f"monopod(robot, {leg.name!r}), which turns it, in the place of the robot")
+        return Diagnosis(cause, f"monopod(robot, {leg.name!r}) in place of the robot: it turns the axis")
     if leg.hip_sign < 0:
-        cause = f"the axis of the hip {leg.hip!r} points the other way than SPEAR-II's, for which the law is"
-        return Diagnosis(cause, f"monopod(robot, {leg.name!r}), which turns it, in the place of the robot")
+        cause = f"the axis of the hip {leg.hip!r} points the other way than SPEAR-II's, for which the law is written"
+        return Diagnosis(cause, f"monopod(robot, {leg.name!r}) in place of the robot: it turns the axis")
     if system.law.knee_touchdown <= 0:
         cause = f"the knee lands at {system.law.knee_touchdown:.3g} rad, straight or bent to the wrong side"
         return Diagnosis(cause, f"knee_touchdown={abs(system.law.knee_touchdown) or 1.0:.3g}")

@@ -151,7 +151,9 @@ def _without_feedback(gait: Gait) -> None:
     if gait.system.kind != "bounding":
         raise BadValue("gait", gait.system.kind, "a bounding gait")
     if law.feedback or any(law.speed_gain):
-        raise BadValue("gait", "one with event feedback", "one without")
+        raise BadValue(
+            "gait", "one with event feedback", "one without: gait.with_law(feedback=(), speed_gain=(0.0, 0.0))"
+        )
 
 
 def _multiplied(gait: Gait, rtol: float) -> Gait:

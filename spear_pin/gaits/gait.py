@@ -143,7 +143,9 @@ class Gait(Shown):
             BadFile: the file cannot be written.
         """
         if left_out := _unsaid(self.system):
-            raise BadValue("gait.system", f"one with {' and '.join(left_out)}", "one without: a file keeps none")
+            raise BadValue(
+                "gait.system", f"one with {' and '.join(left_out)}", "one without: a file cannot describe it"
+            )
         for name, limit in limits(self.system).items():
             require(name, limit, lambda value: value >= 0, "a finite number >= 0, in s, to be kept in a file")
         data = {

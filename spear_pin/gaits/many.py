@@ -76,10 +76,12 @@ def find_many(
     n = len(next(iter(given.values()))) if given and next(iter(given.values())).ndim else 0
     for name, values in given.items():
         if values.shape != (n,) or not n or not np.isfinite(values).all():
-            raise BadValue(f"parameters[{name!r}]", values, "finite numbers, as many for each parameter")
+            raise BadValue(f"parameters[{name!r}]", values, "finite numbers, equally many for each parameter")
     for name in vary:
         if name in OF_GROUND:
-            raise BadValue("vary", name, "what does not move the ground, on which the lanes' sections are")
+            raise BadValue(
+                "vary", name, "a parameter that does not move the ground: the sections of the lanes lie on it"
+            )
     if not given:
         raise BadValue("parameters", parameters, "at least one, with a number for each lane")
     wanted = _wanted(system, vary, target, n)

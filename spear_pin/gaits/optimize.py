@@ -149,10 +149,9 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
         if not strayed:
             q, v = gait.state
             return gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
-        reason = (
-            f"the fixed point near it is another gait, whose {strayed[0]} does not last {lasting[strayed[0]]:.3g} s"
-        )
-        failure = NoGait(f"the optimiser's solution is no gait: {reason}", gait.residual)
+        own = f"its {strayed[0]} does not last {lasting[strayed[0]]:.3g} s"
+        reason = f"the fixed point near the optimiser's solution is another gait: {own}"
+        failure = NoGait(reason, gait.residual, remedy="a finer mesh, or another seed")
     raise failure
 
 

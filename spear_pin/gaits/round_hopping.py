@@ -241,7 +241,9 @@ def round_hopping(
     own = None if robot.settings is None else robot.settings.springs.get(KNEE)
     spring = spring or own or Spring(0.0, damping=0.0, rest=0.0, unilateral=False)
     if spring.rest is None or spring.unilateral:
-        raise BadValue("spring", spring, "one with a rest of its own that pulls and pushes, as Spring(rest=0.0, ...)")
+        raise BadValue(
+            "spring", spring, "a spring that pulls and pushes about a rest angle: Spring(rest=0.0, unilateral=False)"
+        )
     flight_law, stance_law = laws(limb)
     mount = Mount(KNEE, spring, rest="knee_rest", taut="taut")
     always: Held = {"knee_rest": spring.rest, "taut": 1.0}

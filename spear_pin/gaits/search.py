@@ -90,7 +90,9 @@ def find_gait(
                 break  # another start of the path would end at the same place
     except Hopeless:
         residual = min((failure.residual for failure in failures), default=np.inf)
-        failures = [NoGait(f"cycles take more than {EVALUATIONS} evaluations each, which no gait's does", residual)]
+        failures = [
+            NoGait(f"cycles take more than {EVALUATIONS} evaluations each; a cycle of a gait takes fewer", residual)
+        ]
     nearest = min(failures, key=lambda each: each.residual)
     raise explained(nearest, system, vary, target, search.effort.reached) from None
 

@@ -123,7 +123,7 @@ def series_hopping(
     if robot.coordinates != COORDINATES or robot.actuated != ("hip", "knee") or robot.toes != ("toe",):
         raise BadValue("robot", robot, "load('spear_ii_series', locked=['boom_x']) or a variant of it")
     if spring.unilateral or spring.rest is not None:
-        raise BadValue("spring", spring, "Spring(unilateral=False), resting at no deflection")
+        raise BadValue("spring", spring, "a spring that pulls and pushes, and rests at zero: Spring(unilateral=False)")
     mount = Mount("knee_spring", spring, rest="rest", taut="taut")
     always: Held = {"rest": 0.0, "taut": 1.0}
 

@@ -140,9 +140,9 @@ def check_lanes(system: HybridSystem) -> None:
     if any(PINNED in domain.contacts for domain in system.domains):
         raise BadValue("system", system.kind, "one without pinned toes")
     if system.robot.added is not None:
-        raise BadValue("robot", system.robot.name, "one on its slider")
+        raise BadValue("robot", system.robot.name, "one without a rotary boom")
     if not system.robot.planar:
-        expected = "one that moves in the plane: in space gaits have no derivatives yet, and are not run side by side"
+        expected = "one that moves in the plane: gaits in space have no derivatives yet, and run one at a time"
         raise BadValue("robot", system.robot.name, expected)
 
 

@@ -64,8 +64,8 @@ class DryFriction:
         rubbing = len(forces) + max((len(domain.rubs) for domain in system.domains), default=0)
         free = min(system.robot.nv - _constraints(domain, system.robot.dimension) for domain in system.domains)
         if rubbing > free:
-            expected = f"at most {free} joint{'s' * (free != 1)}: no more move freely with toes on the ground"
-            raise BadValue("forces", dict(forces), f"{expected}, and friction could hold more in many ways")
+            joints = f"at most {free} joint{'s' * (free != 1)}, as many as move freely with toes on the ground"
+            raise BadValue("forces", dict(forces), f"{joints}: with more, friction is not unique")
         domains = (mode for domain in system.domains for mode in _modes(domain, system.robot, forces))
         return replace(system, domains=tuple(domains))
 

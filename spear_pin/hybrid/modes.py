@@ -122,7 +122,7 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     try:
         return phase, latched({}, resets, q.tolist(), v.tolist(), system.law, system.place_of)
     except ArithmeticError:
-        raise BadValue("state", state, "one from which the control law has a value") from None
+        raise BadValue("state", state, "one at which the control law gives numbers") from None
 
 
 def resuming_phase(system: HybridSystem, moment: Moment) -> tuple[str, Held]:

@@ -77,7 +77,7 @@ def mistake(what: str, function: Any, problem: Exception | str) -> BadFunction:
 def not_symbolic(what: str, function: Any, error: Exception) -> NotSymbolic:
     """Returns the exception to raise if a function that takes numbers does not take symbols, or arrays of lanes."""
     place = mistake(what, function, error)
-    hint = "elementary functions come from ops, and nothing branches on a value"
+    hint = "take elementary functions from ops, such as ops.sin, and let no `if` depend on a value"
     where = f" ({place.file}:{place.line})" if place.file else ""
     return NotSymbolic(f"{what} does not take symbols ({error}): {hint}{where}")
 
@@ -141,7 +141,7 @@ def held(what: str, function: Any, answer: Any) -> Mapping[str, Any]:
         BadFunction: the answer is no mapping from names, or a value in it is no number.
     """
     if not isinstance(answer, Mapping) or not all(isinstance(name, str) for name in answer):
-        expected = 'what is held by name, such as {"rest": q[2]}'
+        expected = 'latched values by name, such as {"rest": q[2]}'
         raise mistake(what, function, f"it gives {brief(answer)}; expected {expected}")
     for name, value in answer.items():
         for each in _flat(value):

@@ -80,7 +80,9 @@ def replaced(system: HybridSystem) -> dict[str, Any]:
     others = {name: getattr(system, name) for name in REPLACED if getattr(system, name) != system.made[name]}
     if "domains" in others:
         names = ", ".join(domain.name for domain in system.domains)
-        raise BadValue("domains", names, "those that were built, or made by `changed(system, change)`, not replaced")
+        raise BadValue(
+            "domains", names, "the domains as built; change them by `changed(system, change)`, not by `replace`"
+        )
     return others
 
 
@@ -100,7 +102,7 @@ def parameter(system: HybridSystem, name: str) -> float:
     owner = _parts(system)[part]
     value = getattr(owner if inner is None else getattr(owner, inner), name)
     if value is None:
-        raise BadValue(name, value, "a number to begin from: set it first")
+        raise BadValue(name, value, "a number: set it in the law, spring or ground first")
     return float(value)
 
 

@@ -16,7 +16,7 @@ class Latched(dict[str, Any]):
     """Held values; an unknown name is refused with a list of the known names."""
 
     def __missing__(self, name: str) -> Any:
-        raise UnknownName("name of what is held", name, self)
+        raise UnknownName("latched value", name, self)
 
 
 def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]]) -> None:
@@ -101,7 +101,7 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
     for domain in domains:
         for mount in domain.mounts:
             place = mount.joint, domain.name
-            _known("name of what holds the spring of {!r} in domain {!r}", place, [mount.rest, mount.taut], held)
+            _known("latched value of the spring on {!r} in domain {!r}", place, [mount.rest, mount.taut], held)
 
 
 def _held(latches: Sequence[Latch], q: list[float], v: list[float], law: Any) -> tuple[Latched, UnknownName | None]:

@@ -164,5 +164,9 @@ def mirror_of(robot: Robot) -> Mirror:
         zeros = (leg.hip, leg.hip_zero, partner.hip_zero), (leg.knee, leg.knee_zero, partner.knee_zero)
         for joint, zero, its in zeros:
             if abs(its - signs[robot.index(joint)] * zero) > ALIKE:
-                raise BadValue(f"zero of {joint}", zero, f"that of its partner's image, {its}, in rad")
+                raise BadValue(
+                    f"zero of {joint}",
+                    zero,
+                    f"{signs[robot.index(joint)] * its:g}, in rad, the mirror image of its partner's zero",
+                )
     return Mirror(tuple(of), tuple(signs))

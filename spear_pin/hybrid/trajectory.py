@@ -303,7 +303,7 @@ class Trajectory(Shown):
                 robot = self.load_robot()
             except (SpearError, ValueError) as error:
                 raise BadValue(
-                    "trajectory.robot", self.robot, f"a robot that is found ({error}); or play(robot)"
+                    "trajectory.robot", self.robot, f"a robot that can be loaded ({error}); or give it: play(robot)"
                 ) from None
         return playing(robot, self, title, int(height))
 

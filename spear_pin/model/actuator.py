@@ -89,7 +89,11 @@ class Actuator:
         if self.current_limit != math.inf:
             require("Actuator.current_limit", self.current_limit, lambda i: i > 0, "a number > 0, in A")
         if self.thermal is not None and not self.current_limit < math.inf:
-            raise BadValue("Actuator.current_limit", self.current_limit, "finite, in A, for i²t protection to reduce")
+            raise BadValue(
+                "Actuator.current_limit",
+                self.current_limit,
+                "a finite number, in A, which thermal (i²t) protection reduces",
+            )
         if self.bandwidth is not None:
             require("Actuator.bandwidth", self.bandwidth, lambda f: f > 0, "a number > 0, in Hz, or None")
             self.motor.known("inductance")

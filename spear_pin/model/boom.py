@@ -100,6 +100,6 @@ def on_rotary_boom(robot: Robot, boom: RotaryBoom | None = None) -> Robot:
     if not robot.planar or HEIGHT not in robot.coordinates or "boom_x" in robot.coordinates:
         raise BadValue("robot", robot, f"a planar robot with the height {HEIGHT}, and boom_x locked")
     if robot.added is not None:
-        raise BadValue("robot", robot, "one on its slider")
+        raise BadValue("robot", robot, "one without a rotary boom")
     moving = float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]))
     return robot.with_model(robot.model, added=Arm(boom or RotaryBoom(), robot.index(HEIGHT), moving))

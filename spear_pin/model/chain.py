@@ -59,9 +59,9 @@ def on_chain(model: pin.Model) -> pin.Model:
     """
     flying = [i for i in range(1, model.njoints) if model.joints[i].shortname() == FREE]
     if flying != [1] or model.parents[1] != 0:
-        raise BadValue("base", "chain", "'fixed' for a robot that has no single floating base, as its first joint")
+        raise BadValue("base", "chain", "'fixed': the first joint of this robot is not its only floating joint")
     if taken := [name for name in CHAIN if model.existJointName(name)]:
-        raise BadValue("base", "chain", f"'free' for a robot with a joint {taken[0]!r}")
+        raise BadValue("base", "chain", f"'free': the robot has a joint {taken[0]!r}, a name that the chain uses")
     made = pin.Model()
     made.name, made.gravity = model.name, model.gravity
     made.inertias[0] = model.inertias[0]

@@ -150,7 +150,7 @@ class Source:
 
     def __init__(self, robot: Any) -> None:
         if robot.added is not None:
-            raise BadValue("robot", robot, "one whose inertia is all its model's")
+            raise BadValue("robot", robot, "one without a rotary boom, whose inertia a leg cannot take over")
         self.robot, self.model = robot, robot.model
         self.tree = Tree(self.model)
         self.data = self.tree.data

@@ -88,7 +88,7 @@ def _post(said: Sidecar, path: Path, model: pin.Model) -> tuple[float, float] | 
             raise UnknownName("joint", said.post, names)
         tree, joint = Tree(model), int(model.getJointId(said.post))
         if tree.chain(joint) != [joint] or not tree.yaws(joint):
-            raise BadValue("joint", said.post, "one that turns about a vertical axis, on the world itself")
+            raise BadValue("joint", said.post, "a joint on the world, which turns about a vertical axis")
     x, y, _ = model.jointPlacements[joint].translation.tolist()
     return x, y
 
@@ -101,7 +101,7 @@ def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...]
         if missing:
             raise BadFile(path, f"legs.{name} has no {missing[0]}; expected {', '.join(JOINTS)} of each leg or of none")
         if not table:
-            raise BadFile(path, f"legs.{name} says nothing; expected side, or {', '.join(JOINTS)}")
+            raise BadFile(path, f"legs.{name} is empty; expected side, or {', '.join(JOINTS)}")
     given, legs = [], []
     for name, table in explicit.items():
         with blaming(path, f"legs.{name}"):
@@ -110,7 +110,9 @@ def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...]
             given.append(NamedLeg(name, **table))
             legs.append(leg_of(robot.model, given[-1]))
     if len({leg.hip for leg in legs}) < len(legs):
-        raise BadFile(path, f"legs has the hips {', '.join(leg.hip for leg in legs)}; expected each of one leg only")
+        raise BadFile(
+            path, f"legs has the hips {', '.join(leg.hip for leg in legs)}; expected another hip for each leg"
+        )
     if not explicit:
         with blaming(path, "legs"):
             legs = list(find_legs(robot, sides={name: table["side"] for name, table in said.legs.items()}))
@@ -159,7 +161,9 @@ def _gears(
     for name in sorted(tables, key=lambda name: (name != "all", name not in roles)):
         own = roles.get(name, [name])
         if not own:
-            raise BadFile(path, f"motors.{name}: no leg is known that has one; expected legs or toes that say it")
+            raise BadFile(
+                path, f"motors.{name}: no known leg has a joint in this role; give legs or toes, or name the joint"
+            )
         found |= dict.fromkeys(own, (name, tables[name]))
     return found
 
@@ -168,7 +172,9 @@ def _geared(path: Path, known: Gear, joint: str, key: str, table: Mapping[str, A
     """Returns a joint's gear from a table, and its efficiency; the robot's file must not contradict it."""
     where, own = f"motors.{key}", _own(table)
     if own.ratio is None and known.ratio is None and {"motor", "rotor_inertia"} & set(table):
-        raise BadFile(path, f"{where} has no ratio, and neither has the robot's file for {joint!r}; expected one")
+        raise BadFile(
+            path, f"{where} has no ratio, nor has the robot's file for {joint!r}; give one, such as ratio = 9"
+        )
     given = known.ratio if own.ratio is None else own.ratio
     with blaming(path, where):
         gearbox = Gearbox(1.0 if given is None else given, table.get("efficiency", 1.0))
@@ -178,7 +184,9 @@ def _geared(path: Path, known: Gear, joint: str, key: str, table: Mapping[str, A
     rotor = motor(table["motor"]).rotor_inertia if own.rotor is None and "motor" in table else own.rotor
     reflected = replace(known, ratio=gearbox.ratio).reflected
     if rotor is None and "motor" in table and reflected is None:
-        raise BadFile(path, f"{where} has no rotor_inertia, and that of {table['motor']} is not known; expected one")
+        raise BadFile(
+            path, f"{where} has no rotor_inertia, and that of {table['motor']} is unknown; give one, in kg·m²"
+        )
     if rotor is not None and rotor < 0:
         raise BadFile(path, f"{where}.rotor_inertia is {rotor!r}; expected a number >= 0, in kg·m²")
     if (

@@ -77,8 +77,8 @@ def check_floating(path: str | Path, model: pin.Model) -> None:
     massless = next((index for index in roots if not model.inertias[index].mass), None)
     if massless is not None and _fault(path, model):
         links = (f.name for f in model.frames if f.parentJoint == massless and f.type == pin.FrameType.BODY)
-        problem = f"its root {next(links, '')!r} has no inertia, so that it cannot float as base='free' wants"
-        raise BadFile(path, f"{problem}, and as a quadruped's trunk does: leave base out, or {REMEDY}")
+        problem = f"its root {next(links, '')!r} has no inertia, so it cannot float"
+        raise BadFile(path, f"{problem} (base='free', or a quadruped's trunk): leave base out, or {REMEDY}")
 
 
 def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.Model, list[str]]:
@@ -115,7 +115,7 @@ def _fault(path: str | Path, model: pin.Model) -> tuple[str | None, str] | None:
     for _ in range(3):
         mass_matrix = pin.crba(model, data, pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv)))
         if not np.isfinite(mass_matrix).all():
-            raise BadFile(path, "the mass matrix is not finite: some inertia is out of all proportion")
+            raise BadFile(path, "the mass matrix is not finite: some <inertial> has numbers that are far too large")
         diagonal = np.diag(mass_matrix)
         for index in range(1, model.njoints):
             name, joint = model.names[index], model.joints[index]

@@ -245,7 +245,7 @@ def simple(leg: Leg) -> Leg:
         BadValue: the leg has other joints, such as ankles.
     """
     if leg.others:
-        expected = f"a leg of hip and knee; {', '.join(leg.others)} would have to be locked (load(..., locked=[...]))"
+        expected = f"a leg of hip and knee only; lock {', '.join(leg.others)}: load(..., locked=[...])"
         raise BadValue("leg", leg.name, expected)
     return leg
 
@@ -257,7 +257,7 @@ def in_convention(leg: Leg) -> Leg:
         BadValue: an axis or a zero differs.
     """
     if (leg.hip_sign, leg.knee_sign, leg.hip_zero, leg.knee_zero) != (1, 1, 0.0, 0.0):
-        expected = "hip and knee with SPEAR-II's signs and zeros, as of monopod(...) and sagittal(...)"
+        expected = "hip and knee with SPEAR-II's signs and zeros, as monopod(...) and sagittal(...) make them"
         raise BadValue("leg", leg.name, expected)
     return leg
 
@@ -269,7 +269,7 @@ def sided(leg: Leg) -> Leg:
         BadValue: the side is not known.
     """
     if not leg.side:
-        expected = "one whose limits or postures tell where its knee flexes, or find_legs(robot, sides=...) to name it"
+        expected = "a leg whose limits or postures show where its knee flexes; or give find_legs(robot, sides=...)"
         raise BadValue("leg", leg.name, expected)
     return leg
 

@@ -51,7 +51,7 @@ class SliderLinkage:
                 f"SliderLinkage.{field.name}", getattr(self, field.name), lambda x: x > 0, f"a number > 0, in {unit}"
             )
         reach = self.rod - self.crank
-        require("SliderLinkage.offset", self.offset, lambda e: abs(e) < reach, "a number, in m, within rod less crank")
+        require("SliderLinkage.offset", self.offset, lambda e: abs(e) < reach, "a number within ±(rod - crank), in m")
 
     def compression(self, angle: ArrayLike) -> Array:
         """Returns the compression x, in m; negative where the spring is loose.
@@ -86,7 +86,7 @@ class SliderLinkage:
         x = self.compression(angles)
         found = np.flatnonzero((x[:-1] <= 0.0) & (x[1:] > 0.0))
         if not len(found):
-            raise BadValue("angles", (low, high), "two between which the spring begins to be compressed")
+            raise BadValue("angles", (low, high), "two angles, in rad, between which compression of the spring begins")
         i = int(found[0])
         return float(scipy.optimize.brentq(self.compression, angles[i], angles[i + 1], xtol=1e-14))
 

@@ -200,7 +200,7 @@ def sidecar_of(source: str | Path | pin.Model) -> Sidecar:
         return Sidecar(source)
     said = read(beside)
     if said.source is not None and path_of(said.source).resolve() != path.resolve():
-        raise BadFile(beside, f"names {said.source!r}; expected {path.name!r}, next to which it is, or no robot")
+        raise BadFile(beside, f"names {said.source!r}; expected {path.name!r}, the file next to it, or no robot")
     return replace(said, source=source)
 
 

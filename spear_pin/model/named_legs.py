@@ -64,5 +64,5 @@ def leg_of(model: Any, names: NamedLeg) -> Leg:
             raise BadValue(f"hip and knee of {names.name}", str(model.names[joint]), expected)
     found = leg_along(tree, names.toe, [*ids[:-2], *chain[chain.index(hip) :]], hip, knee)
     if found is None:
-        raise BadValue(f"toe of {names.name}", names.toe, "a frame away from the knee, and the knee away from the hip")
+        raise BadValue(f"toe of {names.name}", names.toe, "a frame apart from the knee, which is apart from the hip")
     return replace(found, name=names.name, side=names.side or side_of(tree, found))

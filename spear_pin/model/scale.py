@@ -96,10 +96,12 @@ def only_leg(robot: Robot) -> Leg:
         BadValue: the leg has other signs, or the robot does not have exactly one leg.
     """
     if not robot.planar or len(robot.legs) != 1:
-        raise BadValue("robot", robot, "one with one leg, in the plane, as of monopod(...)")
+        raise BadValue("robot", robot, "a planar robot with one leg, as monopod(...) makes it")
     leg = in_convention(simple(robot.legs[0]))
     if leg.side != 1:
-        raise BadValue("robot", robot, "one whose knee flexes to positive angles, as SPEAR-II's")
+        raise BadValue(
+            "robot", robot, "one whose knee flexes to positive angles, like SPEAR-II's; monopod(...) makes one"
+        )
     return leg
 
 
@@ -130,7 +132,7 @@ def q_spear_full() -> Robot:
 def _size(robot: Robot) -> tuple[float, float, float]:
     """Returns the mass, in kg, the mean length of the legs, in m, and the time √(l/g), in s."""
     if not robot.planar or not robot.legs:
-        raise BadValue("robot", robot, "one with legs, in the plane, as of monopod(...) or sagittal(...)")
+        raise BadValue("robot", robot, "a planar robot with legs, as monopod(...) or sagittal(...) makes it")
     return _measured(robot)
 
 

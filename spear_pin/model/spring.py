@@ -67,7 +67,7 @@ class Spring:
             within = f"a number from 0 to {STIFFEST:g}, in {unit}"
             require(f"Spring.{name}", getattr(self, name), lambda number: (number >= 0) & (number <= STIFFEST), within)
         if not self.unilateral:
-            require("Spring.preload", self.preload, lambda torque: torque == 0, "0 of a spring that is not unilateral")
+            require("Spring.preload", self.preload, lambda torque: torque == 0, "0 for a spring that is not unilateral")
         object.__setattr__(self, "table", _checked(self.table, self.unilateral))
         if self.table:
             require("Spring.stiffness", self.stiffness, lambda k: k == 0, "0 with a table, which takes its place")
@@ -145,8 +145,8 @@ def _checked(table: Any, unilateral: bool) -> tuple[tuple[float, float], ...]:
         BadValue: the points are not those of a spring.
     """
     where = "the first of them (0, 0)" if unilateral else "(0, 0) between the first and the last"
-    signs = "whose second has the sign of the first, or is 0"
-    expected = f"up to {MOST_POINTS} points (rad, N·m) that rise in the first and {signs}, {where}"
+    signs = "each torque 0 or of its angle's sign"
+    expected = f"up to {MOST_POINTS} points (rad, N·m) with rising angles, {signs}, and {where}"
     try:
         points = tuple((float(angle), float(torque)) for angle, torque in table)
     except (TypeError, ValueError):

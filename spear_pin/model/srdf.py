@@ -39,10 +39,10 @@ def to_srdf(robot: Robot, postures: Mapping[str, ArrayLike] | None = None) -> st
         BadFile: its URDF is gone.
     """
     if robot.cut is not None:
-        expected = f"one of a file: {robot.cut.of}, out of which it is cut, has one; MJCF needs none"
+        expected = f"a robot with a URDF, such as {robot.cut.of}, out of which it is cut; MJCF needs none"
         raise BadValue("robot", robot.source, expected)
     if robot.locked or robot.varied:
-        raise BadValue("robot", robot, "one as its URDF has it, with nothing locked or varied")
+        raise BadValue("robot", robot, "a robot as its URDF describes it, with nothing locked or varied")
     urdf = document(robot)
     root = etree.Element("robot", name=urdf.get("name", printable(robot.name)))
     root.append(etree.Comment(NOTE))

@@ -96,7 +96,9 @@ def value_of(robot: Robot, name: str) -> float:
             found.add(ratio if name.endswith("_ratio") else rotors / len(robot.cut.angles[joint]))
     if len(found) > 1:
         listed = " and ".join(f"{value:g}" for value in sorted(found))
-        raise BadValue(name, None, f"one number of all its joints, which have {listed}: set it by `vary` first")
+        raise BadValue(
+            name, None, f"one number for all its joints, which have {listed}: first set vary(robot, {name}=...)"
+        )
     return found.pop()
 
 
@@ -137,7 +139,7 @@ def vary(robot: Robot, **values: float) -> Robot:
     if not values:
         return robot
     if robot.model != _model(robot, robot.varied):
-        raise BadValue("robot", robot, "one whose model is as it was loaded, or varied by this function")
+        raise BadValue("robot", robot, "one whose model only `vary` has changed since it was loaded")
     varied = {**robot.varied, **{name: float(value) for name, value in values.items()}}
     return robot.with_model(_model(robot, varied), varied=varied)
 

@@ -192,7 +192,7 @@ def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
     system, joints = gait.system, gait.system.robot.actuated
     actuator = None if system.hardware is None else system.hardware.actuators[joints.index("knee")]
     if actuator is None or (actuator.motor, actuator.gearbox) != (drive.motor, drive.gearbox):
-        raise BadValue("gait", gait, "one on hardware, with the drive's motor and gearbox at the knee")
+        raise BadValue("gait", gait, "a gait with hardware that has the drive's motor and gearbox at the knee")
     run = simulate(system, gait.state, 1, progress=False)
     assert run.electrical is not None
     knee, resistance = joints.index("knee"), drive.motor.known("resistance")

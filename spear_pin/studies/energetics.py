@@ -120,7 +120,7 @@ def energy_flow(system: HybridSystem, trajectory: Trajectory, skip: int = 0) -> 
     """
     hardware, electrical, ledger = system.hardware, trajectory.electrical, trajectory.ledger
     if hardware is None or electrical is None:
-        raise BadValue("trajectory.electrical", electrical, "a ledger, of a system with hardware")
+        raise BadValue("trajectory.electrical", electrical, "a ledger: simulate a system with hardware")
     chosen = _chosen(trajectory, skip)
     given, regained = _halves(trajectory, chosen, _battery_power(system, trajectory))
     columns = [trajectory.coordinates.index(joint) for joint in trajectory.spring_joints]

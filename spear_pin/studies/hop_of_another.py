@@ -111,7 +111,7 @@ def _held(system: HybridSystem) -> HybridSystem:
     """Returns the same hop with boom_x locked."""
     cut, robot = system.robot.cut, system.robot
     if cut is None:
-        raise BadValue("robot", robot.name, "one that monopod cut out, or boom_x locked")
+        raise BadValue("robot", robot.name, "a robot of monopod(...), or one with boom_x locked")
     leg = vary(recut(cut.kind, cut.robot, cut.legs, cut.body, ["boom_x"]), **robot.varied)
     return hopping(leg, replace(system.law, foot_placement=0.0), system.spring, ground=system.ground)
 

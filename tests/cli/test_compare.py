@@ -87,11 +87,14 @@ def test_robots_as_json(capsys, tmp_path):
         (("spear_ii", "q_spear", "--cycles", "0"), "a whole number from 1 to 50"),
         (("spear_ii", "stiffness=x"), "expected a number"),
         (("spear_ii", "q_spear", "--out", "none"), "--out"),
-        (("spear_ii", "q_spear", "--robot", "hoppy_leg"), "to go with springs to compare, such as stiffness=40"),
-        (("spear_ii", "q_spear", "--flight-time", "0.3"), "to go with springs to compare"),
-        (("stiffness=4", "stiffness=5", "--leg", "FL"), "to go with --robot"),
+        (("spear_ii", "q_spear", "--robot", "hoppy_leg"), "only with springs to compare, such as stiffness=40"),
+        (("spear_ii", "q_spear", "--flight-time", "0.3"), "only with springs to compare"),
+        (("stiffness=4", "stiffness=5", "--leg", "FL"), "only with --robot"),
         (("stiffness=4", "stiffness=5", "--of", "long_stride", "--flight-time", "0.3"), "left out with --gait"),
-        (("--names", "a", "b", "spear_ii", "q_spear"), "in front of --names: A B --names NAME NAME"),
+        (
+            ("--names", "a", "b", "spear_ii", "q_spear"),
+            "as many items as names, in front of --names: A B --names NAME NAME",
+        ),
         (("spear_ii", "--nothing", "q_spear"), "unknown arguments: --nothing q_spear"),
     ],
 )

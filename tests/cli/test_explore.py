@@ -75,7 +75,7 @@ def test_a_port_that_is_taken_is_refused(capsys):
         (("hop", "long_stride"), "GAIT is"),
         (("bound", "nope"), "unknown gait"),
         (("bound", "--robot", "solo12"), "--robot is"),
-        (("--body", "2"), "to go with --robot"),
+        (("--body", "2"), "only with --robot"),
     ],
 )
 def test_what_does_not_go_together_is_refused(capsys, arguments, said):

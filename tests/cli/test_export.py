@@ -77,7 +77,10 @@ class TestRobots:
 
     def test_parts_that_do_not_fit(self, capsys, tmp_path):
         path = Gait.load("long_stride").save(tmp_path / "mine.json")
-        for options, part in ((["--plane"], "--plane is True"), (["--lock", "boom_x"], "a gait has its own")):
+        for options, part in (
+            (["--plane"], "--plane is True"),
+            (["--lock", "boom_x"], "a saved gait already has these options"),
+        ):
             assert part in refused(capsys, "export", path, "--mjcf", *options, "--out", tmp_path)
         text = refused(capsys, "export", "q_spear_full", "--plane", "--mjcf", "--srdf", "--out", tmp_path)
         assert "out of which it is cut" in text and "MJCF needs none" in text
@@ -130,11 +133,11 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "parts"),
         [
-            (["spear_ii"], ["spear_ii is a robot", "say what to write: --mjcf, --srdf"]),
-            (["hop.npz"], ["hop.npz is a trajectory", "say what to write: --csv, --mat, --mcap, --png, --mp4"]),
+            (["spear_ii"], ["spear_ii is a robot", "choose what to write: --mjcf, --srdf"]),
+            (["hop.npz"], ["hop.npz is a trajectory", "choose what to write: --csv, --mat, --mcap, --png, --mp4"]),
             (["hop.html", "--png"], ["hop.html", "neither a robot nor a saved trajectory (.npz)"]),
-            (["mine.urdf", "--png"], ["format is '--png'", "of a robot"]),
-            (["spear_ii", "--csv"], ["format is '--csv'", "of a robot"]),
+            (["mine.urdf", "--png"], ["format is '--png'", "expected a format for a robot"]),
+            (["spear_ii", "--csv"], ["format is '--csv'", "expected a format for a robot"]),
             (["spear_iii", "--mjcf"], ["unknown robot 'spear_iii'"]),
             (["spear_ii", "--srdf", "--lock", "boom_x"], ["robot is", "nothing locked"]),
             (["spear_ii", "--mjcf", "--lock", "ankle"], ["unknown joint 'ankle'"]),
@@ -154,7 +157,7 @@ class TestMistakes:
     @pytest.mark.parametrize(
         ("arguments", "parts"),
         [
-            (["--mjcf"], ["format is '--mjcf'", "of a trajectory: --csv, --mat, --mcap, --png, --mp4"]),
+            (["--mjcf"], ["format is '--mjcf'", "a format for a trajectory: --csv, --mat, --mcap, --png, --mp4"]),
             (["--csv", "--fps", "10"], ["--fps is 10.0", "--mp4"]),
             (["--png", "--size", "wide"], ["--size", "WIDTHxHEIGHT"]),
             (["--png", "--size", "9x9"], ["size", "64 to 4096"]),

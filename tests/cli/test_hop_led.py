@@ -44,7 +44,7 @@ def call(capsys, monkeypatch, tmp_path):
 def test_how_far_it_goes_what_ends_it_and_what_to_type(call):
     way = Way(None, "stiffness", 8.54, 6.47, 0.17304, ENDS)
     said, typed, spring, target, robot = call(way, "--stiffness", "6", "--damping", "0.1", "--knee", "1.1")
-    assert f"from stiffness 8.54 hops go on to 6.47 N·m/rad with 0.173 s of flight: {ENDS}" in said
+    assert f"hops continue from stiffness 8.54 to 6.47 N·m/rad with 0.173 s of flight: {ENDS}" in said
     assert (spring.stiffness, spring.damping) == (6.0, 0.1) and target == {}
     words = ["--leg", "HR", "--stiffness", "6.511", "--damping", "0.1", "--knee", "1.1", "--flight-time", "0.173"]
     assert shlex.split(typed) == ["spear", "hop", "--robot", str(robot), *words]
@@ -66,9 +66,9 @@ def test_the_number_that_ends_it_is_the_one_to_type(call, number, options, words
 
 def test_an_angle_of_the_hip_has_no_option_to_type(call):
     said, typed, _, target, _ = call(Way(None, "hip_touchdown", 0.3, 0.2163, 0.17, ENDS), "--knee", "0.4")
-    assert f"from hip 0.3 hops go on to 0.2163 rad with 0.17 s of flight: {ENDS}" in said
+    assert f"hops continue from hip 0.3 to 0.2163 rad with 0.17 s of flight: {ENDS}" in said
     assert typed == "" and "--knee" not in said and target == {}
 
 
 def test_where_there_is_nowhere_to_begin(call):
-    assert "SPEAR-II's numbers, scaled to this leg, have no hop either" in call(None, "--stiffness", "6")[0]
+    assert "SPEAR-II's numbers, scaled to this leg, give no hop either" in call(None, "--stiffness", "6")[0]

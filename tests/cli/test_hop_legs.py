@@ -102,7 +102,7 @@ def test_a_file_that_is_wrong(capsys, told):
 
 
 def test_hardware_is_not_saved(capsys):
-    assert "--save is True; expected to go without --hardware" in refused(capsys, "hop", "--hardware", "--save")
+    assert "--save is True; expected to be left out with --hardware" in refused(capsys, "hop", "--hardware", "--save")
 
 
 @pytest.mark.slow
@@ -150,7 +150,7 @@ def test_a_knee_of_which_the_side_is_not_known(capsys, blank):
 
 def test_knees_of_which_the_sides_are_not_known(capsys, blank):
     said = refused(capsys, "bound", "--robot", blank)
-    assert "--side is None; expected 1 or -1 for each pair, where" in said and "made does not tell" in said
+    assert "--side is None; expected 1 or -1 for each pair, 1 if" in said and "made does not say" in said
 
 
 @pytest.mark.parametrize("option", [["--leg", "FL"], ["--side", "1"], ["--body", "2"], ["--repair"]], ids=words)

@@ -50,8 +50,8 @@ class TestDynamics:
             (["--plane", "--side", "1"], "--side is [1]; expected 2 numbers, each 1 or -1"),
             (["--leg", "HR", "--side", "2"], "--side is 2"),
             (["--leg", "HR", "--body", "-1"], "--body is -1"),
-            (["--plane", "--body", "1"], "--body is 1.0; expected to go with --leg"),
-            (["--side", "1"], "--side is 1; expected to go with --leg or --plane"),
+            (["--plane", "--body", "1"], "--body is 1.0; expected only with --leg"),
+            (["--side", "1"], "--side is 1; expected only with --leg or --plane"),
         ],
         ids=words,
     )
@@ -89,7 +89,7 @@ class TestSearch:
         ("options", "said"),
         [
             (["long_stride", "--robot", "dog"], "gait is 'long_stride'; expected to be left out with --robot"),
-            (["--side", "1", "1"], "to go with --robot"),
+            (["--side", "1", "1"], "only with --robot"),
             (["--robot", "no_such"], "unknown robot 'no_such'"),
             (["--robot", "spear_ii_series"], "--robot"),
         ],
@@ -153,16 +153,16 @@ class TestSweep:
 
     def test_a_bound_is_saved_first(self, capsys, dog, tmp_path):
         asked = ("sweep", "bound", "--robot", dog, "--over", "stiffness=1,2", "--out", tmp_path / "a.zarr")
-        assert "save a bound by spear bound --robot ... --save, and give --gait" in refused(capsys, *asked)
+        assert "type `spear bound --robot NAME --save`, then --gait bound.json" in refused(capsys, *asked)
 
     def test_goes_with_a_robot(self, capsys, tmp_path):
         asked = ("sweep", "hop", "--leg", "HR", "--over", "stiffness=1,2", "--out", tmp_path / "a.zarr")
-        assert "--leg is 'HR'; expected to go with --robot" in refused(capsys, *asked)
+        assert "--leg is 'HR'; expected only with --robot" in refused(capsys, *asked)
 
 
 class TestExport:
     def test_a_cut_is_no_file(self, leg):
-        with pytest.raises(BadValue, match="one of a file: made, out of which it is cut, has one"):
+        with pytest.raises(BadValue, match="a robot with a URDF, such as made, out of which it is cut"):
             to_srdf(leg)
         assert "shapes are left out: it is cut out of made" in to_mjcf(leg)
 

@@ -95,7 +95,7 @@ class TestMistakes:
             (("stiffness=1:2:0",), "a whole NUMBER of values"),
             (("stiffness=46:52",), "--sobol or --latin with a range"),
             (("stiffness=1,2", "--over", "stiffness=3,4"), "each name once"),
-            (("stiffness=46,52", "--speed", "2"), "to go with bound; a hop takes --flight-time"),
+            (("stiffness=46,52", "--speed", "2"), "only with bound; for a hop give --flight-time"),
             (("stiffness=46,52", "--flight-time", "0.03"), "flight_time is 0.03; expected a number from 0.05 to 5"),
             (("flight_time=0.2,0.03",), "flight_time is 0.03; expected"),
             (("flight_time=0.03:0.3", "--sobol", "4"), "flight_time is 0.03; expected"),
@@ -122,7 +122,9 @@ class TestMistakes:
         assert "left out with trot" in refused(capsys, "sweep", "trot", *OVER, "--gait", "pace")
         assert "expected a bounding gait" in refused(capsys, "sweep", "trot", *OVER)
         assert "nearest of 24: bound," in refused(capsys, "sweep", "bounds", *OVER)
-        assert "to go with hop" in refused(capsys, "sweep", "long_stride", *OVER, "--flight-time", "0.2")
+        assert "only with hop; for a bound give --speed" in refused(
+            capsys, "sweep", "long_stride", *OVER, "--flight-time", "0.2"
+        )
 
     def test_of_what_is_not_installed(self, capsys, tmp_path, monkeypatch):
         """One extra has everything, and a mistake needs none."""

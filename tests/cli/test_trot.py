@@ -73,8 +73,8 @@ def test_a_pronk_is_held_by_all_inputs(capsys, tmp_path, monkeypatch):
     [
         (("nowhere",), "unknown gait"),
         (("nowhere.json",), "nowhere.json"),
-        (("long_stride",), "trot, pace, pronk or a saved one"),
-        (("turn_9",), "trot, pace, pronk or a saved one"),
+        (("long_stride",), "trot, pace, pronk, or the file of a saved"),
+        (("turn_9",), "trot, pace, pronk, or the file of a saved"),
         (("--push", math.nan), "--push"),
         (("--cycles", 0), "--cycles"),
     ],

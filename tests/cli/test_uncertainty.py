@@ -57,14 +57,14 @@ def test_with_a_motor(capsys, tmp_path):
         (("hop", "--sigma", "stiffness=1", "--sigma", "stiffness=2"), "each name once"),
         (
             ("hop", "--sigma", "stiffness=0"),
-            "--sigma is {'stiffness': '0'}; expected one or more",
+            "--sigma is {'stiffness': '0'}; expected at least one standard deviation",
         ),
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness=1"), "--correlation is 'stiffness=1'"),
         (("hop", "--sigma", "stiffness=1", "--correlation", "stiffness,damping=1"), "'damping'"),
         ((*HOP[1:], "--correlation", "stiffness,damping=2"), "from -1 to 1"),
         (
             (*HOP[1:], "--correlation", "stiffness, damping=.3", "--correlation", "damping,stiffness=.9"),
-            "each two parameters once",
+            "each pair of parameters once",
         ),
         (("hop", "--sigma", "stiffness=1", "--monte-carlo", "1"), "--monte-carlo is 1"),
         (("hop", "--sigma", "stiffness=1", "--seed", "-1"), "--seed is -1"),

@@ -150,7 +150,7 @@ MISTAKES: dict[str, Mistake] = {
     "a coordinate too many": Mistake(law(lambda t, q, *_: (0.0, q[7])), STANCE, "IndexError", IndexError),
     "a key that there is not": Mistake(law(lambda *_: (0.0, {}["a"])), STANCE, "KeyError: 'a'", KeyError),
     "what is not held": Mistake(
-        law(lambda t, q, v, held, p, dyn, ops: (0.0, held["latchd"])), STANCE, "unknown name of what is held 'latchd'"
+        law(lambda t, q, v, held, p, dyn, ops: (0.0, held["latchd"])), STANCE, "unknown latched value 'latchd'"
     ),
     "a toe that there is not": Mistake(
         law(lambda t, q, v, held, p, dyn, ops: (0.0, dyn.toe_velocity("tow")[0])), STANCE, "KeyError: 'tow'", KeyError
@@ -198,8 +198,8 @@ MISTAKES: dict[str, Mistake] = {
     ),
     # latches
     "1/0 in a latch": Mistake(latch(lambda *_: {"x": 1 / 0}), LATCH, "ZeroDivisionError", ZeroDivisionError),
-    "a latch of nothing": Mistake(latch(lambda *_: None), LATCH, 'it gives None; expected what is held by name'),
-    "a latch of a number": Mistake(latch(lambda q, *_: q[0]), LATCH, "expected what is held by name"),
+    "a latch of nothing": Mistake(latch(lambda *_: None), LATCH, 'it gives None; expected latched values by name'),
+    "a latch of a number": Mistake(latch(lambda q, *_: q[0]), LATCH, "expected latched values by name"),
     "a latch of a list": Mistake(latch(lambda q, *_: {"x": [q[0]]}), LATCH, "as 'x'; expected a number, or a tuple"),
     "a latch that holds None": Mistake(latch(lambda *_: {"x": None}), LATCH, "it holds None as 'x'; expected a number"),
     "a latch that holds a text": Mistake(latch(lambda *_: {"x": "1.0"}), LATCH, "it holds '1.0' as 'x'"),

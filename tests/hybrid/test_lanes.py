@@ -261,7 +261,7 @@ class TestLanes:
 
     @pytest.mark.parametrize(
         ("name", "said"),
-        [("rest", "lanes|fields of the law"), ("hip_touchdown", "set it first"), ("unilateral", "unknown")],
+        [("rest", "lanes|fields of the law"), ("hip_touchdown", "set it in the law"), ("unilateral", "unknown")],
     )
     def test_refuses_what_lanes_cannot_differ_in(self, robot, hop, name, said):
         system = hopping(robot, hop.system.law, Spring(rest=1.0))

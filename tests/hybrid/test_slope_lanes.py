@@ -61,7 +61,7 @@ class TestLanes:
             assert abs(there.ground.foot(free_robot, state[0], "toe")[0]) < 1e-14
             assert residual(there, state) < 1e-8
             np.testing.assert_allclose(table.multipliers[i], multipliers(there, state), rtol=0, atol=1e-5)
-        with pytest.raises(BadValue, match="vary is 'slope'; expected what does not move the ground"):
+        with pytest.raises(BadValue, match="vary is 'slope'; expected a parameter that does not move the ground"):
             find_many(system, {"friction": [0.5]}, ["slope"], {"mean_speed": 0.0})
 
     def test_bound(self):

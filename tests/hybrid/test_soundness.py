@@ -119,7 +119,7 @@ def test_what_symbols_cannot_be_put_into_is_named(hop, change, named):
     """The reference engine takes it; what compiles does not, and says who it was."""
     system = changed_stance(hop.system, change)
     simulate(system, hop.state, 1)
-    with pytest.raises(NotSymbolic, match=f"{named} does not take symbols .*functions come from ops"):
+    with pytest.raises(NotSymbolic, match=f"{named} does not take symbols .*functions from ops"):
         simulate_many(system, *(part[None] for part in hop.state))
 
 

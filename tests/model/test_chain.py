@@ -97,7 +97,7 @@ class TestConversion:
 
 class TestLoading:
     def test_base_that_does_not_float_is_refused(self):
-        with pytest.raises(BadValue, match="single floating base"):
+        with pytest.raises(BadValue, match="not its only floating joint"):
             on_chain(load("spear_ii").model)
 
     def test_other_words_are_refused(self):

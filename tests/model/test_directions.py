@@ -87,7 +87,7 @@ def test_axes_fill_in_y():
     ("joint", "why"),
     [
         ("post", "post: unknown joint 'post'; valid: boom_yaw, boom_tilt, hip, knee"),
-        ("boom_tilt", "post: joint is 'boom_tilt'; expected one that turns about a vertical axis, on the world itself"),
+        ("boom_tilt", "post: joint is 'boom_tilt'; expected a joint on the world, which turns about a vertical axis"),
     ],
 )
 def test_other_posts(tmp_path, joint, why):
@@ -101,7 +101,7 @@ def test_a_post_that_floats(tmp_path):
     path = tmp_path / "hoppy.urdf"
     path.write_text(TEXT.replace('<link name="world">', '<link name="world">' + BALLAST, 1))
     path.with_suffix(".toml").write_text('post = "boom_yaw"\nbase = "free"\n')
-    assert "expected one that turns about a vertical axis, on the world" in str(
+    assert "expected a joint on the world, which turns about a vertical axis" in str(
         refusal(BadFile, lambda: load(path, toes=["toe"]))
     )
 

@@ -36,7 +36,7 @@ def test_it_lies_loose_before_it_begins():
     begin = LINKAGE.begin(-1.0, 1.0)
     assert abs(float(LINKAGE.compression(begin))) < 1e-12
     assert not LINKAGE.torque(np.linspace(-1.0, begin - 1e-9, 20)).any() and LINKAGE.torque(begin + 0.01) > 0
-    with pytest.raises(BadValue, match="^angles is .*between which the spring begins"):
+    with pytest.raises(BadValue, match="^angles is .*between which compression of the spring begins"):
         LINKAGE.begin(0.5, 1.0)
 
 

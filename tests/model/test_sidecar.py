@@ -266,7 +266,7 @@ WRONG = {
     "legs.FL.side = 2": "legs.FL.side is 2; expected 1 or -1",
     "legs.FL.side = 1.0": "legs.FL.side is 1.0; expected 1 or -1",
     "legs.LF.side = 1": "legs: unknown leg 'LF'; valid: FL, FR, HL, HR",
-    "legs.FL = {}": "legs.FL says nothing; expected side, or hip, knee, toe",
+    "legs.FL = {}": "legs.FL is empty; expected side, or hip, knee, toe",
     "legs.FL.hip = 'FL_pitch'": "legs.FL has no knee; expected hip, knee, toe",
     "legs.FL = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'FL_foot'}\nlegs.FR.side = 1": "legs.FR has no hip",
     "legs.FL = {hip = 'FL_sway', knee = 'FL_bend', toe = 'FL_foot'}": "legs.FL: unknown joint 'FL_sway'",
@@ -276,7 +276,7 @@ WRONG = {
     "toes = ['FR_foot']\n"
     "legs.FL = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'FL_foot'}": "unknown toe 'FL_foot'; valid: FR_foot",
     "legs.A = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'FL_foot'}\n"
-    "legs.B = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'FL_foot'}": "expected each of one leg only",
+    "legs.B = {hip = 'FL_pitch', knee = 'FL_bend', toe = 'FL_foot'}": "expected another hip for each leg",
     "pairs = ['FL', 'FR']": "pairs is ['FL', 'FR']; expected two pairs of legs, [[left, right], [left, right]]",
     "pairs = [['FL', 'FR'], ['HL', 'RH']]": "pairs: unknown leg 'RH'; valid: FL, FR, HL, HR",
     "pairs = [['FL', 'FR'], ['FL', 'FR']]": "['FL', 'FR']]; expected four different legs",
@@ -292,7 +292,7 @@ WRONG = {
     "post = 3": "post is 3; expected a name",
     "post = 'mast'": "post: unknown joint 'mast'",
     "urdf = 'cat.urdf'": "names '",
-    "robot = 'q_spear'": "names 'q_spear'; expected 'dog.urdf', next to which it is, or no robot",
+    "robot = 'q_spear'": "names 'q_spear'; expected 'dog.urdf', the file next to it, or no robot",
     "robot = 'dog.urdf'": "robot is 'dog.urdf'; expected the name of a robot; a path is given by urdf or mjcf",
     "urdf = 'dog.urdf'\nmjcf = 'dog.urdf'": "mjcf is 'dog.urdf'; expected one key of urdf, mjcf, robot",
     "urdf = 3": "urdf is 3; expected a name",
@@ -318,7 +318,9 @@ class TestRefused:
 
     def test_motor_without_numbers(self, made):
         path = made("motors.knee.motor = 'ec_60_flat_150w'", motors=False)
-        assert "motors.knee has no ratio, and neither has" in str(refusal(BadFile, lambda: load(path, base="free")))
+        assert "motors.knee has no ratio, nor has the robot's file" in str(
+            refusal(BadFile, lambda: load(path, base="free"))
+        )
         path = made("motors.knee = {motor = 'ec_60_flat_150w', ratio = 3.0}", motors=False)
         assert "has no rotor_inertia, and that of ec_60_flat_150w is not known" in str(
             refusal(BadFile, lambda: load(path, base="free"))

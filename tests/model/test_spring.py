@@ -52,7 +52,7 @@ def test_a_spring_that_is_none(name, value):
 
 @pytest.mark.parametrize("rest", [None, 0.5])
 def test_what_pushes_too_is_not_preloaded(rest):
-    with pytest.raises(BadValue, match="^Spring.preload is 2.0; expected 0 of a spring that is not unilateral"):
+    with pytest.raises(BadValue, match="^Spring.preload is 2.0; expected 0 for a spring that is not unilateral"):
         Spring(preload=2.0, unilateral=False, rest=rest)
     assert Spring(unilateral=False, rest=rest, hardening=3.0).preload == 0.0
 
@@ -135,7 +135,7 @@ def test_points_of_any_kind_are_kept_as_numbers():
     ],
 )
 def test_tables_that_are_none(points):
-    with pytest.raises(BadValue, match=r"^Spring.table is .* \(rad, N·m\) that rise in the first .* \(0, 0\)"):
+    with pytest.raises(BadValue, match=r"^Spring.table is .* \(rad, N·m\) with rising angles, .* \(0, 0\)"):
         Spring(0.0, table=points)
 
 
@@ -147,7 +147,7 @@ def test_a_table_may_fall_behind_the_best_lever():
     assert (np.diff(torques[134:]) < 0).all()
     either = Spring(0.0, unilateral=False, table=((-0.4, -1.0), (-0.2, -3.0), *points))
     assert either.torque(-0.2) == pytest.approx(3.0)
-    with pytest.raises(BadValue, match="has the sign of the first"):
+    with pytest.raises(BadValue, match="of its angle's sign"):
         Spring(0.0, unilateral=False, table=((-0.4, 0.5), (-0.2, -3.0), *points))
 
 

@@ -99,5 +99,5 @@ def test_adjacent_links_may_touch():
     "robot", [load("spear_ii", locked=["boom_x"]), vary(load("spear_ii"), knee_ratio=20.0)], ids=["locked", "varied"]
 )
 def test_only_what_the_urdf_has(robot):
-    with pytest.raises(BadValue, match="as its URDF has it"):
+    with pytest.raises(BadValue, match="as its URDF describes it"):
         to_srdf(robot)

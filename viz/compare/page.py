@@ -73,7 +73,9 @@ def render(
         if len(text.encode()) < MOST_BYTES:
             return text
     seconds = sum(float(np.ptp(side.run.t)) for side in sides if side.run is not None)
-    raise BadValue("motions", f"{seconds:.4g} s", f"shorter ones, of fewer cycles, that fit into {MOST_BYTES} bytes")
+    raise BadValue(
+        "motions", f"{seconds:.4g} s", f"shorter motions, which fit into {MOST_BYTES} bytes: give fewer cycles"
+    )
 
 
 def _data(sides: tuple[Side, ...], rate: float, arrows: list[float | None]) -> dict[str, Any]:

@@ -60,7 +60,9 @@ def energy_flow(flow: EnergyFlow) -> Figure:
     """
     given, work = flow.total("given"), flow.total("motor")
     if not (given > 0.0 and work > 0.0):
-        raise BadValue("flow", (given, work), "one in which batteries give energy and motors do work, in J")
+        raise BadValue(
+            "flow", (given, work), "two numbers > 0, in J: energy from the batteries, and work of the motors"
+        )
     with style():
         figure = Picture()
         axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))

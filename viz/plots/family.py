@@ -42,7 +42,11 @@ def family(*branches: Branch) -> Figure:
         BadValue: there is no branch, or they have different parameters.
     """
     if len({(branch.over, branch.vary) for branch in branches}) != 1:
-        raise BadValue("branches", [branch.over for branch in branches], "some over the same parameter")
+        raise BadValue(
+            "branches",
+            [branch.over for branch in branches],
+            "branches over the same parameter, with the same numbers solved for",
+        )
     parts = [_panels(branch) for branch in branches]
     with style():
         figure = Picture(figsize=(7.0, 2.6 + 1.6 * (len(parts[0]) - 1)), layout="constrained")

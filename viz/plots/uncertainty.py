@@ -68,7 +68,7 @@ def monte_carlo(drawn: MonteCarlo, outputs: Sequence[str] = ()) -> Figure:
             raise UnknownName("output", name, drawn.first)
     chosen = drawable(drawn, outputs)
     if not chosen:
-        raise BadValue("outputs", list(outputs), "some that move")
+        raise BadValue("outputs", list(outputs), "some that depend on an uncertain parameter")
     with style():
         columns = min(len(chosen), 3)
         rows = -(-len(chosen) // columns)

@@ -52,7 +52,7 @@ def closed(
         except REFUSALS as error:
             raise NoGait(str(error), before) from None
         before = size
-    raise NoGait("Newton's method makes no progress", before)
+    raise NoGait("Newton's method makes no progress", before, remedy="values to keep nearer to the gait's own")
 
 
 def led(

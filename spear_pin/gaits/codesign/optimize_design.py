@@ -98,7 +98,7 @@ def optimize_design(
     for name in assumptions:
         number(gait.system, name)
         if name in problem.names:
-            raise BadValue("assuming", name, "numbers that are neither chosen nor solved for")
+            raise BadValue("assuming", name, "parameters that are in neither over nor vary")
     cycles, why = 0, ""
 
     def count() -> None:
@@ -172,15 +172,17 @@ def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> N
         raise BadValue("vary", problem.vary, "each parameter once")
     check_wanted(gait.system, problem.keep)
     if problem.minimize in problem.keep:
-        raise BadValue("minimize", problem.minimize, "a measure that is not kept")
+        raise BadValue("minimize", problem.minimize, "a measure that is not in keep")
     for name, least in problem.at_least.items():
         if least > problem.at_most.get(name, np.inf):
-            raise BadValue(f"at_least[{name!r}]", least, f"at most {problem.at_most[name]:g}, as at_most has it")
+            raise BadValue(
+                f"at_least[{name!r}]", least, f"at most {problem.at_most[name]:g}, the value of at_most[{name!r}]"
+            )
     for name, kept in problem.keep.items():
         if not problem.at_least.get(name, -np.inf) <= kept <= problem.at_most.get(name, np.inf):
-            raise BadValue(f"keep[{name!r}]", kept, "a value within the measure's own bounds")
+            raise BadValue(f"keep[{name!r}]", kept, "a value within at_least and at_most of the same measure")
     if len(problem.vary) != len(problem.keep):
-        raise BadValue("keep", dict(problem.keep), f"as many measures as are solved for, {len(problem.vary)}")
+        raise BadValue("keep", dict(problem.keep), f"as many measures as vary has parameters, {len(problem.vary)}")
     if not (0.0 < tolerance < 1.0):
         raise BadValue("tolerance", tolerance, "a number between 0 and 1")
     if iterations < 1:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, NoGait, UnknownName
+from spear_pin.errors import BadValue, NoGait, UnknownName, listed
 from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.codesign.step import Local
 from spear_pin.gaits.sensitivity.measure import Measure
@@ -107,16 +107,16 @@ class Problem:
         for name in (self.minimize, *self.at_most, *self.at_least):
             if self.measure(orbit, name) is None:
                 if re.fullmatch(OF_MOTORS, name):
-                    given = f"those of {', '.join(self.motors)}" if self.motors else "none"
-                    expected = "one of joints whose motors are given, and electricity of drives on a supply, too"
-                    raise BadValue("measure", name, f"{expected}; motors are {given}")
+                    named = listed([*self.motors]) or "none"
+                    expected = f"a measure of a joint that motors names ({named})"
+                    raise BadValue("measure", name, f"{expected}; electricity needs a Drive there, with its supply")
                 raise UnknownName("measure", name, [*orbit.measures, *(MARGIN + each for each in orbit.margins)])
 
     def values(self, orbit: Orbit) -> tuple[float, Array]:
         """Returns the minimised measure, and the constraints in units of their size, (m,), >= 0 where they are met."""
         goal, values = self.measure(orbit, self.minimize), []
         if goal is None:
-            raise NoGait(f"there is no {self.minimize} here", np.nan)
+            raise NoGait(f"the gait has no {self.minimize}", np.nan, remedy="to minimise another measure")
         for each in self.bounds:
             # an event that is not armed has no margin, and needs none
             found = self.measure(orbit, each.measure)

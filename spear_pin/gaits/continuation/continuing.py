@@ -80,7 +80,7 @@ def continue_gait(
     low, high = within[0] / scale, within[1] / scale
     start = _start(problem, state, values)
     if abs(start.tangent[-1]) < STILL:
-        raise BadValue("over", over, f"what changes along a branch; it stays {values[-1]:g} here")
+        raise BadValue("over", over, f"a number that changes along the branch; this one stays {values[-1]:g}")
 
     def tell(point: Point) -> None:
         on_point(float(point.local.u[-1] * scale))
@@ -106,9 +106,9 @@ def _equations(
             raise UnknownName("target", name, system.measures)
     if len(vary) != len(target) + measured:
         count = f"{len(target) + measured}" + (f", one for {over} too" if measured else "")
-        raise BadValue("vary", list(vary), f"as many numbers as targets, {count}")
+        raise BadValue("vary", list(vary), f"as many parameters as targets, {count}")
     if over in vary or over in target:
-        raise BadValue("over", over, "what is neither solved for nor kept")
+        raise BadValue("over", over, "a name that is in neither vary nor target")
     robots = parameters_of(system.robot)
     for name in vary:
         parameter(system, name)  # it says what there is

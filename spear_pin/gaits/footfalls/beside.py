@@ -31,7 +31,7 @@ def laws_of(gait: CollocatedGait, among: Sequence[Footfalls], called: str) -> tu
     law, swing, own = gait.request.law, gait.request.swing, gait.request.footfalls
     known = any((each.phases, each.mirrored) == (own.phases, own.mirrored) for each in among)
     if law is None or swing is None or not known:
-        raise BadValue("gait", own.phases, f"a {called} with law=StanceLaw(...), swing=SwingLaw(...)")
+        raise BadValue("gait", own.phases, f"a {called} whose request has law=StanceLaw(...) and swing=SwingLaw(...)")
     return law, swing
 
 

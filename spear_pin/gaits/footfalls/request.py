@@ -184,7 +184,7 @@ class FootfallRequest:
         require("speed", self.speed, lambda v: v > 0, "a number > 0, in m/s")
         require("turn", self.turn, lambda angle: abs(angle) <= SHARPEST, f"within ±{SHARPEST:g} rad a stride")
         if self.turn and self.footfalls.mirrored:
-            raise BadValue("turn", self.turn, "0 of mirrored footfalls; their `unfolded` turn")
+            raise BadValue("turn", self.turn, "0 with mirrored footfalls; to turn give footfalls.unfolded")
         require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
         for name, unit in (("minimum_force", "N"), ("clearance", "m")):
             require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}")
@@ -194,9 +194,9 @@ class FootfallRequest:
             raise BadValue("shortest", self.shortest, f"two durations > 0, below the longest, {self.longest:g} s")
         require("longest_stride", self.longest_stride, lambda time: time > 0, "a number > 0, in s")
         if self.swing is not None and self.law is None:
-            raise BadValue("swing", self.swing, "None without a law on the ground")
+            raise BadValue("swing", self.swing, "None without a law on the ground; give law=StanceLaw(...) too")
         if self.spring is not None and self.spring.rest is not None:
-            raise BadValue("spring.rest", self.spring.rest, "None: springs are switched")
+            raise BadValue("spring.rest", self.spring.rest, "None: these springs are latched at touchdown")
 
 
 def _changed(one: Made, numbers: Mapping[str, Any], values: Mapping[str, Any]) -> Made:

@@ -39,9 +39,8 @@ class Footfalls:
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        expected = (
-            f"phases with legs among {', '.join(LEGS)}, each other ones than before, the first landing as it begins"
-        )
+        legs = f"phases with legs among {', '.join(LEGS)}"
+        expected = f"{legs}; neighbours differ, and all legs of the first phase land as it begins"
         names = {name for phase in self.phases for name in phase}
         if not names <= set(LEGS) or any(len(set(phase)) < len(phase) for phase in self.phases):
             raise BadValue("Footfalls.phases", self.phases, expected)
@@ -53,7 +52,7 @@ class Footfalls:
             raise BadValue("Footfalls.phases", self.phases, expected)
         for name in LEGS:
             if len(self.landings(name)) > 1:
-                raise BadValue("Footfalls.phases", self.phases, f"{name} landing once a stride")
+                raise BadValue("Footfalls.phases", self.phases, f"{name} to land once a stride")
 
     @property
     def whole(self) -> tuple[Bearing, ...]:

@@ -170,7 +170,7 @@ def balance(
 ) -> Balance:
     """Adds feedback as `balanced` does, and returns multipliers without it too; see `balanced` for the arguments."""
     if gait.system.law.feedback:
-        raise BadValue("gait", "one with event feedback", "one without")
+        raise BadValue("gait", "one with event feedback", "one without: gait.with_law(feedback=())")
     require("weight", weight, lambda w: w > 0, "a number > 0")
     require("heading", heading, lambda w: w >= 0, "a number >= 0")
     trots, valid, local = isinstance(gait.system.law, TrotLaw), _inputs_of(gait), _chart(gait)[0]
@@ -184,7 +184,7 @@ def balance(
         if name not in valid:
             raise UnknownName("input", name, valid)
     if not inputs or len(set(inputs)) < len(inputs):
-        raise BadValue("inputs", inputs, "at least one, none of them twice")
+        raise BadValue("inputs", inputs, "at least one name, each once")
     exact = not at_once and off <= SYMMETRIC
     turns = heading > 0  # then the heading, on which nothing depends, is the last lateral coordinate
     linears: dict[bool | None, Linear] = {}  # by whether it is lateral; None: all at once
@@ -233,7 +233,7 @@ def _chart(gait: Gait) -> tuple[Chart, NDArray[np.bool_]]:
     """
     local = chart(gait.system, gait.state)
     if not isinstance(local.lane, SpatialCharts):
-        raise BadValue("gait", gait, "one in space")
+        raise BadValue("gait", gait, "a gait in space, as in_space(...) makes it")
     return local, local.lane.even
 
 
@@ -265,9 +265,9 @@ def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool 
     off = asymmetry(robot, local.state(np.zeros(local.dimension)))
     trots = isinstance(gait.system.law, TrotLaw)
     if trots and even is not None:
-        raise BadValue("gait", gait, "one whose strides do not consist of halves")
+        raise BadValue("gait", gait, "a bound or a gallop: strides of a trot consist of two mirrored halves")
     if off > NEARLY and even is not None:
-        raise BadValue("gait", gait, "a symmetric one, or nearly so")
+        raise BadValue("gait", gait, "a gait whose left and right are mirror images, or nearly so")
     scales = tuple(unit_of(name, robot) for name in inputs)
     own = np.arange(local.dimension) if even is None else np.flatnonzero(symmetric == even)
 

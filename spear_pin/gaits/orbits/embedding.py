@@ -66,13 +66,15 @@ def embedded(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = No
     """Returns the system in space for a planar gait, and its section state there; see `in_space` for the arguments."""
     plane = gait.system
     if plane.kind != "bounding":
-        raise BadValue("gait", gait, "a bounding gait of the plane")
+        raise BadValue("gait", gait, "a planar bounding gait")
     if plane.changes or replaced(plane):
-        raise BadValue("gait", gait, "one without hardware, dry friction or other changes: space has none yet")
+        raise BadValue(
+            "gait", gait, "one without hardware, dry friction or other changes, which gaits in space cannot have yet"
+        )
     robot = robot or whole(plane.robot)
     law = law or SpatialLaw.scaled(plane.law, robot)
     if law.plane != plane.law:
-        raise BadValue("SpatialLaw.plane", law.plane, "the gait's own")
+        raise BadValue("SpatialLaw.plane", law.plane, "the law of the gait, gait.system.law")
     system = bounding_in_space(robot, law, of_a_leg(plane.spring), plane.contact)
     touchdown = return_map(plane, gait.state, 1e-12).event(SECTION)
     pairs = pairs_of(robot)
@@ -90,11 +92,19 @@ def whole(plane: Robot) -> Robot:
     """
     if plane.cut is None:
         if plane.source != PLANAR or plane.varied:
-            raise BadValue("robot", plane, f"{PLANAR!r} as it ships, one of sagittal(...), or give the one in space")
+            raise BadValue(
+                "robot",
+                plane,
+                f"{PLANAR!r} as it ships, or a robot of sagittal(...); for another give the robot in space, robot=...",
+            )
         return load(SPATIAL, base="chain")
     if plane.cut.kind != "sagittal" or plane.varied or unsaid(plane.cut.robot):
         why = ", ".join([*unsaid(plane.cut.robot), *(["a cut that was varied"] if plane.varied else [])]) or "one leg"
-        raise BadValue("robot", plane, f"one that sagittal(...) cut out of a file's, or give the one in space: {why}")
+        raise BadValue(
+            "robot",
+            plane,
+            f"a robot that sagittal(...) cut from a file's (this is {why}); or give the one in space, robot=...",
+        )
     said = origin(plane.cut.robot)
     toes = [leg.toe for pair in plane.cut.legs for leg in pair]
     with warnings.catch_warnings():

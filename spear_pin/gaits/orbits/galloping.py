@@ -75,7 +75,7 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
         except NoGait as failure:
             step *= 0.5
             if step < SHORTEST:
-                reason = f"no gallop further than {done:.0%} of the way: {failure.reason}"
+                reason = f"the gallop is lost after {done:.0%} of the way to these times: {failure.reason}"
                 raise NoGait(reason, failure.residual, remedy="smaller landing times") from None
             if done:
                 J = path.slopes(x, ONE_SIDED, path.values(x))
@@ -130,4 +130,4 @@ class _Path(Strides):
             except NoGait:
                 pass
             step = 0.5 * step
-        raise NoGait("no step leads nearer", size)
+        raise NoGait("no step reduces the residual", size)

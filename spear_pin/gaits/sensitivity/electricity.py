@@ -86,7 +86,9 @@ def check_gears(system: HybridSystem, motors: Mapping[str, Motor | Drive]) -> No
     """
     for joint, each in motors.items():
         if isinstance(each, Drive) and not math.isclose(each.gearbox.ratio, system.robot.gear_ratio(joint)):
-            expected = f"the robot's, {system.robot.gear_ratio(joint):g}: vary {joint}_ratio there"
+            expected = (
+                f"{system.robot.gear_ratio(joint):g}, as the robot has; change it there: vary(robot, {joint}_ratio=...)"
+            )
             raise BadValue(f"ratio of the drive of {joint}", each.gearbox.ratio, expected)
 
 

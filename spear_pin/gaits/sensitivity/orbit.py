@@ -173,16 +173,18 @@ def orbit_of_gait(
     check_gears(system, motors)
     names = (*vary, *over)
     if len(set(names)) != len(names) or not over:
-        raise BadValue("over", list(over), "one parameter or more, each once, none of them solved for")
+        raise BadValue("over", list(over), "one parameter or more, each once, none of them in vary")
     if len(vary) != len(keep):
-        raise BadValue("keep", list(keep), f"as many measures as are solved for, {len(vary)}")
+        raise BadValue("keep", list(keep), f"as many measures as vary has parameters, {len(vary)}")
     orbit = Orbit(system, state, names, motors)
     for name in keep:
         if name not in orbit.measures:
             raise UnknownName("measure", name, orbit.measures)
     off = float(np.abs(orbit.displacement).max())
     if not off <= CLOSED:
-        raise BadValue("state", off, f"a fixed point, from which the cycle leads away by at most {CLOSED:g}")
+        raise BadValue(
+            "change of state", off, f"at most {CLOSED:g} in a cycle, as at a fixed point; find one by find_gait"
+        )
     return orbit
 
 

@@ -148,7 +148,7 @@ class Uncertainty(Shown):
         """
         gains = self.gains(output)
         if not np.isfinite(gains).all() or not gains.max() > 0.0:
-            raise BadValue("output", output, "one that moves with a parameter that is not exact")
+            raise BadValue("output", output, "one that moves with an uncertain parameter")
         return self.over[int(gains.argmax())]
 
     @typed

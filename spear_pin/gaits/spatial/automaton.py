@@ -61,7 +61,7 @@ def in_groups(
     spring = spring or Spring(PAIR_STIFFNESS / PAIR * scale.torque, damping=0.0)
     contact = given(contact, ground)
     if spring.rest is not None:
-        raise BadValue("Spring.rest", spring.rest, "None: in space springs are switched")
+        raise BadValue("Spring.rest", spring.rest, "None: in space springs are latched at touchdown")
     if not as_ground(contact).plain:
         raise BadValue("ground", contact, "level at height zero: in space there is no other yet")
     first, *second = (tuple(leg.toe for leg in group) for group in automaton.closing)

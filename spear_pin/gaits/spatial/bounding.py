@@ -67,7 +67,11 @@ def bounding_in_space(
 
 def _guess(robot: Robot, law: SpatialLaw, pairs: Groups) -> tuple[Any, Any]:
     if not law.plane.nominal:
-        raise BadValue("SpatialLaw.plane.nominal", law.plane.nominal, "the numbers of a section state, or give a state")
+        raise BadValue(
+            "SpatialLaw.plane.nominal",
+            law.plane.nominal,
+            "the numbers of a section state; or give a state to start from",
+        )
     q, v = np.array([0.0, *law.plane.nominal[:6]]), np.array(law.plane.nominal[6:])
     q, v = placed(robot, pairs, q), moving(robot, pairs, v)
     q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in pairs[0])

@@ -82,7 +82,11 @@ def nominal_start(robot: Robot, law: Any, landing: Group) -> State:
         BadValue: the law holds no state.
     """
     if not law.nominal:
-        raise BadValue(f"{type(law).__name__}.nominal", law.nominal, "the numbers of a section state, or give a state")
+        raise BadValue(
+            f"{type(law).__name__}.nominal",
+            law.nominal,
+            "the numbers of a section state; or give a state to start from",
+        )
     q, v = np.array(law.nominal[: robot.nv]), np.array(law.nominal[robot.nv :])
     q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in landing)
     return q, v

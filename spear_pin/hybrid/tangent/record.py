@@ -27,7 +27,7 @@ from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_f
 from spear_pin.hybrid.tangent.reference_runner import ReferenceRunner
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
-PLAIN = "the cycle does not close, or what happens in it is not plain"
+PLAIN = "the cycle does not close, or has an event without a derivative"
 TOL = 1e-15
 _fields: WeakKeyDictionary[Compilation, dict[Any, TangentField]] = WeakKeyDictionary()
 _feet: WeakKeyDictionary[Compilation, dict[tuple[str, ...], TangentFeet]] = WeakKeyDictionary()

@@ -42,7 +42,7 @@ def struck(
     """
     size, lifted = 2 * len(toes), dict[str, Any]()
     if any(rises(float(speed)) for toe, speed in zip(toes, feet.speeds[1::2], strict=True) if toe in lands):
-        raise NotDifferentiable("a toe that comes down rises")
+        raise NotDifferentiable("a toe rises as it lands, as at the end of bounces")
     A = [duals(row, d) for row, d in zip(feet.inverse_inertia, slopes.inverse_inertia, strict=True)]
     before, friction = duals(feet.speeds, slopes.speeds), Dual(float(feet.friction), slopes.friction)
     impulses: Sequence[Any]
@@ -61,7 +61,7 @@ def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: An
     """Returns the impulses of a joint impact, and the lift speeds of toes, for the active set that the rule finds."""
     size, values, mu = len(feet.speeds), feet.inverse_inertia, float(feet.friction)
     if not np.linalg.cond(values) < SINGULAR:
-        raise NotDifferentiable("toes in an impact cannot move each by itself, so that their impulses are not unique")
+        raise NotDifferentiable("toes in an impact cannot move independently, so their impulses are not unique")
     if np.abs(feet.speeds).max() < DEGENERATE:  # in m/s: the toes only touch, and rounding decides the rest
         raise NotDifferentiable(BORDER)
     # in the coordinates of the toes' own velocities the rule needs the inverse of A as the mass matrix

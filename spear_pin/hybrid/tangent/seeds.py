@@ -43,8 +43,8 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
     kept = _kept(system)
     for name, column in zip(names, whole[~kept].T, strict=True):
         if (np.abs(column) > ROUNDING).any():
-            expected = "a number that acts on no other that is zero: the equations leave out terms that are zero"
-            raise BadValue(name, number(system, name), f"{expected}; make what is zero a little greater first")
+            expected = "a parameter that changes no number that is zero now, as the equations leave zeros out"
+            raise BadValue(name, number(system, name), f"{expected}; set that number slightly above zero first")
     found = whole[kept]
     for name, column in zip(names, found.T, strict=True):
         if not column.any() and name not in of_robot:  # a gear ratio without a rotor is a number of motors alone
@@ -95,7 +95,7 @@ def _change(system: HybridSystem, name: str, of: Callable[[HybridSystem], Array]
     value = number(system, name)
     beside = {field.name for field in fields(system.law)} - {"friction"}
     if value == 0.0 and name not in beside:
-        raise BadValue(name, value, "a number other than zero, which leaves no equation out")
+        raise BadValue(name, value, "a number other than zero: at zero its terms are not in the equations")
     h = STEP * 2.0 ** round(math.log2(abs(value) if value else 1.0))
     ends = []
     for step in (h, -h):

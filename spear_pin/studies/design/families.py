@@ -55,11 +55,13 @@ def family(
     """
     asked = [field.name for field in fields(request)]
     if name not in asked and name not in PARAMETERS:
-        raise UnknownName("what to vary", name, [*asked, *PARAMETERS])
+        raise UnknownName("number to vary", name, [*asked, *PARAMETERS])
     members = []
     for value in values:
         if name == "knee_ratio" and request.knee_drive is not None:
-            raise BadValue("name", name, "a field of the request, or a request without knee_drive: see `codesign`")
+            raise BadValue(
+                "name", name, "a field of the request, as the request has a knee_drive; for ratios see `codesign`"
+            )
         varied = robot if name in asked else vary(robot, **{name: value})
         changes: dict[str, Any] = {name: value}
         wanted = replace(request, **changes) if name in asked else request

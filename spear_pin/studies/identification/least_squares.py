@@ -231,7 +231,7 @@ def _onset(trial: Trial, bounds: tuple[float, float], given: object) -> tuple[fl
     low, high = max(trial.let_go - ONSET, trial.t[0]), min(trial.let_go + ONSET, trial.t[-2])
     limits = max(bounds[0], low) - trial.let_go, min(bounds[1], high) - trial.let_go
     if not limits[0] < limits[1]:
-        expected = f"such that some of {low:g} … {high:g} s remains, for {trial.label}"
+        expected = f"bounds that overlap {low:g} … {high:g} s, for {trial.label}"
         raise BadValue("bounds of release_time", given, expected)
     return limits
 

@@ -49,7 +49,7 @@ def best_hop(task: Task, place: Place) -> Gait:
         _, left = judged(task, gait)
         if left >= KEPT:
             return gait
-        failures.append(NoGait(f"near it a limit is exceeded by {-100 * left:.2g} %", gait.residual))
+        failures.append(NoGait(f"the gait near it exceeds a limit by {-100 * left:.2g} %", gait.residual))
     raise failures[0]
 
 

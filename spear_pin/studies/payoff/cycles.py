@@ -183,7 +183,7 @@ class Cycles:
         x, own = np.clip(x, *self.bounds.T), None
         own = self.at(x)
         if own is None:
-            raise NoGait("the cycle that the search begins with does not close", np.inf)
+            raise NoGait("the first cycle of the search does not close", np.inf)
         for _ in range(ROUNDS):
             if np.abs(own.gap).max() < CLOSED:
                 return x
@@ -197,7 +197,7 @@ class Cycles:
                     break
             else:
                 break
-        raise NoGait("no hop with such a flight is near", float(np.abs(own.gap).max()))
+        raise NoGait("no hop near the start has this flight time", float(np.abs(own.gap).max()))
 
     def _correction(self, x: Array, own: Cycle) -> Array:
         """Returns the least step that closes the gap to first order, along the bounds that it would cross."""

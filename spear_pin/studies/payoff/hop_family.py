@@ -135,7 +135,7 @@ class HopFamily:
         fitting = [hop for hop in hops if hop.cycle.fits]
         if not fitting:
             left = max(float(hop.cycle.spare.min()) for hop in hops)
-            raise NoGait(f"none of the hops keeps to its limits, by {-100 * left:.2g} % of one", 0.0)
+            raise NoGait(f"every hop exceeds a limit, the best one by {-100 * left:.2g} %", 0.0)
         chosen: list[Hop] = []
         for hop in sorted(fitting, key=lambda hop: hop.cycle.cost):
             if not chosen or hop.cycle.cost > (1.0 + DEARER) * chosen[-1].cycle.cost:

@@ -96,7 +96,7 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
 
     def build(robot: Robot, law: PassiveKnee, spring: Spring, contact: Contact) -> HybridSystem:
         if contact != Contact():
-            raise BadValue("contact", contact, "that of a pinned toe, which knows no other")
+            raise BadValue("contact", contact, "Contact(), because the toe is pinned")
         return released(replace(leg, robot=robot), _with_spring(law, spring), duration, dry)
 
     def engage(q: Sequence[float], v: Sequence[float], held: Held, p: PassiveKnee) -> Held:
@@ -251,7 +251,7 @@ def _placed(leg: PinnedLeg, angle: float) -> Array:
 
 def _with_spring(knee: PassiveKnee, spring: Spring) -> PassiveKnee:
     if spring != Spring(spring.stiffness, spring.damping, spring.unilateral):
-        raise BadValue("spring", spring, "one of stiffness and damping alone, unilateral or not")
+        raise BadValue("spring", spring, "a spring with stiffness, damping and unilateral only")
     return replace(knee, stiffness=spring.stiffness, damping=spring.damping, unilateral=spring.unilateral)
 
 

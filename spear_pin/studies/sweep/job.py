@@ -137,11 +137,13 @@ def _check_system(system: HybridSystem) -> dict[str, Any]:
     kept = replaced(system)
     for name in kept:
         if name not in CARRIED:
-            expected = "as built: what replaces it cannot go to other processes"
+            expected = "the one it was built with: a replacement cannot be sent to other processes"
             raise BadValue(f"{name} of the system", kept[name], expected)
     for change in system.changes:
         if not is_dataclass(change):
-            raise BadValue("a change of the system", change, "a dataclass that is called, to tell sweeps apart")
+            raise BadValue(
+                "a change of the system", change, "a callable dataclass, whose name and fields identify the sweep"
+            )
     return kept
 
 
@@ -152,9 +154,9 @@ def _check_points(given: Mapping[str, Array], vary: tuple[str, ...]) -> int:
     n = max(values.size for values in given.values())
     for name, values in given.items():
         if values.shape != (n,) or not n or not np.isfinite(values).all():
-            raise BadValue(f"points[{name!r}]", values, "finite numbers, as many for each name")
+            raise BadValue(f"points[{name!r}]", values, "finite numbers, equally many for each name")
         if name in vary:
-            raise BadValue("vary", name, "what is not among the points")
+            raise BadValue("vary", name, "a parameter that is not in points")
     return n
 
 

@@ -178,11 +178,13 @@ class TestWhatCannotBe:
             continue_gait(given, "stiffness", (47.0, 52.0), ["stance_torque"], {"flight": 0.2})
 
     def test_not_as_many_numbers_as_targets(self, given):
-        with pytest.raises(BadValue, match=r"vary is \['stance_torque'\]; expected as many numbers as targets, 0"):
+        with pytest.raises(BadValue, match=r"vary is \['stance_torque'\]; expected as many parameters as targets, 0"):
             continue_gait(given, "stiffness", (47.0, 52.0), ["stance_torque"])
 
     def test_what_is_solved_for(self, given):
-        with pytest.raises(BadValue, match="over is 'stance_torque'; expected what is neither solved for nor kept"):
+        with pytest.raises(
+            BadValue, match="over is 'stance_torque'; expected a name that is in neither vary nor target"
+        ):
             continue_gait(given, "stance_torque", (6.0, 9.0), ["stance_torque"], {"flight_time": 0.2})
 
     @pytest.mark.parametrize("within", [(8.0, 9.0), (9.0, 6.0), (6.0, float("nan"))])

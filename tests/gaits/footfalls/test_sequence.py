@@ -38,9 +38,9 @@ class TestFootfalls:
             ((("tail",), ()), (2, 2), "tail"),
             ((PAIR, ()), (2,), "intervals"),
             ((PAIR, ()), (2, 0), "intervals"),
-            ((PAIR, PAIR), (2, 2), "each other ones"),
-            (((), PAIR), (2, 2), "landing as it begins"),
-            ((PAIR, (), PAIR, ()), (2, 2, 2, 2), "landing once"),
+            ((PAIR, PAIR), (2, 2), "neighbours differ"),
+            (((), PAIR), (2, 2), "land as it begins"),
+            ((PAIR, (), PAIR, ()), (2, 2, 2, 2), "to land once"),
         ],
     )
     def test_refused(self, phases, intervals, named):

@@ -291,5 +291,5 @@ def test_it_is_told_drawn_and_written(spread, drawn, tmp_path):
         spread.deviation("nothing")
     with pytest.raises(UnknownName, match="nothing"):
         monte_carlo(drawn, ["nothing"])
-    with pytest.raises(BadValue, match="move"):
+    with pytest.raises(BadValue, match="depend on an uncertain parameter"):
         monte_carlo(drawn, ["flight_time"])

@@ -181,5 +181,5 @@ class TestRefused:
     def test_toes_that_depend_on_each_other(self):
         line, _ = self.line("sticks")
         line.J[0][2] = line.J[0][0]  # along the ground both move alike
-        with pytest.raises(NotDifferentiable, match="cannot move each by itself"):
+        with pytest.raises(NotDifferentiable, match="cannot move independently"):
             line.struck(TOES)

@@ -98,7 +98,7 @@ class TestSearch:
     def test_what_nowhere_keeps_to_its_limits(self):
         cycles = Formula()
         cycles.at = lambda x: replace(Formula().at(x), spare=np.array([-0.5]))
-        with pytest.raises(NoGait, match="none of the hops keeps to its limits, by 50 %"):
+        with pytest.raises(NoGait, match="every hop exceeds a limit, the best one by 50 %"):
             HopFamily(cycles).cheapest()
 
 
