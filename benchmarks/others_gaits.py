@@ -69,7 +69,7 @@ class Quadruped:
     def command(self, gait: str) -> list[str]:
         """The arguments of `spear` for a hop or a bound."""
         sides = [str(self.side)] * {"hop": 1, "bound": 2}[gait]
-        return [gait, "--robot", self.source, *(["--side", *sides] if self.side else [])]
+        return [gait, "--robot", self.source, *(["--bends", *sides] if self.side else [])]
 
 
 QUADRUPEDS = {

@@ -129,5 +129,5 @@ class TestOthersGaits:
     def test_knees_of_which_the_file_tells_nothing(self, monkeypatch):
         monkeypatch.setattr(others_gaits, "files", lambda package, suffix: [Path("mini_cheetah.urdf")])
         dog = others_gaits.QUADRUPEDS["mini_cheetah"]
-        assert dog.command("bound") == ["bound", "--robot", "mini_cheetah.urdf", "--side", "-1", "-1"]
-        assert dog.command("hop")[-2:] == ["--side", "-1"]
+        assert dog.command("bound") == ["bound", "--robot", "mini_cheetah.urdf", "--bends", "-1", "-1"]
+        assert dog.command("hop")[-2:] == ["--bends", "-1"]

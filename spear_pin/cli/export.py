@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 ROBOT = {"mjcf": "xml", "srdf": "srdf"}  # formats of a robot, and how their files end
 URDF = (".urdf", ".xml", ".toml")  # how its files mostly end
 GAIT = ".json"
-LOADED = ("lock", "toes", "base", "motors", "repair", "leg", "plane", "side", "body")  # options of a robot's file
+LOADED = ("lock", "toes", "base", "motors", "repair", "leg", "plane", "bends", "body")  # options of a robot's file
 TRAJECTORY = {name: name for name in ("csv", "mat", "mcap", "png", "mp4")}
 # what each option goes with
 NEEDS = {

@@ -27,7 +27,7 @@ UNITS = {  # what the numbers are called, as are their options, with their units
 }
 KEPT = (
     "leg",
-    "side",
+    "bends",
     "body",
     "repair",
     "slope",

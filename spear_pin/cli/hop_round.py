@@ -32,7 +32,7 @@ OTHERS = {
     "losses": None,
     "seed": None,
     "leg": None,
-    "side": None,
+    "bends": None,
     "body": None,
 }
 

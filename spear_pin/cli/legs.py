@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from spear_pin.model.settings import Settings
 
 NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR", "q_spear_full": "Q-SPEAR", "hoppy": "HOPPY"}
-OPTIONS = ("leg", "side", "body", "repair")
+OPTIONS = ("leg", "bends", "body", "repair")
 SEEN = 1e-3  # modulus of a multiplier, below which it is counted, not written
 SIDE = "needed where the file does not say it"
 SIDES = "1 if posterior and anterior knees point forward, -1 if backward"
@@ -24,7 +24,7 @@ BODY = "mass on the leg's slider (default: its share of the trunk)"
 
 
 def add_leg(parser: Any, what: str) -> None:
-    """Declare --robot, --leg, --side, --body and --repair; `one_leg` reads them. None unless they are given.
+    """Declare --robot, --leg, --bends, --body and --repair; `one_leg` reads them. None unless they are given.
 
     Args:
         parser: of the command.
@@ -33,13 +33,13 @@ def add_leg(parser: Any, what: str) -> None:
     group = parser.add_argument_group("another robot", f"{what}; the output says what it assumes")
     group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
     group.add_argument("--leg", metavar="NAME", help="name of the leg (default: the robot's first)")
-    group.add_argument("--side", type=int, metavar="±1", help=f"1 if its knee points forward, -1 if backward; {SIDE}")
+    group.add_argument("--bends", type=int, metavar="±1", help=f"1 if its knee points forward, -1 if backward; {SIDE}")
     group.add_argument("--body", type=float, metavar="KG", help=BODY)
     add_repair(group)
 
 
 def add_plane(parser: Any, what: str) -> None:
-    """Declare --robot, --side and --repair; `in_the_plane` reads them. None unless they are given.
+    """Declare --robot, --bends and --repair; `in_the_plane` reads them. None unless they are given.
 
     Args:
         parser: of the command.
@@ -47,18 +47,18 @@ def add_plane(parser: Any, what: str) -> None:
     """
     group = parser.add_argument_group("another quadruped in its sagittal plane", what)
     group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
-    group.add_argument("--side", type=int, nargs=2, metavar="±1", help=f"{SIDES}; {SIDE}")
+    group.add_argument("--bends", type=int, nargs=2, metavar="±1", help=f"{SIDES}; {SIDE}")
     add_repair(group)
 
 
 def add_cut(parser: Any) -> None:
-    """Declare --leg, --plane, --side and --body; `cut_out` reads them. None unless they are given."""
+    """Declare --leg, --plane, --bends and --body; `cut_out` reads them. None unless they are given."""
     group = parser.add_argument_group("part of the robot", "it has the coordinates and signs of SPEAR-II or Q-SPEAR")
     part = group.add_mutually_exclusive_group()
     part.add_argument("--leg", metavar="NAME", help="take this leg, on a slider")
     part.add_argument("--plane", action="store_true", default=None, help="take a quadruped in its sagittal plane")
     group.add_argument(
-        "--side", type=int, nargs="+", metavar="±1", help=f"1 if a knee points forward, -1 if backward; {SIDE}"
+        "--bends", type=int, nargs="+", metavar="±1", help=f"1 if a knee points forward, -1 if backward; {SIDE}"
     )
     group.add_argument("--body", type=float, metavar="KG", help=BODY)
 
@@ -73,10 +73,10 @@ def in_the_plane(arguments: argparse.Namespace) -> Robot | None:
     robot = _loaded(arguments, "free")
     if robot is None:
         return None
-    plane = _plane(robot, arguments.side)
+    plane = _plane(robot, arguments.bends)
     if unknown := [leg.knee for leg in plane.legs if not leg.side]:
         expected = f"1 or -1 for each pair, 1 if {' and '.join(unknown)} point forward as they flex"
-        raise BadValue("--side", None, f"{expected}: the file of {robot.name} does not say")
+        raise BadValue("--bends", None, f"{expected}: the file of {robot.name} does not say")
     return plane
 
 
@@ -90,7 +90,7 @@ def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
     if arguments.robot is not None:
         _check_body(arguments.body)
     robot = _loaded(arguments, "fixed")
-    return None if robot is None else _leg(robot, arguments.leg, arguments.side, arguments.body, locked)
+    return None if robot is None else _leg(robot, arguments.leg, arguments.bends, arguments.body, locked)
 
 
 def cut_out(source: str, arguments: argparse.Namespace, options: dict[str, Any]) -> Robot:
@@ -107,17 +107,17 @@ def cut_out(source: str, arguments: argparse.Namespace, options: dict[str, Any])
     """
     from spear_pin import load
 
-    sides = arguments.side or []
+    sides = arguments.bends or []
     if arguments.body is not None and arguments.leg is None:
         raise BadValue("--body", arguments.body, "only with --leg")
     if arguments.leg is None and arguments.plane is None:
         if sides:
-            raise BadValue("--side", sides[0], "only with --leg or --plane")
+            raise BadValue("--bends", sides[0], "only with --leg or --plane")
         return load(source, **options)
     _check_body(arguments.body)
     wanted, base = (1, "fixed") if arguments.plane is None else (2, "free")
     if sides and len(sides) != wanted:
-        raise BadValue("--side", sides, f"{wanted} number{'s' if wanted > 1 else ''}, each 1 or -1")
+        raise BadValue("--bends", sides, f"{wanted} number{'s' if wanted > 1 else ''}, each 1 or -1")
     unsaid = {name: value for name, value in _unsaid(source, base).items() if options.get(name) is None}
     robot = load(source, **options | unsaid)
     if arguments.leg is None:
@@ -152,7 +152,7 @@ def _write_leg(program: Program, whole: Code, arguments: argparse.Namespace, rob
     assert robot.cut is not None
     leg, options = robot.cut.legs[0][0], {"locked": locked}
     options |= {} if arguments.body is None else {"body": arguments.body}
-    if arguments.side is None:
+    if arguments.bends is None:
         return program.let("robot", program.call(monopod, whole, leg.name, **options))
     whole = program.let("whole", whole)
     named = Code(f"next(leg for leg in whole.legs if leg.name == {program.source(leg.name)})")
@@ -162,7 +162,7 @@ def _write_leg(program: Program, whole: Code, arguments: argparse.Namespace, rob
 
 def write_plane(program: Program, arguments: argparse.Namespace) -> Code:
     """Write the Python of `in_the_plane`, where a robot is named, and return what the robot is called."""
-    return _write_plane(program, _write_load(program, arguments, "free"), arguments.side)
+    return _write_plane(program, _write_load(program, arguments, "free"), arguments.bends)
 
 
 def _write_plane(program: Program, whole: Code, sides: Sequence[int] | None) -> Code:
@@ -201,8 +201,8 @@ def write_cut(
         }
         whole = program.call(load, source, **options)
         if arguments.plane is not None:
-            return _write_plane(program, whole, arguments.side)
-        given.side = (arguments.side or [None])[0]
+            return _write_plane(program, whole, arguments.bends)
+        given.bends = (arguments.bends or [None])[0]
         return _write_leg(program, whole, given, robot, [])
     return program.let("robot", program.call(load, source, **options))
 
@@ -222,7 +222,7 @@ def _plane(robot: Robot, sides: Sequence[int] | None) -> Robot:
     if sides is None:
         return sagittal(robot)
     if not set(sides) <= {-1, 1}:
-        raise BadValue("--side", sides, "1 or -1, for the posterior and for the anterior knees")
+        raise BadValue("--bends", sides, "1 or -1, for the posterior and for the anterior knees")
     cut = sagittal(robot).cut
     pairs = zip(() if cut is None else cut.legs, sides, strict=True)
     return sagittal(robot, [[replace(leg, side=side * leg.knee_sign) for leg in pair] for pair, side in pairs])
@@ -244,7 +244,7 @@ def _leg(robot: Robot, name: str | None, side: int | None, body: float | None, l
     own = leg.side if side is None else side * leg.knee_sign
     if own not in (-1, 1):
         expected = f"1 if {leg.knee} points forward as it flexes, -1 if backward: the file of {robot.name} does not say"
-        raise BadValue("--side", side, expected if not leg.side else "1 or -1")
+        raise BadValue("--bends", side, expected if not leg.side else "1 or -1")
     return monopod(robot, replace(leg, side=own), "share" if body is None else body, locked)
 
 

@@ -46,7 +46,7 @@ def add(commands: Commands) -> None:
     add_robot(parser)
     parser.add_argument("--leg", metavar="NAME", help="let this leg hop in place (default: the whole robot bounds)")
     parser.add_argument(
-        "--side", type=int, nargs="+", metavar="±1", help=f"1 if a knee points forward, -1 if backward; {SIDE}"
+        "--bends", type=int, nargs="+", metavar="±1", help=f"1 if a knee points forward, -1 if backward; {SIDE}"
     )
     parser.add_argument("--body", type=float, metavar="KG", help=f"{BODY}; needs --leg")
     add_repair(parser)
@@ -163,11 +163,11 @@ def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study],
         _only(arguments, option, "only with --leg")
     casadi()
     if arguments.robot == QUADRUPED:
-        _only(arguments, "side", f"to be left out: the sides of {QUADRUPED} are known")
+        _only(arguments, "bends", f"to be left out: the sides of {QUADRUPED} are known")
         return load(QUADRUPED), bounds, arguments.speeds
-    if arguments.side is not None and len(arguments.side) != 2:
+    if arguments.bends is not None and len(arguments.bends) != 2:
         raise BadValue(
-            "--side", arguments.side, "two numbers, for the posterior and for the anterior knees; with --leg one"
+            "--bends", arguments.bends, "two numbers, for the posterior and for the anterior knees; with --leg one"
         )
     robot = in_the_plane(arguments)
     assert robot is not None
@@ -181,13 +181,13 @@ def _hops(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], S
 
     _only(arguments, "speeds", "to be left out with --leg: for a hop give --flight-times")
     if arguments.robot == LEG:
-        for option in ("leg", "side", "body"):
+        for option in ("leg", "bends", "body"):
             _only(arguments, option, f"to be left out: {LEG} is one leg")
         return load(LEG, locked=["boom_x"]), hops, arguments.flight_times
-    side, *more = arguments.side or [None]
+    bends, *more = arguments.bends or [None]
     if more:
-        raise BadValue("--side", arguments.side, "one number with --leg")
-    robot = one_leg(argparse.Namespace(**vars(arguments) | {"side": side}), ["boom_x"])
+        raise BadValue("--bends", arguments.bends, "one number with --leg")
+    robot = one_leg(argparse.Namespace(**vars(arguments) | {"bends": bends}), ["boom_x"])
     assert robot is not None
     return robot, hops, arguments.flight_times
 

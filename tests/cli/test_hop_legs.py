@@ -131,7 +131,7 @@ def test_a_shipped_robot(capsys, tmp_path):
     ("options", "said"),
     [
         (["--leg", "XX"], "unknown leg 'XX'; valid: FL, FR, HL, HR"),
-        (["--leg", "FL", "--side", "2"], "2"),
+        (["--leg", "FL", "--bends", "2"], "2"),
         (["--body", "-1"], "-1"),
         (["--body", "nan"], "nan"),
         (["--hardware"], "known motors: name that of its hip in a TOML file"),
@@ -143,16 +143,17 @@ def test_mistakes(capsys, dog, options, said):
 
 
 def test_a_knee_of_which_the_side_is_not_known(capsys, blank):
-    assert "--side is None; expected 1 if FL_bend points forward as it flexes, -1 if backward: made" in refused(
-        capsys, "hop", "--robot", blank
+    assert (
+        "--bends is None; expected 1 if FL_bend points forward as it flexes, -1 if backward: the file of made"
+        in refused(capsys, "hop", "--robot", blank)
     )
 
 
 def test_knees_of_which_the_sides_are_not_known(capsys, blank):
     said = refused(capsys, "bound", "--robot", blank)
-    assert "--side is None; expected 1 or -1 for each pair, 1 if" in said and "made does not say" in said
+    assert "--bends is None; expected 1 or -1 for each pair, 1 if" in said and "made does not say" in said
 
 
-@pytest.mark.parametrize("option", [["--leg", "FL"], ["--side", "1"], ["--body", "2"], ["--repair"]], ids=words)
+@pytest.mark.parametrize("option", [["--leg", "FL"], ["--bends", "1"], ["--body", "2"], ["--repair"]], ids=words)
 def test_goes_with_a_robot(capsys, option):
     assert f"{option[0]} is" in refused(capsys, "hop", *option)

@@ -38,7 +38,7 @@ class TestDynamics:
         assert "sagittal of made" in run(capsys, "dynamics", dog, "--plane")[1]
 
     def test_knees_to_other_sides(self, capsys, dog):
-        result = printed(capsys, "dynamics", dog, "--plane", "--side", 1, 1)
+        result = printed(capsys, "dynamics", dog, "--plane", "--bends", 1, 1)
         assert "anterior_knee = -FL_bend" not in result["cut"] and "anterior_knee = FL_bend" in result["cut"]
 
     @pytest.mark.parametrize(
@@ -46,12 +46,12 @@ class TestDynamics:
         [
             (["--leg", "XX"], "unknown leg 'XX'; valid: FL, FR, HL, HR"),
             (["--leg", "HR", "--plane"], "not allowed with"),
-            (["--leg", "HR", "--side", "1", "1"], "--side is [1, 1]; expected 1 number, each 1 or -1"),
-            (["--plane", "--side", "1"], "--side is [1]; expected 2 numbers, each 1 or -1"),
-            (["--leg", "HR", "--side", "2"], "--side is 2"),
+            (["--leg", "HR", "--bends", "1", "1"], "--bends is [1, 1]; expected 1 number, each 1 or -1"),
+            (["--plane", "--bends", "1"], "--bends is [1]; expected 2 numbers, each 1 or -1"),
+            (["--leg", "HR", "--bends", "2"], "--bends is 2"),
             (["--leg", "HR", "--body", "-1"], "--body is -1"),
             (["--plane", "--body", "1"], "--body is 1.0; expected only with --leg"),
-            (["--side", "1"], "--side is 1; expected only with --leg or --plane"),
+            (["--bends", "1"], "--bends is 1; expected only with --leg or --plane"),
         ],
         ids=words,
     )
@@ -89,7 +89,7 @@ class TestSearch:
         ("options", "said"),
         [
             (["long_stride", "--robot", "dog"], "gait is 'long_stride'; expected to be left out with --robot"),
-            (["--side", "1", "1"], "only with --robot"),
+            (["--bends", "1", "1"], "only with --robot"),
             (["--robot", "no_such"], "unknown robot 'no_such'"),
             (["--robot", "spear_ii_series"], "--robot"),
         ],
@@ -135,7 +135,7 @@ class TestPushTest:
     def test_a_knee_whose_limits_the_file_does_not_know(self, capsys, tmp_path):
         path = tmp_path / "free.urdf"
         path.write_text(quadruped(knee_limits=(-10.0, 10.0)), encoding="utf-8")
-        asked = ("push-test", "--robot", path, "--leg", "HR", "--side", 1, "--out", tmp_path)
+        asked = ("push-test", "--robot", path, "--leg", "HR", "--bends", 1, "--out", tmp_path)
         assert printed(capsys, *asked)["reason"] == "complete"
 
 

@@ -102,7 +102,7 @@ HOPS = (
     slow(("--hardware", "--noise", 0.005, "--losses", 5, "--seed", 3, "--bandwidth", 500, "--current-limit", 8)),
     slow(("--robot", "hoppy", "--friction", 0.8)),
     slow(("--robot", "q_spear_full", "--leg", "anterior_left", "--body", 9)),
-    slow(("--robot", "q_spear_full", "--side", 1, "--stiffness", 76)),
+    slow(("--robot", "q_spear_full", "--bends", 1, "--stiffness", 76)),
 )
 
 
@@ -154,7 +154,7 @@ def test_a_push(capsys, tmp_path):
             "50",
         ),
         ("--knee-motor", "ec_90_flat_260w", "--bus", "40", "--minimize", "electrical"),
-        ("--robot", "q_spear_full", "--side", "-1", "-1", "--clearance", "0.02"),
+        ("--robot", "q_spear_full", "--bends", "-1", "-1", "--clearance", "0.02"),
     ],
     ids=joined,
 )
@@ -174,8 +174,8 @@ def mass(space):
     ("call", "in_python", "name"),
     [
         (("dynamics", "spear_ii", "--q", 0, 0.5, 0.5, 1), mass, "D"),
-        (("dynamics", "q_spear_full", "--leg", "anterior_left", "--side", -1, "--body", 8), mass, "D"),
-        (("dynamics", "q_spear_full", "--plane", "--side", 1, -1), mass, "D"),
+        (("dynamics", "q_spear_full", "--leg", "anterior_left", "--bends", -1, "--body", 8), mass, "D"),
+        (("dynamics", "q_spear_full", "--plane", "--bends", 1, -1), mass, "D"),
         (
             ("push-test", "--no-motor", "--stiffness", 50, "--static-rest", "--duration", 0.5),
             lambda space: space["result"].rest,

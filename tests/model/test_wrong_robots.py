@@ -245,7 +245,7 @@ def test_wrong_call(robots, call, says):
     ("words", "says"),
     [
         ("--robot {dog} --leg LF", "unknown leg 'LF'; valid: FL, FR, HL, HR"),
-        ("--robot {dog} --side 0", "--side is 0; expected 1 or -1"),
+        ("--robot {dog} --bends 0", "--bends is 0; expected 1 or -1"),
         ("--robot {dog} --body -2", "--body is -2.0; expected a finite number >= 0, in kg"),
         ("--robot {dog}.gone", "dog.urdf.gone: cannot be read: No such file"),
         ("--robot {leg}", "leg.xml:5: joint 'hip' has the axis '0 0 0'; expected a direction"),
