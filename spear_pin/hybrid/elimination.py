@@ -64,7 +64,7 @@ def solve_sparse(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[
     rows = [{j: value for j, value in enumerate(row) if not vanishes(value)} for row in matrix]
     right, left, pivots = list(right), list(range(len(rows))), []
     while chosen := _unit(rows, left):
-        _, i, j = chosen
+        *_, i, j = chosen
         left.remove(i)
         pivots.append((i, j))
         for k in left:
@@ -89,14 +89,14 @@ def _eliminate(row: dict[int, Any], pivot: Mapping[int, Any], j: int) -> Any:
     return factor
 
 
-def _unit(rows: Sequence[dict[int, Any]], left: Sequence[int]) -> tuple[int, int, int] | None:
+def _unit(rows: Sequence[dict[int, Any]], left: Sequence[int]) -> tuple[bool, int, int, int] | None:
     """Finds the remaining entry 1 or -1 that is cheapest to eliminate; returns the cost, its row and its column."""
     counts: dict[int, int] = {}
     for i in left:
         for j in rows[i]:
             counts[j] = counts.get(j, 0) + 1
     units = [(i, j) for i in left for j, value in rows[i].items() if isinstance(value, float) and abs(value) == 1.0]
-    return min((((len(rows[i]) - 1) * (counts[j] - 1), i, j) for i, j in units), default=None)
+    return min(((i != j, (len(rows[i]) - 1) * (counts[j] - 1), i, j) for i, j in units), default=None)
 
 
 def _less(a: Any, b: Any) -> Any:

@@ -18,7 +18,7 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dynamics import FLOATS, Operations
 from spear_pin.hybrid.own import asked, is_own, mistake, number
 from spear_pin.kinds import typed
-from spear_pin.model.planar import Feet, Terms
+from spear_pin.model.mechanism import Feet, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import plus, times
 
@@ -110,12 +110,14 @@ class Ground(Contact):
         """Returns the toes in the ground's axes, with positions along and above it; `ops` are for their scalars."""
         if self.plain:
             return Feet(feet.positions, feet.jacobians, feet.drifts)
-        places = {toe: (self.axes(*place, ops)[0], self.above(*place, ops)) for toe, place in feet.positions.items()}
+        places: dict[str, tuple[Any, ...]] = {}
+        for toe, (x, *across, z) in feet.positions.items():
+            places[toe] = self.axes(x, z, ops)[0], *across, self.above(x, z, ops)
         turned = {
-            toe: [list(row) for row in zip(*(self.axes(x, z, ops) for x, z in zip(*rows, strict=True)), strict=True)]
+            toe: [list(row) for row in zip(*(self.seen_in(each, ops) for each in zip(*rows, strict=True)), strict=True)]
             for toe, rows in feet.jacobians.items()
         }
-        return Feet(places, turned, {toe: self.axes(*drift, ops) for toe, drift in feet.drifts.items()})
+        return Feet(places, turned, {toe: self.seen_in(drift, ops) for toe, drift in feet.drifts.items()})
 
     def foot(self, robot: Robot, q: ArrayLike, toe: str) -> tuple[float, Array]:
         """Returns a toe's distance from the ground, in m, and its Jacobian in the ground's axes, (2 or 3, nv)."""

@@ -24,7 +24,7 @@ from spear_pin.hybrid.rules.footing import closed_toes, still
 from spear_pin.hybrid.rules.start import placed
 from spear_pin.hybrid.spatial_section import SpatialCharts
 from spear_pin.hybrid.translation import translations
-from spear_pin.model.planar import Planar
+from spear_pin.model.mechanism import Mechanism, mechanism_of
 from spear_pin.model.robot import Robot
 
 Lanes = NDArray[np.int64]
@@ -38,14 +38,14 @@ class Section:
 
     Attributes:
         robot: the robot.
-        planar: its dynamics, if it moves in the plane.
+        mechanism: its dynamics, if it moves in the plane.
         toes: the closed toes.
         ground: the ground; its numbers are arrays where each lane has its own.
         translations: directions along which the dynamics do not change, (k, nv), or (n, k, nv) if slopes differ.
     """
 
     robot: Robot
-    planar: Planar | None
+    mechanism: Mechanism | None
     toes: tuple[str, ...]
     ground: Ground
     translations: Array
@@ -66,14 +66,14 @@ class Section:
     def geometry(self, q: Array) -> tuple[Array, Array]:
         """Returns the closed toes' distances from the ground, (n, k), and their Jacobians, (n, k, 2, nv)."""
         heights, jacobians = np.empty((len(q), len(self.toes))), np.empty((len(q), len(self.toes), 2, self.robot.nv))
-        if self.planar is None or type(self.ground) is not Ground:  # its shape may be defined for numbers only
+        if self.mechanism is None or type(self.ground) is not Ground:  # its shape may be defined for numbers only
             for lane, configuration in enumerate(q):
                 ground = _of_lane(self.ground, lane)
                 for i, toe in enumerate(self.toes):
                     heights[lane, i], jacobians[lane, i] = ground.foot(self.robot, configuration, toe)
             return heights, jacobians
         rows = list(np.ascontiguousarray(q.T))
-        feet = self.ground.seen(self.planar.feet(rows, [0.0] * self.planar.nv, np), np)
+        feet = self.ground.seen(self.mechanism.feet(rows, [0.0] * self.mechanism.nv, np), np)
         for i, toe in enumerate(self.toes):
             heights[:, i] = feet.positions[toe][1]
             for axis, row in enumerate(feet.jacobians[toe]):
@@ -103,8 +103,8 @@ def section(system: HybridSystem, numbers: Mapping[str, Array] | None = None) ->
     ground = with_fields(system.ground, {name: each for name, each in (numbers or {}).items() if name in OF_GROUND})
     domain = system.of_phase(system.section_phase)[0]
     toes = tuple(toe for toe, _ in closed_toes(system.robot.toes, domain))
-    planar = Planar(system.robot) if system.robot.planar else None
-    return Section(system.robot, planar, toes, ground, translations(system, ground))
+    mechanism = mechanism_of(system.robot) if system.robot.planar else None
+    return Section(system.robot, mechanism, toes, ground, translations(system, ground))
 
 
 @dataclass(frozen=True)

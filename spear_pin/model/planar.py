@@ -9,9 +9,9 @@ Vectors lie in the x-z plane; angles turn x towards z, so that pitch is positive
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.directions import WORLD_ALIGNED
+from spear_pin.model.mechanism import Feet, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import vanishes
 
@@ -51,37 +52,6 @@ class Body:
     armature: float
 
 
-class Feet(NamedTuple):
-    """Kinematics of the toes at a state.
-
-    Attributes:
-        positions: x and z of each toe.
-        jacobians: J of each toe, two rows of nv.
-        drifts: J̇ v of each toe.
-    """
-
-    positions: dict[str, Vector]
-    jacobians: dict[str, list[list[Any]]]
-    drifts: dict[str, Vector]
-
-
-@dataclass(frozen=True)
-class Terms:
-    """The equations of motion at a state: D v̇ + bias = B u + Σ Jᵀ F, (3.16).
-
-    Attributes:
-        mass_matrix: D, nv rows of nv.
-        bias: C v + G, nv.
-        positions, jacobians, drifts: x and z, J (two rows of nv) and J̇ v of each toe.
-    """
-
-    mass_matrix: list[list[Any]]
-    bias: list[Any]
-    positions: dict[str, Vector]
-    jacobians: dict[str, list[list[Any]]]
-    drifts: dict[str, Vector]
-
-
 class Planar:
     """The planar dynamics of a robot, for any scalars.
 
@@ -107,11 +77,26 @@ class Planar:
             self.frames.setdefault(frame.name, place)  # of several of a name the first, as Pinocchio finds it
         self.toes = {toe: self.frames[toe] for toe in robot.toes}
 
-    def with_bodies(self, bodies: Sequence[Body], toes: Mapping[str, tuple[int, Vector]]) -> Planar:
-        """Returns this mechanism with other bodies and other positions of toes; their numbers may be symbols."""
-        other = copy(self)
-        other.bodies, other.toes, other.frames = tuple(bodies), dict(toes), {**self.frames, **toes}
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        """Mass, centre of mass, inertia, rotor and placement of each body, then the places of toes."""
+        of_bodies = (number for body in self.bodies for number in _numbers(body))
+        return *of_bodies, *(number for _, offset in self.toes.values() for number in offset)
+
+    def with_numbers(self, numbers: Sequence[Any]) -> Planar:
+        """Returns this mechanism with other numbers, in the order of `numbers`; they may be symbols."""
+        left, other = iter(numbers), copy(self)
+        other.bodies = tuple(_with_numbers(body, left) for body in self.bodies)
+        other.toes = {toe: (i, (next(left), next(left))) for toe, (i, _) in self.toes.items()}
+        other.frames = {**self.frames, **other.toes}
         return other
+
+    @property
+    def shape(self) -> Any:
+        """All of it but its numbers, and which of these are zero."""
+        other = self.with_numbers([float(number != 0.0) for number in self.numbers])
+        frames = tuple(sorted(item for item in self.frames.items() if item[0] not in self.toes))
+        return other.bodies, tuple(other.toes.items()), frames, self.lift
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
         """Returns the equations of motion at (q, v).
@@ -283,6 +268,16 @@ def _hung(above: _Load, load: _Load, body: Body, arm: Vector) -> _Load:
 
 
 _WORLD = _Joint(0.0, 1.0, 0.0, ZERO, ZERO, 0.0, ZERO, ZERO)
+
+
+def _numbers(body: Body) -> tuple[Any, ...]:
+    return body.mass, *body.com, body.inertia, body.armature, *body.placement
+
+
+def _with_numbers(body: Body, left: Iterator[Any]) -> Body:
+    """Returns a body with the next of some numbers, in the order of `_numbers`."""
+    mass, com, inertia, armature = next(left), (next(left), next(left)), next(left), next(left)
+    return replace(body, mass=mass, com=com, inertia=inertia, armature=armature, placement=(next(left), next(left)))
 
 
 def _bodies(model: pin.Model, at_zero: pin.Data) -> tuple[Body, ...]:

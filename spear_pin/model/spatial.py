@@ -1,22 +1,24 @@
-"""The dynamics of a robot in space, written once for arrays and for symbols: recursive Newton-Euler.
+"""The dynamics of a robot in space, written once for arrays and for symbols.
 
-It computes the forces that a motion needs, and the motion of each toe, for scalars of any kind that has +, -, * and a
-sine and cosine: numbers, NumPy arrays (a whole batch of states at once), SymPy, CasADi. Every number is read from the
-robot's `pinocchio.Model`. Vectors of a body are in its own axes.
+It computes the forces that a motion needs by recursive Newton-Euler, D by composite bodies, and the motion of each toe,
+for scalars of any kind that has +, -, * and a sine and cosine: numbers, NumPy arrays (a whole batch of states at once),
+SymPy, CasADi, heyoka. Every number is read from the robot's `pinocchio.Model`. Vectors of a body are in its own axes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.mechanism import Feet, Terms
 from spear_pin.model.robot import Robot
-from spear_pin.model.scalars import dot, negated, plus, times
+from spear_pin.model.scalars import dot, negated, plus, times, vanishes
 
 Vector = tuple[Any, Any, Any]
 Rows = tuple[Vector, Vector, Vector]
@@ -94,10 +96,65 @@ class Spatial:
         self.coordinates, self.nv = robot.coordinates, robot.nv
         self.bodies = tuple(_body(robot, joint) for joint in range(1, robot.model.njoints))
         self.lift = _vector(-robot.model.gravity.linear)  # of the ground, which does what gravity does
-        frames = {toe: robot.model.frames[robot.toe_id(toe)] for toe in robot.toes}
-        self.toes = {
-            toe: (int(frame.parentJoint) - 1, _vector(frame.placement.translation)) for toe, frame in frames.items()
-        }
+        self.frames: dict[str, tuple[int, Vector]] = {}
+        for frame in robot.model.frames:  # of several of a name the first, as Pinocchio finds it
+            self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, _vector(frame.placement.translation)))
+        self.toes = {toe: self.frames[toe] for toe in robot.toes}
+
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        """Mass, first moment, inertia, rotor and placement of each body, then the places of toes."""
+        of_bodies = (number for body in self.bodies for number in _numbers(body))
+        return *of_bodies, *(number for _, offset in self.toes.values() for number in offset)
+
+    def with_numbers(self, numbers: Sequence[Any]) -> Spatial:
+        """Returns this mechanism with other numbers, in the order of `numbers`; they may be symbols."""
+        left, other = iter(numbers), copy(self)
+        other.bodies = tuple(_with_numbers(body, left) for body in self.bodies)
+        other.toes = {toe: (i, _next(left)) for toe, (i, _) in self.toes.items()}
+        other.frames = {**self.frames, **other.toes}
+        return other
+
+    @property
+    def shape(self) -> Any:
+        """All of it but its numbers, and which of these are zero."""
+        other = self.with_numbers([float(number != 0.0) for number in self.numbers])
+        return other.bodies, tuple(other.toes.items()), tuple(sorted(other.frames.items())), self.lift
+
+    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
+        """Returns the equations of motion at (q, v).
+
+        Args:
+            q: nv scalars.
+            v: nv scalars.
+            ops: has `sin` and `cos` for them.
+        """
+        still = [0.0] * self.nv
+        joints = self._joints(q, v, still, ops, self.lift)
+        return Terms(self._mass_matrix(joints), self._needed(joints, still), *self._feet(joints, self.lift))
+
+    def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
+        """Returns the kinematics of the toes alone.
+
+        Args:
+            q: nv scalars.
+            v: nv scalars.
+            ops: has `sin` and `cos` for them.
+        """
+        return self._feet(self._joints(q, v, [0.0] * self.nv, ops, ZERO), ZERO)
+
+    def position(self, frame: str, q: Sequence[Any], ops: Any) -> Vector:
+        """Returns the position of any frame of the robot's model, in m.
+
+        Raises:
+            UnknownName: there is no such frame.
+        """
+        if frame not in self.frames:
+            raise UnknownName("frame", frame, self.frames)
+        i, offset = self.frames[frame]
+        still = [0.0] * self.nv
+        joint = self._joints(q, still, still, ops, ZERO)[i] if i >= 0 else _WORLD
+        return _plus(joint.origin, _to_world(joint.turned, offset))
 
     def forces(
         self,
@@ -122,7 +179,11 @@ class Spatial:
             pushes: forces of the ground on toes by name, in the world, in N.
             gravity: whether gravity acts.
         """
-        joints = self._joints(q, v, a, ops, self.lift if gravity else ZERO)
+        return self._needed(self._joints(q, v, a, ops, self.lift if gravity else ZERO), a, pushes)
+
+    def _needed(
+        self, joints: Sequence[_Joint], a: Sequence[Any], pushes: Mapping[str, Vector] = NO_FORCES
+    ) -> list[Any]:
         loads: list[tuple[Vector, Vector]] = [_inertial(*each) for each in zip(self.bodies, joints, strict=True)]
         for toe, push in pushes.items():
             i, offset = self.toes[toe]
@@ -131,14 +192,54 @@ class Spatial:
         needed: list[Any] = [0.0] * self.nv
         for i in reversed(range(self.nv)):
             body, joint, (force, torque) = self.bodies[i], joints[i], loads[i]
-            needed[i] = dot(body.axis, torque if body.turns else force) + body.armature * a[i]
+            needed[i] = plus(dot(body.axis, torque if body.turns else force), times(body.armature, a[i]))
             if body.parent >= 0:
                 force, torque = _to_world(joint.against, force), _to_world(joint.against, torque)
                 above = loads[body.parent]
                 loads[body.parent] = _plus(above[0], force), _plus(above[1], _plus(torque, _cross(joint.arm, force)))
         return needed
 
-    def feet(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any) -> dict[str, Toe]:
+    def _mass_matrix(self, joints: Sequence[_Joint]) -> list[list[Any]]:
+        """Computes D by composite bodies, from the limbs to the trunk."""
+        matrix: list[list[Any]] = [[0.0] * self.nv for _ in range(self.nv)]
+        composites = [_Composite(body.mass, body.moment, body.inertia) for body in self.bodies]
+        for i in reversed(range(self.nv)):
+            body, composite = self.bodies[i], composites[i]
+            if body.parent >= 0:
+                composites[body.parent] = _hung(composites[body.parent], composite, joints[i])
+            if body.turns:
+                force, torque = _cross(body.axis, composite.moment), _to_world(composite.inertia, body.axis)
+            else:
+                force, torque = _scaled(composite.mass, body.axis), _cross(composite.moment, body.axis)
+            matrix[i][i] = plus(dot(body.axis, torque if body.turns else force), body.armature)
+            j = i
+            while (above := self.bodies[j].parent) >= 0:
+                force, torque = _to_world(joints[j].against, force), _to_world(joints[j].against, torque)
+                torque, j = _plus(torque, _cross(joints[j].arm, force)), above
+                other = self.bodies[j]
+                matrix[i][j] = matrix[j][i] = dot(other.axis, torque if other.turns else force)
+        return matrix
+
+    def _feet(self, joints: Sequence[_Joint], lift: Vector) -> Feet:
+        positions: dict[str, tuple[Any, ...]] = {}
+        jacobians: dict[str, list[list[Any]]] = {}
+        drifts: dict[str, tuple[Any, ...]] = {}
+        for toe, (i, offset) in self.toes.items():
+            joint = joints[i] if i >= 0 else _WORLD
+            positions[toe] = position = _plus(joint.origin, _to_world(joint.turned, offset))
+            carried = _to_world(joint.turned, _plus(joint.acceleration, _swung(joint, offset)))
+            drifts[toe] = _minus(carried, lift) if i >= 0 else ZERO
+            rows = jacobians[toe] = [[0.0] * self.nv for _ in range(3)]
+            while i >= 0:
+                body, joint = self.bodies[i], joints[i]
+                axis = _to_world(joint.turned, body.axis)
+                column = _cross(axis, _minus(position, joint.origin)) if body.turns else axis
+                for row, value in zip(rows, column, strict=True):
+                    row[i] = value
+                i = body.parent
+        return Feet(positions, jacobians, drifts)
+
+    def moving_feet(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any) -> dict[str, Toe]:
         """Returns the motion of the toes.
 
         Args:
@@ -161,7 +262,7 @@ class Spatial:
 
     def _joints(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any, lift: Vector) -> list[_Joint]:
         joints: list[_Joint] = []
-        world = _Joint(UPRIGHT, UPRIGHT, ZERO, ZERO, ZERO, ZERO, ZERO, lift)
+        world = _WORLD._replace(acceleration=lift)
         for i, body in enumerate(self.bodies):
             above = joints[body.parent] if body.parent >= 0 else world
             against, arm = body.turned, body.placement
@@ -204,9 +305,56 @@ class _Joint(NamedTuple):
     acceleration: Vector
 
 
+_WORLD = _Joint(UPRIGHT, UPRIGHT, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO)
+
+
+class _Composite(NamedTuple):
+    """Mass, first moment and inertia about a joint of all that it carries, in the axes of its body."""
+
+    mass: Any
+    moment: Vector
+    inertia: Rows
+
+
+def _hung(above: _Composite, load: _Composite, joint: _Joint) -> _Composite:
+    """Adds to a body's composite that of a joint which hangs on it."""
+    R, arm = joint.against, joint.arm
+    moment, mass = _to_world(R, load.moment), load.mass
+    inertia = _product(_product(R, load.inertia), _transposed(R))
+    along = plus(times(2.0, dot(arm, moment)), times(mass, dot(arm, arm)))
+
+    def entry(i: int, j: int) -> Any:
+        shift = plus(plus(times(arm[i], moment[j]), times(moment[i], arm[j])), times(mass, times(arm[i], arm[j])))
+        value = plus(plus(above.inertia[i][j], inertia[i][j]), negated(shift))
+        return plus(value, along) if i == j else value
+
+    first, second, third = (_vector_of(entry(i, j) for j in range(3)) for i in range(3))
+    return _Composite(
+        plus(above.mass, mass), _plus(above.moment, _plus(moment, _scaled(mass, arm))), (first, second, third)
+    )
+
+
+def _numbers(body: Body) -> tuple[Any, ...]:
+    """Returns the numbers of a body, of its inertia one of each two that are equal."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
+    return body.mass, *body.moment, xx, xy, xz, yy, yz, zz, body.armature, *body.placement
+
+
+def _with_numbers(body: Body, left: Iterator[Any]) -> Body:
+    """Returns a body with the next of some numbers, in the order of `_numbers`."""
+    mass, moment = next(left), _next(left)
+    xx, xy, xz, yy, yz, zz, armature = (next(left) for _ in range(7))
+    inertia = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
+    return replace(body, mass=mass, moment=moment, inertia=inertia, armature=armature, placement=_next(left))
+
+
+def _next(numbers: Iterator[Any]) -> Vector:
+    return next(numbers), next(numbers), next(numbers)
+
+
 def _inertial(body: Body, joint: _Joint) -> tuple[Vector, Vector]:
     """Returns the force, and the torque about the joint, that a body's motion needs."""
-    if not body.mass:
+    if vanishes(body.mass):
         return ZERO, ZERO
     momentum = _to_world(body.inertia, joint.spin)
     force = _plus(_scaled(body.mass, joint.acceleration), _swung(joint, body.moment))

@@ -88,7 +88,7 @@ def test_forces_as_by_pinocchio(robot):
 def test_toes_as_by_pinocchio(robot):
     spatial = Spatial(robot)
     for q, v, a, _ in motions(robot):
-        for toe, foot in spatial.feet(q.tolist(), v.tolist(), a.tolist(), math).items():
+        for toe, foot in spatial.moving_feet(q.tolist(), v.tolist(), a.tolist(), math).items():
             jacobian = robot.toe_jacobian(q, toe)
             close(world(foot.position, robot), robot.toe_position(q, toe))
             close(world(foot.velocity, robot), jacobian @ v)

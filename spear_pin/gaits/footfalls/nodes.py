@@ -171,7 +171,7 @@ class Mechanics:
             F = ca.SX.sym("F", 3 * len(bearing))
             motion, parts = [ca.vertsplit(each) for each in (q, v, a)], ca.vertsplit(F) if bearing else []
             pushes = {self.limbs[leg].toe: tuple(parts[3 * i : 3 * i + 3]) for i, leg in enumerate(bearing)}
-            feet = self.spatial.feet(motion[0], motion[1], motion[2], ca)
+            feet = self.spatial.moving_feet(motion[0], motion[1], motion[2], ca)
             rows = [ca.vertcat(*self.spatial.forces(motion[0], motion[1], motion[2], ca, pushes, gravity=gravity))]
             rows += [ca.vertcat(*part) for limb in self.limbs.values() for part in feet[limb.toe]]
             self._functions[bearing, gravity] = ca.Function("mechanics", [q, v, a, F], rows, {"cse": True})

@@ -184,7 +184,7 @@ class _Chunk:
                 friction[toe] = np.maximum(friction[toe], panels.ratio(along, up, PRESSED * weight / len(robot.toes)))
             ground = self.numbers.ground(self.chosen.start + np.repeat(panels.lanes, POINTS))
             for toe in set(robot.toes).difference(closed):
-                height = Heights(self.numbers.planar, ground).at(toe, list(y[: robot.nv]))
+                height = Heights(self.numbers.mechanism, ground).at(toe, list(y[: robot.nv]))
                 aloft[toe] = np.maximum(aloft[toe], panels.peak(height.reshape(-1, POINTS)))
         found |= {**sums, "absolute_work": 2.0 * sums["positive_work"] - sums["work"]}
         for j, joint in enumerate(robot.actuated):

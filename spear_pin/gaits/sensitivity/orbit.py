@@ -198,8 +198,8 @@ def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Arra
         d: the section's dimension.
     """
     whole, nv, c = section(system), system.robot.nv, seeds.shape[1]
-    assert whole.planar is not None
-    toes = tangent_feet(Structure(system, system.domains[0], {}, whole.planar), whole.toes)
+    assert whole.mechanism is not None
+    toes = tangent_feet(Structure(system, system.domains[0], {}, whole.mechanism), whole.toes)
     state = local.state(np.zeros(d))
     y, raw = np.concatenate(state), numbers(system)
     dy = np.zeros((2 * nv, c))

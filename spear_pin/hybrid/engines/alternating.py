@@ -13,7 +13,7 @@ from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.model.planar import Planar
+from spear_pin.model.mechanism import Mechanism
 
 
 class Alternating:
@@ -24,7 +24,7 @@ class Alternating:
     Args:
         system: the system.
         domain: the domain of the alternating motion.
-        planar: the robot's dynamics.
+        mechanism: the robot's dynamics.
         q: configuration.
         v: velocity.
         held: held values.
@@ -39,7 +39,7 @@ class Alternating:
         self,
         system: HybridSystem,
         domain: Domain,
-        planar: Planar,
+        mechanism: Mechanism,
         q: Sequence[Any],
         v: Sequence[Any],
         held: Mapping[str, Any],
@@ -52,8 +52,8 @@ class Alternating:
         unloaded = replace(between.grounded, contacts=between.airborne.contacts)
         bearing = [toe for toe, mode in zip(system.robot.toes, between.grounded.contacts, strict=True) if mode != OPEN]
         leaves, touches = (latched(held, resets, q, v, numbers.law) for resets in ([between.leave], between.touching))
-        self._flight = Motion(system, between.airborne, planar, 0.0, q, v, leaves, numbers, ops)
-        self._stance = Motion(system, unloaded, planar, 0.0, q, v, touches, numbers, ops, bearing)
+        self._flight = Motion(system, between.airborne, mechanism, 0.0, q, v, leaves, numbers, ops)
+        self._stance = Motion(system, unloaded, mechanism, 0.0, q, v, touches, numbers, ops, bearing)
         self._domain = domain
         self._arguments: tuple[Any, ...] = 0.0, q, v, leaves, numbers.law, self, ops
         fall, rise = (motion.toe_acceleration(between.toe)[1] for motion in (self._flight, self._stance))

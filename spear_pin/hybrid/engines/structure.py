@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -15,7 +15,7 @@ from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.soundness import Latched
-from spear_pin.model.planar import Body, Planar
+from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.spring import UNITS, Spring
 
 Values = Mapping[str, Any]
@@ -63,7 +63,9 @@ def all_others(system: HybridSystem) -> dict[str, float]:
     return {"friction": system.ground.friction, **values}
 
 
-def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tuple[Planar, Scalars, dict[str, Any]]:
+def symbols(
+    system: HybridSystem, mechanism: Mechanism, held: Values, par: Any
+) -> tuple[Mechanism, Scalars, dict[str, Any]]:
     """Returns the robot, the system's numbers and the held values as run-time parameters par[0], par[1], ...
 
     Zeros of the robot, the springs and the ground stay zero; values that are no numbers stay unchanged.
@@ -72,23 +74,20 @@ def symbols(system: HybridSystem, planar: Planar, held: Values, par: Any) -> tup
     law = with_fields(system.law, {f.name: counter.number(getattr(system.law, f.name)) for f in fields(system.law)})
     beside = {name: counter.number(value) for name, value in others(system).items()}
     spring, ground = with_fields(system.spring, beside), with_fields(system.ground, beside)
-    bodies = [_with_numbers(body, *map(counter.nonzero, _numbers(body))) for body in planar.bodies]
+    moved = mechanism.with_numbers([counter.nonzero(number) for number in mechanism.numbers])
     joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
-    toes = {toe: (i, _pair(map(counter.nonzero, offset))) for toe, (i, offset) in planar.toes.items()}
     kept = Latched({name: counter.number(value) for name, value in held.items()})
-    return planar.with_bodies(bodies, toes), Scalars(law, spring, ground, joints), kept
+    return moved, Scalars(law, spring, ground, joints), kept
 
 
-def robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
+def robot_numbers(system: HybridSystem, mechanism: Mechanism) -> list[float]:
     """Returns the scalars of the robot that are run-time parameters, in their order."""
-    return [number for number in all_robot_numbers(system, planar) if number != 0.0]
+    return [number for number in all_robot_numbers(system, mechanism) if number != 0.0]
 
 
-def all_robot_numbers(system: HybridSystem, planar: Planar) -> list[float]:
+def all_robot_numbers(system: HybridSystem, mechanism: Mechanism) -> list[float]:
     """Returns the scalars of the robot, including zeros, in their order."""
-    bodies = [number for body in planar.bodies for number in _numbers(body)]
-    toes = [number for _, offset in planar.toes.values() for number in offset]
-    return [*bodies, *map(float, system.robot.model.damping), *toes]
+    return [*mechanism.numbers, *map(float, system.robot.model.damping)]
 
 
 def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Values, n: int) -> Array:
@@ -129,23 +128,20 @@ class Structure:
         system: a system.
         domain: one of its domains.
         held: values held in the domain.
-        planar: dynamics of the robot.
+        mechanism: dynamics of the robot.
     """
 
     system: HybridSystem
     domain: Domain
     held: Values
-    planar: Planar
+    mechanism: Mechanism
 
     @cached_property
     def key(self) -> Any:
         """Everything that two systems of the same structure have in common."""
         system, domain = self.system, self.domain
-        planar, spring = self.planar, system.spring
-        bodies = tuple(_with_numbers(body, *(float(x != 0.0) for x in _numbers(body))) for body in planar.bodies)
-        frames = tuple(sorted(item for item in planar.frames.items() if item[0] not in planar.toes))
-        toes = tuple((toe, i, tuple(x != 0.0 for x in offset)) for toe, (i, offset) in planar.toes.items())
-        robot = bodies, frames, toes, planar.lift, system.robot.toes, system.robot.actuated
+        spring = system.spring
+        robot = self.mechanism.shape, system.robot.toes, system.robot.actuated
         mounts = domain.mounts if domain.between is None else (*domain.mounts, *domain.between.grounded.mounts)
         springs = tuple(_mounted(mount, spring) for mount in mounts)
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
@@ -198,20 +194,6 @@ class _Counter:
 
     def nonzero(self, value: float) -> Any:
         return self.number(value) if value != 0.0 else 0.0
-
-
-def _numbers(body: Body) -> tuple[float, ...]:
-    return body.mass, *body.com, body.inertia, body.armature, *body.placement
-
-
-def _with_numbers(body: Body, *numbers: Any) -> Body:
-    mass, com_x, com_z, inertia, armature, x, z = numbers
-    return replace(body, mass=mass, com=(com_x, com_z), inertia=inertia, armature=armature, placement=(x, z))
-
-
-def _pair(numbers: Iterable[Any]) -> tuple[Any, Any]:
-    x, z = numbers
-    return x, z
 
 
 def _is_number(value: Any) -> bool:

@@ -1,7 +1,8 @@
 """Closed-loop motion in one domain, for scalars of any kind; the reference engine computes the same with numbers.
 
-`Motion` is the `dyn` of laws and guards, like `pinocchio.Flow`, built from `model.planar`. A scalar is any object with
-+, -, * and /, with elementary functions in `ops`: heyoka's expressions, SymPy's, or NumPy arrays of many states.
+`Motion` is the `dyn` of laws and guards, like `pinocchio.Flow`, built from `model.mechanism`, with two
+tangential directions of a toe in space and one in the plane. A scalar is any object with +, -, * and /, with elementary
+functions in `ops`: heyoka's expressions, SymPy's, or NumPy arrays of many states.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 
 from spear_pin.errors import BadFunction, NotSymbolic
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SIGN, STICK
+from spear_pin.hybrid.contact import OPEN, SIGN, SLIP, STICK
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.elimination import Matrix, factorize, solve, solve_sparse, substitute
@@ -21,7 +22,8 @@ from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.structure import Scalars, with_fields
 from spear_pin.hybrid.engines.trial import mistaken
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
-from spear_pin.model.planar import Feet, Planar
+from spear_pin.hybrid.rules.footing import size
+from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
 from spear_pin.model.spring import Spring
 
@@ -37,7 +39,7 @@ class Imposed:
     """
 
     a: list[Any]
-    forces: dict[str, tuple[Any, Any]]
+    forces: dict[str, tuple[Any, ...]]
     torques: list[tuple[int, Any]]
 
 
@@ -47,21 +49,21 @@ class Motion:
     Args:
         system: the system; only its structure is used, not its numbers.
         domain: the domain.
-        planar: the robot's dynamics.
+        mechanism: the robot's dynamics.
         t: time since the phase began.
         q: configuration.
         v: velocity.
         held: held values.
         numbers: the system's numbers.
         ops: elementary functions, and `solve`.
-        at_rest: toes that the controller assumes at rest on the ground; by default the toes on the ground.
+        at_rest: toes that the controller assumes at rest on the ground; by default those on the ground or bouncing.
     """
 
     def __init__(
         self,
         system: HybridSystem,
         domain: Domain,
-        planar: Planar,
+        mechanism: Mechanism,
         t: Any,
         q: Sequence[Any],
         v: Sequence[Any],
@@ -70,16 +72,18 @@ class Motion:
         ops: Any,
         at_rest: Sequence[str] | None = None,
     ) -> None:
-        self.system, self.domain, self.planar = system, domain, planar
+        self.system, self.domain, self.mechanism = system, domain, mechanism
         self.t, self.q, self.v, self.held, self.numbers, self.ops = t, q, v, held, numbers, ops
         robot = system.robot
         self._index = {name: i for i, name in enumerate(robot.coordinates)}
-        self._terms = planar.terms(q, v, ops)
+        self._terms = mechanism.terms(q, v, ops)
         ground = numbers.ground
         self._feet: Feet = self._asked("the ground", ground.above, ground.seen, (self._terms, ops))
         self._factors = factorize(self._terms.mass_matrix)
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
-        self._taken = [toe for toe, _ in self._closed] if at_rest is None else list(at_rest)
+        bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
+        self._taken = [toe for toe in robot.toes if toe in bearing] if at_rest is None else list(at_rest)
+        self._k = robot.dimension
         self._motors = [self._index[joint] for joint in robot.actuated]
         self._imposed: Imposed | None = None  # by the law, if it imposes accelerations
         self._in_law = False
@@ -123,7 +127,7 @@ class Motion:
         return self._solution[0]
 
     @cached_property
-    def _solution(self) -> tuple[list[Any], dict[str, tuple[Any, Any]], dict[str, Any]]:
+    def _solution(self) -> tuple[list[Any], dict[str, tuple[Any, ...]], dict[str, Any]]:
         """Acceleration, ground force on each closed toe, and pivot of each slipping toe."""
         imposed = self._controlled[1]
         if imposed is not None:
@@ -133,15 +137,16 @@ class Motion:
             applied[index] = applied[index] + torque
         rows, directions, drift = self._constraint()
         a, multipliers, schur = self._constrained(applied, rows, directions, drift)
-        forces: dict[str, tuple[Any, Any]] = {}
+        forces: dict[str, tuple[Any, ...]] = {}
         pivots: dict[str, Any] = {}
         row = 0
         for toe, mode in self._closed:
             if mode == STICK:
-                forces[toe] = multipliers[row], multipliers[row + 1]
-                row += 2
+                forces[toe] = tuple(multipliers[row : row + self._k])
+                row += self._k
                 continue
-            forces[toe] = -SIGN[mode] * self.numbers.ground.friction * multipliers[row], multipliers[row]
+            friction, normal = self.numbers.ground.friction, multipliers[row]
+            forces[toe] = *(-way * friction * normal for way in self._ways[toe]), normal
             others = [i for i in range(len(schur)) if i != row]
             pivots[toe] = _complement(schur, row, others)
             row += 1
@@ -169,30 +174,43 @@ class Motion:
         return self._feet.jacobians[toe]
 
     def direction(self, toe: str) -> tuple[Any, ...]:
-        """Raises an error, since this engine has no toes in space."""
-        raise NotImplementedError
+        """Returns the unit vector along the ground in which a toe slides; it has none where it begins to slide."""
+        return self._ways[toe]
 
-    def toe_velocity(self, toe: str) -> tuple[Any, Any]:
+    @cached_property
+    def _ways(self) -> dict[str, tuple[Any, ...]]:
+        """Directions of the toes that slide: by the mode in the plane, along the velocity in space."""
+        ways: dict[str, tuple[Any, ...]] = {}
+        for toe, mode in self._closed:
+            if mode in SIGN:
+                ways[toe] = (SIGN[mode],)
+            elif mode == SLIP:
+                tangential = self.toe_velocity(toe)[:-1]
+                speed = size(tangential, self.ops)
+                ways[toe] = tuple(each / speed for each in tangential)
+        return ways
+
+    def toe_velocity(self, toe: str) -> tuple[Any, ...]:
         """Returns the velocity of a toe, along the ground and normal to it, in m/s."""
-        x, z = self.jacobian(toe)
-        return dot(x, self.v), dot(z, self.v)
+        return tuple(dot(row, self.v) for row in self.jacobian(toe))
 
-    def toe_acceleration(self, toe: str) -> tuple[Any, Any]:
+    def toe_acceleration(self, toe: str) -> tuple[Any, ...]:
         """Returns the acceleration of a toe, along the ground and normal to it, in m/s²."""
-        (x, z), drift = self.jacobian(toe), self._feet.drifts[toe]
-        return dot(x, self.a) + drift[0], dot(z, self.a) + drift[1]
+        rows = zip(self.jacobian(toe), self._feet.drifts[toe], strict=True)
+        return tuple(dot(row, self.a) + drift for row, drift in rows)
 
     def height(self, frame: str) -> Any:
         """Returns the distance of a frame from the ground, along its normal, in m."""
         if frame in self._feet.positions:
-            return self._feet.positions[frame][1]
-        return self.numbers.ground.above(*self.planar.position(frame, self.q, self.ops), self.ops)
+            return self._feet.positions[frame][-1]
+        x, *_, z = self.mechanism.position(frame, self.q, self.ops)
+        return self.numbers.ground.above(x, z, self.ops)
 
-    def force(self, toe: str) -> tuple[Any, Any]:
+    def force(self, toe: str) -> tuple[Any, ...]:
         """Returns the ground force on a toe, along the ground and normal to it, in N; not for laws."""
         if self._in_law:
             refuse_in_law("force")
-        return self._solution[1].get(toe, (0.0, 0.0))
+        return self._solution[1].get(toe, self._k * (0.0,))
 
     def pivot(self, toe: str) -> Any:
         """Returns the effective inverse mass of the normal force of a slipping toe, in 1/kg; not for laws."""
@@ -211,7 +229,7 @@ class Motion:
             applied[index] = applied[index] + torque
         rows, drift = self._at_rest()
         _, multipliers, _ = self._constrained(applied, rows, rows, drift)
-        return multipliers[2 * self._taken.index(toe) + 1]
+        return multipliers[self._k * (self._taken.index(toe) + 1) - 1]
 
     def response(self) -> tuple[list[Any], Matrix]:
         """Returns (a, A) of v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""
@@ -219,7 +237,7 @@ class Motion:
         free, _, _ = self._constrained(self._passive, rows, rows, drift)
         columns = []
         for index in self._motors:
-            unit = [1.0 if i == index else 0.0 for i in range(self.planar.nv)]
+            unit = [1.0 if i == index else 0.0 for i in range(self.mechanism.nv)]
             columns.append(self._constrained(unit, rows, rows, [0.0] * len(rows), moving=False)[0])
         return free, [list(row) for row in zip(*columns, strict=True)]
 
@@ -232,7 +250,7 @@ class Motion:
         operations, and the torques follow from the replaced equations. This is the motion if the toes are at rest and
         the law returns exactly these torques; `others` has all other motors.
         """
-        n, (contacts, drift) = self.planar.nv, self._at_rest()
+        n, (contacts, drift) = self.mechanism.nv, self._at_rest()
         applied = list(self._passive)
         for j, torque in others:
             applied[self._motors[j]] = applied[self._motors[j]] + torque
@@ -247,7 +265,7 @@ class Motion:
         a, pushes = solution[:n], solution[n:]
         pulls = [dot([row[i] for row in contacts], pushes) for i in range(n)]
         torques = [dot(self.mass_matrix[i], a) - force[i] - pulls[i] for i in (self._motors[j] for j in motors)]
-        forces = {toe: (pushes[2 * k], pushes[2 * k + 1]) for k, toe in enumerate(self._taken)}
+        forces = {toe: tuple(pushes[self._k * i : self._k * (i + 1)]) for i, toe in enumerate(self._taken)}
         if [(toe, STICK) for toe in self._taken] == self._closed:
             self._imposed = Imposed(a, forces, [*others, *zip(motors, torques, strict=True)])
         return torques
@@ -315,17 +333,18 @@ class Motion:
         directions: Matrix = []
         drift: list[Any] = []
         for toe, mode in self._closed:
-            (x, z), own = self.jacobian(toe), self._feet.drifts[toe]
+            (*tangential, z), own = self.jacobian(toe), self._feet.drifts[toe]
             if mode == STICK:
-                rows += [x, z]
-                directions += [x, z]
+                rows += [*tangential, z]
+                directions += [*tangential, z]
                 drift += own
             else:
-                slope = SIGN[mode] * self.numbers.ground.friction
+                slopes = [way * self.numbers.ground.friction for way in self._ways[toe]]
                 rows.append(z)
-                directions.append([down - slope * along for along, down in zip(x, z, strict=True)])
-                drift.append(own[1])
-        return rows, rows if len(rows) == 2 * len(self._closed) else directions, drift
+                columns = zip(z, *tangential, strict=True)
+                directions.append([plus(down, negated(dot(slopes, along))) for down, *along in columns])
+                drift.append(own[-1])
+        return rows, rows if len(rows) == self._k * len(self._closed) else directions, drift
 
     def _bordered(self, force: Sequence[Any], rows: Matrix, drift: Sequence[Any]) -> tuple[Matrix, list[Any]]:
         """Returns matrix and right-hand side of D a = force + Aᵀ λ, A a + drift = 0, for (a, λ)."""

@@ -26,7 +26,7 @@ from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.own import is_own, mistake
 from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing
-from spear_pin.model.planar import Planar
+from spear_pin.model.mechanism import mechanism_of
 
 Values = Mapping[str, Any]
 TIME_LIMIT = -1  # marks the end of an arc that no guard ended
@@ -125,7 +125,7 @@ class Compiled:
         self.nv, self.guards = system.robot.nv, len(domain.guards)
         self.closed = closed_toes(system.robot.toes, domain)
         self.state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
-        planar, self.numbers, kept = symbols(system, Planar(system.robot), held, hy.par)
+        mechanism, self.numbers, kept = symbols(system, mechanism_of(system.robot), held, hy.par)
 
         flat: list[Any] = []
 
@@ -133,9 +133,9 @@ class Compiled:
             kinks: list[Any] = []
             q, v, ops = y[: self.nv], y[self.nv :], operations(kinks, flat)
             motion = (
-                Motion(system, domain, planar, t, q, v, kept, self.numbers, ops)
+                Motion(system, domain, mechanism, t, q, v, kept, self.numbers, ops)
                 if domain.between is None
-                else Alternating(system, domain, planar, q, v, kept, self.numbers, ops)
+                else Alternating(system, domain, mechanism, q, v, kept, self.numbers, ops)
             )
             slopes, guards = [*v, *map(_expression, motion.a)], list(map(_expression, motion.guards))
             for guard, value in zip(domain.guards, guards, strict=True):
@@ -165,7 +165,7 @@ class Compiled:
     def _function(self) -> Any:
         """Compiles a function that returns all of `Point`."""
         slopes, guards, kinks, motion = self.here
-        feet = [number for toe, mode in self.closed for number in footing(motion, toe, mode)]
+        feet = [number for toe, mode in self.closed for number in footing(motion, toe, mode, operations([]))]
         outputs = [*slopes, *guards, *kinks, *feet]
         return require().cfunc([_expression(output) for output in outputs], self.state, opt_level=self.level)
 

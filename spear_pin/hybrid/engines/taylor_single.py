@@ -159,7 +159,7 @@ def entering(code: Compiled) -> Any:
     k3 = code.field(t + AHEAD, ends).slopes  # Kutta's third order: second order is too coarse where toes begin to slide
     state = [x + AHEAD / 6.0 * (a + 4.0 * b + c) for x, a, b, c in zip(y, k1, k2, k3, strict=True)]
     later = code.field(t + AHEAD, state)
-    feet = [number for toe, mode in code.closed for number in footing(code.here.motion, toe, mode)]
+    feet = [number for toe, mode in code.closed for number in footing(code.here.motion, toe, mode, operations([]))]
     outputs = [*code.here.guards, *feet, *code.here.kinks, *later.guards, *later.kinks, *state]
     return require().cfunc([require().expression(0.0) + output for output in outputs], y, opt_level=code.level)
 
@@ -177,8 +177,8 @@ class CompiledImpact:
         hy, system = require(), structure.system
         self._nv = nv = system.robot.nv
         state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
-        planar, numbers, _ = symbols(system, structure.planar, {}, hy.par)
-        terms = planar.terms(state[:nv], state[nv:], hy)
+        mechanism, numbers, _ = symbols(system, structure.mechanism, {}, hy.par)
+        terms = mechanism.terms(state[:nv], state[nv:], hy)
         (x, z), v = numbers.ground.seen(terms, operations([])).jacobians[toe], state[nv:]
         along, up = (substitute(factorize(terms.mass_matrix), row) for row in (x, z))
         a_tt, a_tn, a_nn, slide, approach = dot(x, along), dot(x, up), dot(z, up), dot(x, v), dot(z, v)

@@ -13,7 +13,7 @@ from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.engines.taylor import Code, Ready
 from spear_pin.hybrid.engines.taylor_single import CompiledImpact, Single, impact
 from spear_pin.hybrid.lanes.groups import Held
-from spear_pin.model.planar import Planar
+from spear_pin.model.mechanism import mechanism_of
 
 KEPT = 16  # number of systems whose compiled parts are kept
 
@@ -27,8 +27,8 @@ class Compilation:
     """
 
     def __init__(self, system: HybridSystem, code: Code) -> None:
-        self.system, self.planar = system, Planar(system.robot)
-        self.robot = structure.robot_numbers(system, self.planar)
+        self.system, self.mechanism = system, mechanism_of(system.robot)
+        self.robot = structure.robot_numbers(system, self.mechanism)
         self._code = code
         # domains are kept with their compiled form, so that Python does not reuse their ids
         self._domains: dict[Any, Ready] = {}
@@ -50,7 +50,7 @@ class Compilation:
         """
         key = id(domain), structure.shape_of(held)
         if key not in self._domains:
-            one = structure.Structure(self.system, domain, held, self.planar)
+            one = structure.Structure(self.system, domain, held, self.mechanism)
             self._domains[key] = Ready(domain, taylor.compiled(one, self._code))
         return self._domains[key]
 
@@ -64,7 +64,7 @@ class Compilation:
     def impact(self, toe: str) -> CompiledImpact:
         """Returns the compiled impact of a toe."""
         if toe not in self._impacts:
-            whole = structure.Structure(self.system, self.system.domains[0], {}, self.planar)
+            whole = structure.Structure(self.system, self.system.domains[0], {}, self.mechanism)
             self._impacts[toe] = impact(whole, toe, self._code.level)
         return self._impacts[toe]
 

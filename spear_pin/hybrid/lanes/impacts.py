@@ -24,7 +24,7 @@ def strike(numbers: Numbers, toes: list[str], lands: tuple[str, ...], group: Gro
         group: the lanes.
     """
     q, v = group.y[: numbers.nv], group.y[numbers.nv :]
-    n, terms = len(group), numbers.planar.terms(list(q), list(v), np)
+    n, terms = len(group), numbers.mechanism.terms(list(q), list(v), np)
     ground = numbers.ground(group.lanes)
     D, jacobians = stacked(terms.mass_matrix, n), ground.seen(terms, np).jacobians
     J = np.concatenate([stacked(jacobians[toe], n) for toe in toes], axis=1)

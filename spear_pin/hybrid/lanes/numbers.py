@@ -35,7 +35,7 @@ class Numbers:
     def __init__(self, system: HybridSystem, given: Mapping[str, Array], code: Code) -> None:
         self.system, self.nv, self._given = system, system.robot.nv, given
         self.compilation = compilation(system, code)
-        self.planar = self.compilation.planar
+        self.mechanism = self.compilation.mechanism
         self._others = {name: given.get(name, value) for name, value in structure.others(system).items()}
 
     def of_lane(self, lane: int) -> dict[str, float]:

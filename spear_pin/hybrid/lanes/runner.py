@@ -108,7 +108,7 @@ class Lanes:
     def begin(self) -> None:
         """Sorts the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
-        feet = self.numbers.planar.feet(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
+        feet = self.numbers.mechanism.feet(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
         ground = self.numbers.ground(np.arange(n))
         for toe in system.robot.toes if n and not ground.plane else ():
             system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a call with numbers reveals a mistake

@@ -37,7 +37,7 @@ def slide(
     if between is None:
         return [], group
     q, v = group.y[: numbers.nv], group.y[numbers.nv :]
-    feet = numbers.ground(group.lanes).seen(numbers.planar.feet(list(q), list(v), np), np)
+    feet = numbers.ground(group.lanes).seen(numbers.mechanism.feet(list(q), list(v), np), np)
     sinking = along(feet.jacobians[between.toe][1], v)
     slides = np.zeros(len(group), bool)
     found = []

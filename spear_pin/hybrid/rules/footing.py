@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from spear_pin.hybrid.contact import OPEN, SIGN, SLIPS, STICK
 from spear_pin.hybrid.domain import Domain, Rub
-from spear_pin.hybrid.dynamics import Dynamics
+from spear_pin.hybrid.dynamics import FLOATS, Dynamics, Operations
 from spear_pin.hybrid.rules.scalars import first, where
 
 AT_REST = 1e-7  # m/s
@@ -62,20 +62,21 @@ def closed_toes(toes: Sequence[str], domain: Domain) -> list[tuple[str, str]]:
     return [(toe, mode) for toe, mode in zip(toes, domain.contacts, strict=True) if mode != OPEN]
 
 
-def footing(dynamics: Dynamics, toe: str, mode: str) -> Footing:
+def footing(dynamics: Dynamics, toe: str, mode: str, ops: Operations = FLOATS) -> Footing:
     """Returns a toe's footing in a mode."""
     *tangential, normal = dynamics.force(toe)
     velocity, grip = dynamics.toe_velocity(toe)[:-1], dynamics.friction_coefficient * normal
     if mode == STICK:
-        return Footing(size(velocity), size(tangential), normal, grip)
+        return Footing(size(velocity, ops), size(tangential, ops), normal, grip)
     way = (SIGN[mode],) if mode in SIGN else dynamics.direction(toe)
     acceleration, pivot = dynamics.toe_acceleration(toe)[:-1], dynamics.pivot(toe)
-    return Footing(along(way, velocity), size(tangential), normal, grip, along(way, acceleration), pivot)
+    return Footing(along(way, velocity), size(tangential, ops), normal, grip, along(way, acceleration), pivot)
 
 
-def size(tangential: Sequence[Any]) -> Any:
+def size(tangential: Sequence[Any], ops: Operations = FLOATS) -> Any:
     """Returns the modulus of a vector along the ground; in the plane, where it is one number, with its sign."""
-    return tangential[0] if len(tangential) == 1 else math.hypot(*tangential)
+    x, *across = tangential
+    return ops.sqrt(sum((y * y for y in across), x * x)) if across else x
 
 
 def along(way: Iterable[Any], tangential: Iterable[Any]) -> Any:

@@ -32,8 +32,17 @@ def cone_margin(toe: str, side: float) -> GuardValue:
 
 
 def circular_margin(toe: str) -> GuardValue:
-    """Returns the guard μ F_z - |F_t|, in N, which is zero where the toe begins to slide in space."""
-    return lambda t, q, v, held, p, dyn, ops: dyn.friction_coefficient * dyn.force(toe)[-1] - size(dyn.force(toe)[:-1])
+    """Returns the guard μ F_z - |F_t|² / (μ F_z), in N, which is zero where the toe begins to slide in space.
+
+    It is as smooth as the force where F_t is zero, where |F_t| is not.
+    """
+
+    def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        x, y, z = dyn.force(toe)
+        grip = dyn.friction_coefficient * z
+        return grip - (x * x + y * y) / grip
+
+    return margin
 
 
 def slip_speed(toe: str, side: float) -> GuardValue:
@@ -43,7 +52,7 @@ def slip_speed(toe: str, side: float) -> GuardValue:
 
 def radial_speed(toe: str) -> GuardValue:
     """Returns a guard on the sliding speed of a toe in space above the speed at which it is stopped, in m/s."""
-    return lambda t, q, v, held, p, dyn, ops: size(dyn.toe_velocity(toe)[:-1]) - SLOW
+    return lambda t, q, v, held, p, dyn, ops: size(dyn.toe_velocity(toe)[:-1], ops) - SLOW
 
 
 def pivot(toe: str) -> GuardValue:

@@ -103,17 +103,17 @@ class TangentField:
     @cached_property
     def _function(self) -> Any:
         """Compiles the function that returns values, then derivatives."""
-        system, planar, held = self.structure.system, self.structure.planar, self.structure.held
+        system, mechanism, held = self.structure.system, self.structure.mechanism, self.structure.held
         counter = _Counting()
-        symbols(system, planar, held, counter)
+        symbols(system, mechanism, held, counter)
         return compiled(self._of, 1 + 2 * system.robot.nv + counter.count, system.robot.nv)
 
     def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
         """Returns all outputs, for scalars of any kind."""
         system, domain, nv = self.structure.system, self.structure.domain, self.structure.system.robot.nv
         t, q, v = duals[0], duals[1 : 1 + nv], duals[1 + nv : 1 + 2 * nv]
-        planar, numbers, held = symbols(system, self.structure.planar, self.structure.held, duals[1 + 2 * nv :])
-        motion = Motion(system, domain, planar, t, q, v, held, numbers, ops)
+        mechanism, numbers, held = symbols(system, self.structure.mechanism, self.structure.held, duals[1 + 2 * nv :])
+        motion = Motion(system, domain, mechanism, t, q, v, held, numbers, ops)
         feet = [force for toe, _ in closed_toes(system.robot.toes, domain) for force in motion.force(toe)]
         return [*v, *motion.a, *motion.guards, *motion.u, *feet]
 
@@ -176,13 +176,13 @@ class TangentFeet:
     @cached_property
     def _function(self) -> Any:
         robot, counter = self.structure.system.robot, _Counting()
-        symbols(self.structure.system, self.structure.planar, {}, counter)
+        symbols(self.structure.system, self.structure.mechanism, {}, counter)
         return compiled(self._of, 2 * robot.nv + counter.count, robot.nv)
 
     def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
         nv = self.structure.system.robot.nv
-        planar, numbers, _ = symbols(self.structure.system, self.structure.planar, {}, duals[2 * nv :])
-        terms = planar.terms(duals[:nv], duals[nv : 2 * nv], ops)
+        mechanism, numbers, _ = symbols(self.structure.system, self.structure.mechanism, {}, duals[2 * nv :])
+        terms = mechanism.terms(duals[:nv], duals[nv : 2 * nv], ops)
         feet, factors = numbers.ground.seen(terms, ops), factorize(terms.mass_matrix)
         rows = [row for toe in self.toes for row in feet.jacobians[toe]]
         responses = [substitute(factors, row) for row in rows]

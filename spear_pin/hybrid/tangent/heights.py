@@ -13,7 +13,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, value_of
-from spear_pin.model.planar import Planar
+from spear_pin.model.mechanism import Mechanism, mechanism_of
 
 
 @dataclass(frozen=True)
@@ -21,11 +21,11 @@ class Heights:
     """Heights of toes.
 
     Attributes:
-        planar: the robot; its lengths may be dual.
+        mechanism: the robot; its lengths may be dual.
         ground: the ground; its numbers may be dual, or arrays of lanes.
     """
 
-    planar: Planar
+    mechanism: Mechanism
     ground: Ground
 
     def at(self, toe: str, q: Sequence[Any]) -> Any:
@@ -33,7 +33,8 @@ class Heights:
 
         The distance is of the same kind as the coordinates.
         """
-        return self.ground.above(*self.planar.position(toe, q, ARRAYS), ARRAYS)
+        x, *_, z = self.mechanism.position(toe, q, ARRAYS)
+        return self.ground.above(x, z, ARRAYS)
 
     def along(self, toe: str, q: Array, dq: Array) -> tuple[Array, Array]:
         """Returns heights at n states, in m, (n,), and derivatives along c directions at each, (n, c).
@@ -57,5 +58,5 @@ def dual_heights(system: HybridSystem, numbers: Array, dnumbers: Array) -> Heigh
         dnumbers: their derivatives, (p, c).
     """
     duals = [Dual(x, d) if d.any() else x for x, d in zip(numbers.tolist(), dnumbers, strict=True)]
-    planar, scalars, _ = symbols(system, Planar(system.robot), {}, duals)
-    return Heights(planar, scalars.ground)
+    mechanism, scalars, _ = symbols(system, mechanism_of(system.robot), {}, duals)
+    return Heights(mechanism, scalars.ground)

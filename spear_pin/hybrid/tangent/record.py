@@ -69,7 +69,7 @@ class Recorder:
         lane: index of the lane.
 
     Attributes:
-        planar: the robot's dynamics.
+        mechanism: the robot's dynamics.
         law: parameters of the law.
         numbers: run-time parameters, which come before the held values, (p,).
         end: state at the end of the last cycle, (2 nv,).
@@ -79,7 +79,7 @@ class Recorder:
     def __init__(self, system: HybridSystem, numbers: Numbers | None = None, lane: int = 0) -> None:
         self.system, self._nv = system, system.robot.nv
         self._numbers = many(system, {}) if numbers is None else numbers
-        self.planar, self.law = self._numbers.planar, self._numbers.law_of(lane)
+        self.mechanism, self.law = self._numbers.mechanism, self._numbers.law_of(lane)
         alone = numbers is None and not taylor.available()
         self._runner: Runner = ReferenceRunner(system) if alone else CompiledRunner(self._numbers, lane)
         self.numbers = np.array(self._numbers.constants(lane), dtype=float)
@@ -131,11 +131,11 @@ class Recorder:
         """Returns the tangent field that gives a domain's derivatives."""
         key = id(domain), shape_of(held)
         if key not in self._fields:
-            self._fields[key] = tangent_field(Structure(self.system, domain, held, self.planar))
+            self._fields[key] = tangent_field(Structure(self.system, domain, held, self.mechanism))
         return self._fields[key]
 
     def feet(self, toes: tuple[str, ...]) -> TangentFeet:
         """Returns the tangent feet that give the derivatives of an impact."""
         if toes not in self._feet:
-            self._feet[toes] = tangent_feet(Structure(self.system, self.system.domains[0], {}, self.planar), toes)
+            self._feet[toes] = tangent_feet(Structure(self.system, self.system.domains[0], {}, self.mechanism), toes)
         return self._feet[toes]

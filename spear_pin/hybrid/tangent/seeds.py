@@ -15,8 +15,8 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.model.mechanism import mechanism_of
 from spear_pin.model.numbers import body_numbers
-from spear_pin.model.planar import Planar
 from spear_pin.model.variants import parameters_of
 
 # relative to a parameter: numbers are polynomials of degree two at most in it, so that no step is too long
@@ -27,7 +27,7 @@ ROUNDING = 1e-9  # size of a derivative that may result from rounding when a bod
 def numbers(system: HybridSystem, held: Mapping[str, Any] | None = None) -> Array:
     """Returns the run-time parameters of a system, in the order of `structure.parameters`."""
     others = list(structure.others(system).values())
-    robot = structure.robot_numbers(system, Planar(system.robot))
+    robot = structure.robot_numbers(system, mechanism_of(system.robot))
     found: Array = structure.parameters(system.law, others, robot, held or {}, 1)[:, 0]
     return found
 
@@ -55,7 +55,7 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
 def _everything(system: HybridSystem) -> Array:
     """Returns all numbers of a system, including zeros, in the order of `numbers`."""
     others = list(structure.all_others(system).values())
-    robot = structure.all_robot_numbers(system, Planar(system.robot))
+    robot = structure.all_robot_numbers(system, mechanism_of(system.robot))
     found: Array = structure.parameters(system.law, others, robot, {}, 1)[:, 0]
     return found
 
@@ -63,7 +63,7 @@ def _everything(system: HybridSystem) -> Array:
 def _kept(system: HybridSystem) -> NDArray[np.bool_]:
     """Tells which of all numbers of a system `numbers` returns."""
     others = structure.all_others(system)
-    robot = structure.all_robot_numbers(system, Planar(system.robot))
+    robot = structure.all_robot_numbers(system, mechanism_of(system.robot))
     of_law = len(structure.parameters(system.law, [], [], {}, 1))
     beside = [value != 0.0 or name == "friction" for name, value in others.items()]
     return np.array([*of_law * [True], *beside, *(value != 0.0 for value in robot)])

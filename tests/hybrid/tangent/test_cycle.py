@@ -51,7 +51,7 @@ def test_compiled_and_interpreted_say_the_same(hop):
     arcs = recorder.cycle(y)
     rng, own = np.random.default_rng(3), seeds(system, ["stiffness", "friction", "knee_mass"])
     for arc in arcs[:3]:
-        field = tangent_field(Structure(system, arc.domain, arc.held, recorder.planar))
+        field = tangent_field(Structure(system, arc.domain, arc.held, recorder.mechanism))
         raw = np.concatenate([numbers(system), list(arc.held.values())])
         directions = np.concatenate([own, rng.normal(size=(len(arc.held), 3))])
         given = np.array([arc.t]), arc.y[:, None], raw, 0.5, rng.normal(size=(len(y), 1, 3)), directions
