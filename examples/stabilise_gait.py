@@ -6,8 +6,8 @@ their multipliers, push the robot in mid-flight and follow its distance from the
 What to notice: feedback adjusts parameters of the law, once a stride or at each touchdown, and adjusts
 nothing on the orbit, which stays the same. Without it the distance grows by the largest multiplier a stride,
 7 %. On the logarithmic axis a recovery is a straight line whose slope is again the largest multiplier: a
-single gain on the forward speed recovers in 18 strides, the linear-quadratic feedback of the whole section state to
-six parameters in 7.
+single gain on the forward speed recovers in 17 strides, the linear-quadratic feedback of the whole section state to
+six parameters in 4.
 
 Run: python examples/stabilise_gait.py [FOLDER]
 """

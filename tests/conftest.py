@@ -13,6 +13,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # matrices are small, and process
 from spear_pin import Gait, HoppingLaw, find_gait, hopping, load, simulate
 from spear_pin.model.loading import ROBOTS
 from tests.durations import Durations
+from tests.nightly import left_to_the_nightly
 
 SOLVED = Path(__file__).parent / "solved"
 
@@ -42,14 +43,13 @@ def pytest_collection():
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
+def pytest_collection_modifyitems(config, items):
     """A test skips where a module, or a package without one, that its marker `extra` names is missing.
 
-    What is marked `nightly` is slow, too.
+    What `nightly.toml` names is marked `nightly`, and slow, too.
     """
+    left_to_the_nightly(items, whole=config.args_source is pytest.Config.ArgsSource.TESTPATHS)
     for item in items:
-        if item.get_closest_marker("nightly"):
-            item.add_marker(pytest.mark.slow)
         needed = {module for marker in item.iter_markers("extra") for module in marker.args}
         if missing := sorted(module for module in needed if not _is_there(module)):
             item.add_marker(pytest.mark.skip(reason=f"needs {', '.join(missing)}"))

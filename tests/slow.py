@@ -10,10 +10,3 @@ def slow_but(values: Iterable, *quick) -> list:
     values = list(values)
     assert all(value in values for value in quick), f"{quick} of {values}"
     return [value if value in quick else pytest.param(value, marks=pytest.mark.slow) for value in values]
-
-
-def nightly_but(values: Iterable, *kept) -> list:
-    """The values, those that are not among the kept ones marked `nightly`: what is theirs is tested elsewhere, too."""
-    values = list(values)
-    assert all(value in values for value in kept), f"{kept} of {values}"
-    return [value if value in kept else pytest.param(value, marks=pytest.mark.nightly) for value in values]

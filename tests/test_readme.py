@@ -32,8 +32,6 @@ SLOW = {
     *("compare.md-1", "choose_spring_and_motor.md-1", "export.md-4", "first_hop.md-3"),
     *("hardware.md-1", "hardware.md-2", "motors.md-2"),
 }
-# searches; `tests.solve` keeps what they find
-NIGHTLY = {f"move_in_space.md-{n}" for n in range(2, 6)}
 QUIET = pytest.mark.filterwarnings("default")  # a cluster's warnings are not ours
 
 
@@ -41,7 +39,7 @@ def marked(name: str, block: str):
     """A block as a test's parameter, with what it needs and whether it takes long."""
     marks = [pytest.mark.extra(module) for text, module in EXTRAS.items() if text in block]
     marks += [QUIET] if "dask" in block else []
-    marks += [pytest.mark.slow] * (name in SLOW) + [pytest.mark.nightly] * (name in NIGHTLY)
+    marks += [pytest.mark.slow] * (name in SLOW)
     return pytest.param(block, id=name, marks=marks)
 
 
@@ -77,7 +75,7 @@ def test_block_runs(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_the_readme_shows_python():
     assert BLOCKS[0].id == "README.md-1"
-    assert SLOW | NIGHTLY <= {block.id for block in BLOCKS}
+    assert SLOW <= {block.id for block in BLOCKS}
 
 
 @pytest.mark.parametrize(("page", "link"), LINKS)

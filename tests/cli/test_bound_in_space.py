@@ -4,6 +4,7 @@ import pytest
 
 from spear_pin import Gait, Trajectory
 from tests.cli.calls import printed, refused
+from tests.solve.kept import FOLDER
 
 
 @pytest.mark.slow
@@ -30,6 +31,19 @@ def test_a_push_is_recovered_from(capsys, tmp_path):
     again = printed(capsys, "bound", "--space", "--gait", kept, "--push", 0.1, "--cycles", 6, "--out", tmp_path)
     assert again["multipliers"] == result["multipliers"] and again["multipliers_without_feedback"] is None
     assert again["aside"] == pytest.approx(result["aside"], abs=1e-9) and again["inputs"] == result["inputs"]
+
+
+@pytest.mark.slow
+def test_a_kept_gait_is_pushed(capsys, tmp_path):
+    asked = ("bound", "--space", "--gait", FOLDER / "long_stride_upright.json", "--out", tmp_path)
+    result = printed(capsys, *asked, "--push", 0.1, "--cycles", 4)
+    assert result["reason"] == "complete" and result["cycles"] == 4 and result["lost"] is None
+    assert max(abs(complex(*each)) for each in result["multipliers"]) == pytest.approx(1.0674, abs=1e-4)
+    assert result["residual"] <= 1e-9 and result["energy_residual"] <= 1e-8 and result["beyond_limits"] == []
+    motion = Trajectory.load(tmp_path / "bound_in_space.npz")
+    assert motion.force.shape[1:] == (4, 3) and motion.v[0, 1] == pytest.approx(0.1, abs=1e-6)
+    assert (tmp_path / "bound_in_space.html").stat().st_size < 5_000_000
+    assert "has feedback" in refused(capsys, *asked, "--keep-heading")
 
 
 @pytest.mark.parametrize(

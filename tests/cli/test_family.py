@@ -73,7 +73,7 @@ class TestMistakes:
                 ("hop", "--over", "flight_time=0.1:0.3", "--flight-time", "0.2"),
                 "a parameter; for a measure leave out --flight-time",
             ),
-            (("bound", "--over", "stiffness=1:2", "--at", "1"), "--at is 1.0; expected to go"),
+            (("bound", "--over", "stiffness=1:2", "--at", "1"), "--at is 1.0; expected only with hop"),
             (("bound", "--over", "stiffness=1:2", "--flight-time", "1"), "only with hop"),
             (("trot", "--over", "friction=1:2", "--speed", "1"), "only with a bound; this gait is of the kind"),
             (("fly", "--over", "friction=1:2"), "'fly'"),

@@ -95,7 +95,6 @@ def test_a_push_is_recovered_from(capsys, tmp_path):
     assert abs(complex(*result["multipliers"][0])) < 0.5
 
 
-@pytest.mark.nightly
 def test_feedback_of_the_shipped_trot_is_found_and_holds_it(capsys, tmp_path):
     result = printed(capsys, "trot", "--push", 0.2, "--out", tmp_path)
     assert result["cycles"] == 10 and abs(math.degrees(result["heading"])) < 3.0

@@ -94,7 +94,7 @@ MUTATIONS = [
         {
             "downhill for uphill": ("ops.sin(self.slope)", "-ops.sin(self.slope)"),
             "distance from the ground as on the level": ("self.height * ops.cos(self.slope)", "self.height"),
-            "drifts left in the world's axes": ("toe: self.axes(*drift, ops) for", "toe: drift for"),
+            "drifts left in the world's axes": ("toe: self.seen_in(drift, ops) for", "toe: drift for"),
         },
     ),
     *mistakes_in(

@@ -322,7 +322,7 @@ class TestRefused:
             refusal(BadFile, lambda: load(path, base="free"))
         )
         path = made("motors.knee = {motor = 'ec_60_flat_150w', ratio = 3.0}", motors=False)
-        assert "has no rotor_inertia, and that of ec_60_flat_150w is not known" in str(
+        assert "has no rotor_inertia, and that of ec_60_flat_150w is unknown" in str(
             refusal(BadFile, lambda: load(path, base="free"))
         )
 

@@ -95,6 +95,32 @@ def test_toes_as_by_pinocchio(robot):
             close(world(foot.acceleration, robot), jacobian @ a + robot.toe_drift(q, v, toe))
 
 
+def test_terms_as_by_pinocchio(robot):
+    spatial = Spatial(robot)
+    assert spatial.with_numbers(spatial.numbers).numbers == spatial.numbers
+    for q, v, _, _ in motions(robot):
+        terms = spatial.terms(q.tolist(), v.tolist(), math)
+        close(terms.mass_matrix, robot.mass_matrix(q))
+        close(terms.bias, robot.bias(q, v))
+        for toe in robot.toes:
+            close(world(terms.positions[toe], robot), robot.toe_position(q, toe))
+            close(world(terms.jacobians[toe], robot), robot.toe_jacobian(q, toe))
+            close(world(terms.drifts[toe], robot), robot.toe_drift(q, v, toe))
+            close(world(spatial.position(toe, q.tolist(), math), robot), robot.toe_position(q, toe))
+
+
+def test_twice_the_mass_has_twice_the_inertia():
+    spatial = Spatial(load("q_spear_full", base="chain"))
+    numbers = np.array(spatial.numbers)
+    of_bodies = numbers[: 14 * spatial.nv].reshape(spatial.nv, 14)
+    of_bodies[:, :11] *= 2.0  # mass, first moment, inertia and rotor, but not the placement
+    q, v = np.linspace(-0.4, 0.6, spatial.nv).tolist(), np.linspace(1.0, -2.0, spatial.nv).tolist()
+    heavy, light = spatial.with_numbers(numbers.tolist()).terms(q, v, math), spatial.terms(q, v, math)
+    close(heavy.mass_matrix, 2.0 * np.array(light.mass_matrix))
+    close(heavy.bias, 2.0 * np.array(light.bias))
+    assert heavy.positions == light.positions
+
+
 def test_a_batch_at_once():
     robot = load("q_spear_full", base="chain")
     spatial = Spatial(robot)

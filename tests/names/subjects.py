@@ -26,6 +26,7 @@ from spear_pin.studies.payoff.searches import Search
 from spear_pin.viz.notebook.cards import described
 from tests.names.comparison import Table
 from tests.names.said import called, command, first_number, numbers, text
+from tests.solve.kept import FOLDER
 from tests.studies.payoff.stub import SOLUTION, Stubbed, of_leg
 
 MOTOR, RATIOS, EFFICIENCY, BUS = "assumed_600w", {"knee": 15.0, "hip": 60.0}, 0.83, 48.0
@@ -65,12 +66,12 @@ def fill_bound(table: Table, folder: Path) -> None:
 
 def fill_trot(table: Table, folder: Path) -> None:
     """The trot that ships, held by feedback."""
-    asked = ("trot", "--cycles", 2, "--out", folder)
-    table.add("trot --json", _of(command(*asked)))
-    gait = Gait.load(folder / "trot_steady.json")
+    steady = FOLDER / "trot_steady.json"
+    table.add("trot --json", _of(command("trot", steady, "--cycles", 2, "--out", folder)))
+    gait = Gait.load(steady)
     _of_motion(table, folder / "trot.npz", gait)
-    _compare(table, folder, folder / "trot_steady.json")
-    _printed(table, "trot", "trot", folder / "trot_steady.json", "--cycles", 2, "--out", folder)
+    _compare(table, folder, steady)
+    _printed(table, "trot", "trot", steady, "--cycles", 2, "--out", folder)
 
 
 def fill_payoff(table: Table, folder: Path) -> None:

@@ -24,7 +24,7 @@ from spear_pin.hybrid.periodic import chart, differentiate_return_map, eigenvalu
 FOLDER = Path(__file__).parents[1] / "solved"
 SAME = 1e-6  # of a state that is searched for again, and of a Jacobian's columns
 CLOSE = 1e-4  # of multipliers, which differences find
-COLUMNS = 3  # of a Jacobian that are found again
+COLUMNS = 1  # of a Jacobian that are found again in the gate
 RECIPES: dict[str, "Recipe"] = {}
 
 

@@ -1,4 +1,4 @@
-"""Runs a cycle and keeps its arcs, by the fast engine where heyoka is installed; refuses cycles that are not plain."""
+"""Runs a cycle and keeps its arcs, by the fast engine where heyoka is installed; refuses cycles with events that have no derivative."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class Recorder:
         """Runs a cycle from a state just after the section, (2 nv,), and returns its arcs.
 
         Raises:
-            NotDifferentiable: the cycle does not close, or has an event that is not plain.
+            NotDifferentiable: the cycle does not close, or has an event without a derivative.
         """
         lap = self.lap(y)
         self.end, self.order = lap.y, lap.order
@@ -108,7 +108,7 @@ class Recorder:
         """Runs a cycle from a state just after the section, (2 nv,), and returns its record.
 
         Raises:
-            NotDifferentiable: the cycle does not close, or has an event that is not plain.
+            NotDifferentiable: the cycle does not close, or has an event without a derivative.
         """
         phase, resets = self.start
         held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)

@@ -155,7 +155,7 @@ def test_names_that_are_none(hop):
         BadValue, match=r"measure is 'energy'; expected a measure of a joint that motors names \(none\)"
     ):
         best(hop, {"stiffness": (42.0, 60.0)}, motors={})
-    with pytest.raises(BadValue, match=f"'electricity'.*those of {', '.join(MOTORS)}"):
+    with pytest.raises(BadValue, match=rf"'electricity'.*that motors names \({', '.join(MOTORS)}\)"):
         best(hop, {"stiffness": (42.0, 60.0)}, at_most={"electricity": 20.0})
     with pytest.raises(BadValue, match="target flight_time is -1.0"):
         optimize_design(hop, "work", {"stiffness": (42.0, 60.0)}, {"flight_time": -1.0})

@@ -38,7 +38,6 @@ def test_a_stride_of_the_event_exact_simulation_leads_nearly_back(lawful):
     assert missed[:18].max() < 0.02 and missed[18:24].max() < 0.05  # knees begin to flex a little faster
 
 
-@pytest.mark.nightly
 def test_the_orbit_beside_it(lawful):
     gait = pronk_beside(lawful, apart=(0.004,))
     assert gait.residual <= 1e-9 and residual(gait.system, gait.state) <= 1e-9

@@ -58,7 +58,7 @@ class TestRequest:
             ({"shortest": (0.5, 0.02)}, "shortest"),
             ({"tilt": 2.0}, "tilt"),
             ({"swing": SwingLaw()}, "without a law"),
-            ({"spring": Spring(rest=0.5)}, "switched"),
+            ({"spring": Spring(rest=0.5)}, "these springs are latched at touchdown"),
         ],
     )
     def test_refused(self, values, named):

@@ -62,7 +62,6 @@ class TestTurn:
         assert told["turn"] == pytest.approx(TURN, abs=1e-8) and told["residual"] <= 1e-9
 
 
-@pytest.mark.nightly
 def test_the_command_finds_it_and_plays_what_it_has_kept(left, capsys, tmp_path):
     told = printed(capsys, "turn", "--angle", np.degrees(TURN), "--cycles", 1, "--out", tmp_path)
     kept = Gait.load(tmp_path / "turn.json")

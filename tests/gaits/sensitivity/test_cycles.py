@@ -47,12 +47,7 @@ def gait_of(name):
     return Orbit(there.system, there.state, over)
 
 
-def by_night(*values):
-    """Parameters of a test in the nightly: what the gate's ones go through, with other gaits."""
-    return pytest.param(*values, marks=pytest.mark.nightly)
-
-
-@pytest.mark.parametrize("name", ["long_stride", by_night("least_effort"), by_night("force_lift_off"), "biped", *HOPS])
+@pytest.mark.parametrize("name", ["long_stride", "least_effort", "force_lift_off", "biped", *HOPS])
 def test_cycles(name):
     orbit, worst = gait_of(name), WORST[name in HOPS]
     chosen = [
@@ -70,7 +65,7 @@ def test_cycles(name):
     [
         ("long_stride", ("posterior_hip_torque", "torso_mass")),
         ("least_effort", ("anterior_hip_torque", "stiffness")),
-        by_night("force_lift_off", ("posterior_hip_torque", "hip_distance")),
+        ("force_lift_off", ("posterior_hip_torque", "hip_distance")),
         ("biped", ("thrust", "knee_ratio", "pitch_mass")),
         ("hop", OF_HOP),
         ("other hop", OF_HOP),

@@ -69,7 +69,7 @@ class TestRefused:
                 {"stiffness": 56.0, "knee_ratio": 24.0, "friction": 0.8, "stance_torque": 9.125033502281795},
                 (0.5522556446098152, 0.5137993415258123, 1.0379096791334725),
                 (-0.5098093304624398, 1.6114106228297194, 3.232339570942187),
-                "plain: a toe bounces",
+                "without a derivative: a toe bounces",
             ),
         ],
     )

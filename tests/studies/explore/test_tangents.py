@@ -13,7 +13,6 @@ from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.hops import settled, transient
 from spear_pin.studies.explore.legs import KNOBS, hop_of_leg, spear_ii_hop
 from spear_pin.studies.explore.tangents import LONE, MULTIPLIER, SOLVED, tangents, tangents_of_multiplier
-from tests.slow import nightly_but
 
 pytestmark = pytest.mark.extra("heyoka")
 SHARE = 1e-3  # of a range, that a knob is turned either way
@@ -59,7 +58,7 @@ def kept():
 
 class TestHop:
     @pytest.mark.slow
-    @pytest.mark.parametrize("name", nightly_but(KNOBS, "stiffness", "knee_touchdown", "stance_torque"))
+    @pytest.mark.parametrize("name", KNOBS)
     def test_against_hops_beside(self, hop, name):
         found, stability = tangents(hop), tangents_of_multiplier(hop)
         slopes = {**found.slopes[name], **stability.slopes[name]}
@@ -120,7 +119,7 @@ def motion():
 
 class TestBound:
     @pytest.mark.slow
-    @pytest.mark.parametrize("name", nightly_but(["speed", "knee_ratio"], "speed"))
+    @pytest.mark.parametrize("name", ["speed", "knee_ratio"])
     def test_against_bounds_beside(self, motion, name):
         found, stability = tangents(motion), tangents_of_multiplier(motion)
         assert found.reason == "" and "posterior_lift_off" in found.one_sided

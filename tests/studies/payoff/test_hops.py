@@ -105,7 +105,6 @@ def test_a_search_ends_in_a_fixed_point_that_costs_less(motors):
     assert figures_of(beside, motors).cost > (1.0 - 1e-3) * found.cost
 
 
-@pytest.mark.nightly
 @pytest.mark.extra("heyoka")
 def test_a_small_leg_saves_half_by_a_spring_of_6(tmp_path):
     """Of one stiffness: every search is about that one, and every start shows the saving."""
