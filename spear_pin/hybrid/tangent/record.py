@@ -1,4 +1,4 @@
-"""Runs a cycle and keeps its arcs, by the fast engine where heyoka is installed; refuses cycles with events that have no derivative."""
+"""Runs a cycle and keeps its arcs, by the fast engine where heyoka is installed; refuses events without a derivative."""
 
 from __future__ import annotations
 
