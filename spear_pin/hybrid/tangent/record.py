@@ -1,4 +1,4 @@
-"""Runs a cycle and keeps its arcs, by the fast engine where heyoka is installed; refuses events without a derivative."""
+"""Runs a cycle and keeps its arcs, by the fast engine where heyoka is installed; refuses events with no derivative."""
 
 from __future__ import annotations
 
