@@ -13,23 +13,22 @@ from spear_pin.hybrid.elimination import factorize, substitute
 from spear_pin.hybrid.engines.polynomials import Polynomials
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.taylor import (
+    AHEAD,
     FAILED,
     MOST,
     STEPS,
     TIME_LIMIT,
-    Compiled,
     Ready,
     operations,
     require,
     steps,
 )
-from spear_pin.hybrid.rules.entry import AWAY, NONE, bent, clear, falls, stays_on_zero, thresholds
-from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness, footing
+from spear_pin.hybrid.rules.entry import NONE, bent, clear, falls, stays_on_zero, thresholds
+from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness
 from spear_pin.hybrid.rules.impact import rises, routh
 from spear_pin.model.scalars import dot
 
 UNCLEAR = -2  # marks an event on entering a domain that happens, or may happen, only later than `AHEAD`
-AHEAD = AWAY[0]  # s: the only step that is tried
 OF_TOE = len(Footing._fields)
 
 
@@ -58,24 +57,20 @@ class Single:
 
     def __init__(self, ready: Ready) -> None:
         self.domain, self._code = ready.domain, ready.compiled
-        code = ready.compiled
-        self._integrator, self._function = code.alone, entering(code)
+        code = self._code
+        self._integrator, self._function = code.alone, code.function
         # views
         self._state, self._parameters = self._integrator.state, self._integrator.pars
         self._coefficients = self._integrator.tc
-        self._pars, self._timed = self._function.nparams, self._function.is_time_dependent
         outcomes = require().taylor_outcome
         self._limit, self._success = int(outcomes.time_limit), int(outcomes.success)
         self._meaning = code.meaning.tolist()
-        guards = self.domain.guards
-        self._thresholds = [each for each in enumerate(thresholds(guards)) if each[1] > -math.inf]
-        # places of the values in the function's output, see `entering`
-        self._toes = [(mode, len(guards) + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
-        kinks = len(guards) + OF_TOE * len(code.closed)
-        self._later, self._bends = kinks + code.kinks, code.kinks > 0
-        kinks_later = self._later + len(guards)
-        self._state_later = kinks_later + code.kinks
-        self._kinks = slice(kinks, self._later), slice(kinks_later, self._state_later)
+        # places of the values in the function's output
+        self._slopes, kinks = 2 * code.nv, 2 * code.nv + len(self.domain.guards)
+        happening = enumerate(thresholds(self.domain.guards), self._slopes)
+        self._thresholds = [each for each in happening if each[1] > -math.inf]
+        self._kinks, self._bends = slice(kinks, kinks + code.kinks), code.kinks > 0
+        self._toes = [(mode, kinks + code.kinks + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
 
     def enter(self, t: float, y: Array, parameters: Array) -> Entry | None:
         """Finds where the motion that enters the domain at a state begins; None if the domain's modes do not fit.
@@ -87,30 +82,36 @@ class Single:
             y: the state, (2 nv,).
             parameters: run-time parameters.
         """
-        given = parameters[: self._pars]
-        answer = self._function(y, pars=given, time=t) if self._timed else self._function(y, pars=given)
-        values = answer.tolist()
+        values = self._call(self._function, t, y, parameters).tolist()
         if not math.isfinite(sum(values)):
             return Entry(math.inf, t, y, UNCLEAR)
         fits = math.inf if not self._toes else fitness([(mode, values[i : i + OF_TOE]) for mode, i in self._toes])
         if not fits >= LEAVES:
             return None
         waiting = [i for i, threshold in self._thresholds if values[i] <= threshold]
-        if not (waiting or (self._bends and any(map(bent, values[self._kinks[0]])))):
+        on_kink = self._bends and any(map(bent, values[self._kinks]))
+        if not (waiting or on_kink):
             return Entry(fits, t, y, NONE)
-        later, guards = self._later, self.domain.guards
+        answer = self._call(self._code.moment_later, t, y, parameters)
+        state, later = answer[: self._slopes], answer.tolist()
+        guards = self.domain.guards
         for i in waiting:
-            change = values[later + i] - values[i]
-            if stays_on_zero(guards[i], values[i], change):
+            guard, change = guards[i - self._slopes], later[i] - values[i]
+            if stays_on_zero(guard, values[i], change):
                 return Entry(fits, t, y, UNCLEAR)
-            if falls(guards[i], values[i], change):
-                return Entry(fits, t, y, i)
-        if not clear([values[later + i] for i, _ in self._thresholds], values[self._kinks[1]]):
-            rises = all(values[later + i] > 0.0 for i in waiting)
-            bends = self._bends and any(map(bent, values[self._kinks[0]]))
+            if falls(guard, values[i], change):
+                return Entry(fits, t, y, i - self._slopes)
+        if not clear([later[i] for i, _ in self._thresholds], later[self._kinks]):
+            rises = all(later[i] > 0.0 for i in waiting)
             # where another guard falls so soon, motion begins here: guards that rise are no events
-            return Entry(fits, t, y, NONE if waiting and rises and not bends else UNCLEAR)
-        return Entry(fits, t + AHEAD, answer[self._state_later :], NONE)
+            return Entry(fits, t, y, NONE if waiting and rises and not on_kink else UNCLEAR)
+        return Entry(fits, t + AHEAD, state, NONE)
+
+    def _call(self, function: Any, t: float, y: Array, parameters: Array) -> Array:
+        """Evaluates a compiled function of the state."""
+        pars = parameters[: function.nparams]
+        answer = function(y, pars=pars, time=t) if function.is_time_dependent else function(y, pars=pars)
+        return np.asarray(answer, np.float64)
 
     def run(
         self, t: float, y: Array, until: float, parameters: Array, longest: float = math.inf
@@ -145,23 +146,6 @@ class Single:
             end: int = self._meaning[-outcome - 1]
             return end
         return TIME_LIMIT if outcome == self._limit else FAILED
-
-
-@lru_cache(MOST)
-def entering(code: Compiled) -> Any:
-    """Compiles a function of all that `Single.enter` needs, once for each compiled domain.
-
-    It returns guards, `OF_TOE` numbers of each closed toe, and kinks; then guards, kinks and the state `AHEAD` later.
-    """
-    t, y, k1 = require().time, code.state, code.here.slopes
-    k2 = code.field(t + 0.5 * AHEAD, [x + 0.5 * AHEAD * k for x, k in zip(y, k1, strict=True)]).slopes
-    ends = [x + AHEAD * (2.0 * b - a) for x, a, b in zip(y, k1, k2, strict=True)]
-    k3 = code.field(t + AHEAD, ends).slopes  # Kutta's third order: second order is too coarse where toes begin to slide
-    state = [x + AHEAD / 6.0 * (a + 4.0 * b + c) for x, a, b, c in zip(y, k1, k2, k3, strict=True)]
-    later = code.field(t + AHEAD, state)
-    feet = [number for toe, mode in code.closed for number in footing(code.here.motion, toe, mode, operations([]))]
-    outputs = [*code.here.guards, *feet, *code.here.kinks, *later.guards, *later.kinks, *state]
-    return require().cfunc([require().expression(0.0) + output for output in outputs], y, opt_level=code.level)
 
 
 class CompiledImpact:
