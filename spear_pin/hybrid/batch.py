@@ -132,8 +132,7 @@ def check_lanes(system: HybridSystem) -> None:
     """Checks that a system can run in many lanes.
 
     Raises:
-        BadValue: it has hardware, dry friction of joints or a pinned toe, or its robot is on a rotary boom or moves
-            in space.
+        BadValue: it has hardware, dry friction of joints or a pinned toe, or its robot is on a rotary boom.
     """
     if system.hardware is not None or any(domain.rubs for domain in system.domains):
         raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
@@ -141,8 +140,17 @@ def check_lanes(system: HybridSystem) -> None:
         raise BadValue("system", system.kind, "one without pinned toes")
     if system.robot.added is not None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
+
+
+def check_tangents(system: HybridSystem) -> None:
+    """Checks that cycles of a system have exact derivatives.
+
+    Raises:
+        BadValue: it cannot run in lanes, or its robot moves in space.
+    """
+    check_lanes(system)
     if not system.robot.planar:
-        expected = "one that moves in the plane: gaits in space have no derivatives yet, and run one at a time"
+        expected = "one that moves in the plane: gaits in space have no derivatives yet"
         raise BadValue("robot", system.robot.name, expected)
 
 
@@ -155,9 +163,9 @@ def may_differ(system: HybridSystem, name: str) -> bool:
 
 
 def has_lanes(system: HybridSystem, names: Iterable[str]) -> bool:
-    """Tells whether a system can run in lanes that differ in the named numbers; False where heyoka is missing."""
+    """Tells whether gaits of a system are found in lanes that differ in the named numbers; False without heyoka."""
     try:
-        check_lanes(system)
+        check_tangents(system)
     except BadValue:
         return False
     return taylor.available() and all(may_differ(system, name) for name in names)

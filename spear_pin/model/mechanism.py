@@ -3,41 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol, Self
+from typing import Any, Protocol, Self
 
+from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
-
-
-class Feet(NamedTuple):
-    """Kinematics of the toes at a state, in two dimensions or in three.
-
-    Attributes:
-        positions: x, in space y, and z of each toe.
-        jacobians: J of each toe, as many rows of nv.
-        drifts: J̇ v of each toe.
-    """
-
-    positions: dict[str, tuple[Any, ...]]
-    jacobians: dict[str, list[list[Any]]]
-    drifts: dict[str, tuple[Any, ...]]
-
-
-@dataclass(frozen=True)
-class Terms:
-    """The equations of motion at a state: D v̇ + bias = B u + Σ Jᵀ F, (3.16).
-
-    Attributes:
-        mass_matrix: D, nv rows of nv.
-        bias: C v + G, nv.
-        positions, jacobians, drifts: position, J and J̇ v of each toe, as `Feet` has them.
-    """
-
-    mass_matrix: list[list[Any]]
-    bias: list[Any]
-    positions: dict[str, tuple[Any, ...]]
-    jacobians: dict[str, list[list[Any]]]
-    drifts: dict[str, tuple[Any, ...]]
+from spear_pin.model.spatial import Spatial
+from spear_pin.model.terms import Feet, Terms
 
 
 class Mechanism(Protocol):
@@ -82,7 +53,4 @@ def mechanism_of(robot: Robot) -> Mechanism:
     Raises:
         BadValue: it has a joint of several coordinates, or is on a rotary boom.
     """
-    from spear_pin.model.planar import Planar
-    from spear_pin.model.spatial import Spatial
-
     return Planar(robot) if robot.planar else Spatial(robot)

@@ -19,9 +19,9 @@ import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.directions import WORLD_ALIGNED
-from spear_pin.model.mechanism import Feet, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import vanishes
+from spear_pin.model.terms import Feet, Terms
 
 Vector = tuple[Any, Any]
 ZERO: Vector = (0.0, 0.0)

@@ -16,9 +16,9 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.model.mechanism import Feet, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import dot, negated, plus, times, vanishes
+from spear_pin.model.terms import Feet, Terms
 
 Vector = tuple[Any, Any, Any]
 Rows = tuple[Vector, Vector, Vector]

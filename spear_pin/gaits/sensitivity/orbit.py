@@ -18,7 +18,7 @@ from spear_pin.gaits.sensitivity.margins import margins
 from spear_pin.gaits.sensitivity.measure import Measure, Measures
 from spear_pin.gaits.sensitivity.measures import measures
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import check_lanes
+from spear_pin.hybrid.batch import check_tangents
 from spear_pin.hybrid.engines.structure import Structure
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.result import State
@@ -169,7 +169,7 @@ def orbit_of_gait(
 
     See `sensitivity.sensitivity` for the arguments and for what is raised.
     """
-    check_lanes(system)
+    check_tangents(system)
     check_gears(system, motors)
     names = (*vary, *over)
     if len(set(names)) != len(names) or not over:

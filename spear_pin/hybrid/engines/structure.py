@@ -108,13 +108,15 @@ def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Va
 
 
 def flattened(values: Collection[Any]) -> list[Any]:
-    """Returns the numbers among values and in nested tuples of values, in their order."""
+    """Returns the numbers among values, in nested tuples of values and in fields of dataclasses, in their order."""
     if FLOATS.issuperset(map(type, values)):
         return list(values)
     flat: list[Any] = []
     for value in values:
         if isinstance(value, tuple):
             flat += flattened(value)
+        elif is_dataclass(value):
+            flat += flattened([getattr(value, field.name) for field in fields(value)])
         elif _is_number(value):
             flat.append(value)
     return flat
@@ -187,6 +189,8 @@ class _Counter:
     def number(self, value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(self.number(item) for item in value)
+        if is_dataclass(value) and not isinstance(value, type):
+            return with_fields(value, {field.name: self.number(getattr(value, field.name)) for field in fields(value)})
         if not _is_number(value):
             return value
         self._count += 1
@@ -208,6 +212,8 @@ def shape_of(held: Values) -> Any:
 def _shape(value: Any) -> Any:
     if isinstance(value, tuple):
         return len(value) if FLOATS.issuperset(map(type, value)) else tuple(map(_shape, value))
+    if is_dataclass(value) and not isinstance(value, type):
+        return type(value), *(_shape(getattr(value, field.name)) for field in fields(value))
     return float if _is_number(value) else value
 
 

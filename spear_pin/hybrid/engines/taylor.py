@@ -149,7 +149,8 @@ class Compiled:
         self.field = field
         self.here = slopes, guards, kinks, _ = field(hy.time, self.state)
         self.kinks = len(kinks)
-        watched = [i for i, guard in enumerate(domain.guards) if code.observing or not guard.observes]
+        moving = [bool(hy.get_variables(value)) or _uses_time(value) for value in guards]  # others never fall
+        watched = [i for i, guard in enumerate(domain.guards) if moving[i] and (code.observing or not guard.observes)]
         self._motion = list(zip(self.state, slopes, strict=True))
         falling, either = hy.event_direction.negative, hy.event_direction.any
         # a polynomial does not bend
@@ -334,6 +335,10 @@ def operations(kinks: list[Any], flat: list[Any] | None = None) -> Operations:
 
     functions = {name: getattr(hy, name) for name in ("sin", "cos", "tan", "sqrt", "atan2")}
     return Operations(**functions, tanh=tanh, exp=exp, maximum=maximum, solve=solve)
+
+
+def _uses_time(value: Any) -> bool:
+    return bool(require().cfunc([value], require().get_variables(value), opt_level=0).is_time_dependent)
 
 
 def _nothing(*_: Any) -> None:

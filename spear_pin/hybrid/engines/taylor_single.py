@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,10 +58,7 @@ class Single:
     def __init__(self, ready: Ready) -> None:
         self.domain, self._code = ready.domain, ready.compiled
         code = self._code
-        self._integrator, self._function = code.alone, code.function
-        # views
-        self._state, self._parameters = self._integrator.state, self._integrator.pars
-        self._coefficients = self._integrator.tc
+        self._function = code.function
         outcomes = require().taylor_outcome
         self._limit, self._success = int(outcomes.time_limit), int(outcomes.success)
         self._meaning = code.meaning.tolist()
@@ -71,6 +68,13 @@ class Single:
         self._thresholds = [each for each in happening if each[1] > -math.inf]
         self._kinks, self._bends = slice(kinks, kinks + code.kinks), code.kinks > 0
         self._toes = [(mode, kinks + code.kinks + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
+
+    @cached_property
+    def _integrator(self) -> Any:
+        """The integrator, made where a motion goes on: many domains of robots in space only last for an instant."""
+        alone = self._code.alone
+        self._state, self._parameters, self._coefficients = alone.state, alone.pars, alone.tc  # views
+        return alone
 
     def enter(self, t: float, y: Array, parameters: Array) -> Entry | None:
         """Finds where the motion that enters the domain at a state begins; None if the domain's modes do not fit.

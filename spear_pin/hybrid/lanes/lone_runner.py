@@ -9,12 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import flattened, shape_of
 from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
@@ -22,11 +25,14 @@ from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry, Single
 from spear_pin.hybrid.lanes.groups import Group, Held, alone, spread
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.modes import in_place
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order
+from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.rules.cycles import crowded, due, left_at_once, retouches, whole
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.strikes import Overlap, struck
 
 EVENTS = 50  # most events in a cycle
 FEW_AT_ONCE = 4  # most events in an instant
@@ -79,6 +85,8 @@ class _Now:
         arcs: the motion so far.
         grounded: time at which each toe was last on the ground, in s.
         happened: the events so far.
+        overlap: impacts in space that may not be over.
+        before: the phase before.
     """
 
     phase: str
@@ -89,6 +97,8 @@ class _Now:
     parameters: Array
     grounded: list[float]
     spent: dict[str, float]
+    overlap: Overlap
+    before: str = ""
     observed: dict[str, Array] = field(default_factory=dict)
     t: float = 0.0
     past: float = 0.0
@@ -115,6 +125,7 @@ class LoneRunner:
     def __init__(self, numbers: Numbers, lane: int, *, keep: bool = False, longest: float = math.inf) -> None:
         self._numbers, self._lane, self._keep, self._longest = numbers, lane, keep, longest
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
+        self._in_space = bool(self._system.section_toes)
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
         self._parameters = np.array(self._constants)
         self._struck: dict[tuple[int, int], list[str]] = {}
@@ -131,8 +142,8 @@ class LoneRunner:
             held: held values at that state.
             ago: time since each toe was last on the ground, in s.
         """
-        now = self._begin(phase, y, held, ago)
         try:
+            now = self._begin(phase, y, held, ago)
             for _ in range(EVENTS):
                 domain, event = self._next(now)
                 if event is None:
@@ -148,7 +159,10 @@ class LoneRunner:
 
     def _begin(self, phase: str, y: Array, held: Held, ago: list[float]) -> _Now:
         grounded, spent = [-seconds for seconds in ago], dict.fromkeys(self._system.phases, 0.0)
-        return _Now(phase, self._phases[phase], y, held, *self._given(held), grounded, spent)
+        overlap = Overlap(self._system.overlap)
+        if self._in_space and min(ago) < overlap.window:
+            raise _Unclear("an impact of the cycle before is not over")
+        return _Now(phase, self._phases[phase], y, held, *self._given(held), grounded, spent, overlap)
 
     def _next(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
         """Enters a domain, integrates to its next event, and returns both; the event is None if it changes nothing."""
@@ -157,7 +171,7 @@ class LoneRunner:
         domain = ready.domain
         if end == UNCLEAR:
             raise _Unclear(f"two events crowd in an instant as {domain.name} begins")
-        if end >= 0 and left_at_once(domain.guards[end], now.t):
+        if end >= 0 and left_at_once(domain.guards[end], now.t) and self._turns_back(now, domain.guards[end]):
             raise _Unclear(f"{domain.name} ends as it begins: a toe bounces")
         at = due(domain, now.switches, self._law)
         until = min(at, self._system.phase_limit)
@@ -173,6 +187,10 @@ class LoneRunner:
             now.observed[event.name] = now.y
             return domain, None
         return domain, event
+
+    def _turns_back(self, now: _Now, guard: Guard) -> bool:
+        """Tells whether an event leads back to the phase before, which may be chatter."""
+        return not self._in_space or (guard.reset is not None and guard.reset.phase == now.before)
 
     def _event(self, now: _Now, domain: Domain, end: int, due_now: bool) -> Guard | Switch | None:
         """Returns the event that ended an arc, None for a kink."""
@@ -196,12 +214,15 @@ class LoneRunner:
         now.happened.append(happening(domain, event, reset, event.name, time))
         for i in domain.on_ground:
             now.grounded[i] = time
-        if reset.impact:
+        if self._in_space and (reset.impact or reset.stop):
+            self._strike_in_space(now, domain, reset)
+        elif reset.impact:
             self._strike(now, domain, reset)
         if reset.latch is not None:
             self._latch(now, reset)
         if reset.phase is not None:
             now.spent[now.phase] += now.t
+            now.before = now.phase
             now.phase, now.past, now.t, now.switches = reset.phase, time, 0.0, 0
         now.domains = self._phases[now.phase]
         return reset
@@ -228,6 +249,25 @@ class LoneRunner:
         now.y, now.held = after.y[:, 0], alone(after.held)
         now.singles, now.parameters = self._given(now.held)
 
+    def _strike_in_space(self, now: _Now, domain: Domain, reset: Reset) -> None:
+        """Applies an impact, or the end of sliding, as the reference engine does."""
+        toes, nv = self._system.robot.toes, self._nv
+        landing = [now.grounded[toes.index(toe)] for toe in reset.impact]
+        if landing and all(now.last - time < self._system.shortest_flight for time in landing):
+            raise _Unclear("a toe bounces")
+        strike = struck(self._itself, domain, reset, now.y[:nv], now.y[nv:], now.overlap, now.last)
+        assert strike is not None
+        now.y = np.concatenate([now.y[:nv], strike.v])
+        if strike.rises:
+            now.held = {**now.held, **strike.rises}
+            now.singles, now.parameters = self._given(now.held)
+
+    @cached_property
+    def _itself(self) -> HybridSystem:
+        """The system with the numbers of this lane."""
+        own = self._numbers.of_lane(self._lane)
+        return with_parameters(self._system, own) if own else self._system
+
     def _latch(self, now: _Now, reset: Reset) -> None:
         y = now.y.tolist()
         try:
@@ -246,6 +286,8 @@ class LoneRunner:
 
     def _enter(self, now: _Now) -> tuple[Single, Entry]:
         """Returns the domain that fits best."""
+        if self._in_space:
+            return self._enter_in_space(now)
         best = None
         for domain in now.domains:
             ready = now.singles.get(id(domain))
@@ -261,6 +303,26 @@ class LoneRunner:
         if best is None:
             raise _Unclear(f"toes alternate in {now.phase}, or neither stick, slide nor leave")
         return best
+
+    def _enter_in_space(self, now: _Now) -> tuple[Single, Entry]:
+        """Returns the first domain whose bouncing toes are where they are, if it fits: others are left to `runner`.
+
+        A toe in space begins to slide in a direction that only the reference engine finds, and each of the many domains
+        would have to be compiled.
+        """
+        for domain in now.domains:
+            if not in_place(self._system, domain, now.y):
+                continue
+            ready = now.singles.get(id(domain))
+            if ready is None:
+                ready = now.singles[id(domain)] = self._compiled.single(domain, now.held)
+            entry = ready.enter(now.t, now.y, now.parameters)
+            modes = zip(self._system.robot.toes, domain.contacts, strict=True)
+            bounces = any(mode == OPEN and toe in domain.bouncing for toe, mode in modes)
+            if entry is not None and entry.fitness == math.inf and not bounces:
+                return ready, entry
+            break
+        raise _Unclear(f"a toe slides or bounces in {now.phase}")
 
     def _given(self, held: Held) -> tuple[dict[int, Single], Array]:
         """Returns the domains compiled so far for the held values, and the run-time parameters.

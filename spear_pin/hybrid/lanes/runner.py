@@ -31,6 +31,7 @@ from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.cycles import CYCLE_EVENTS, RETOUCH, counts_to, crowded, due, left_at_once, retouches, whole
+from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
 from spear_pin.hybrid.run import run
@@ -80,7 +81,8 @@ class Lanes:
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
         longest = self._longest
-        self._lone = [LoneRunner(self.numbers, lane, longest=longest) for lane in range(n)] if n <= FEW else []
+        few = n <= FEW or bool(system.section_toes)  # in space impacts may overlap, which each lane has for itself
+        self._lone = [LoneRunner(self.numbers, lane, longest=longest) for lane in range(n)] if few else []
         self.orders: list[Order] = [()] * n  # order of events in the last whole cycle
         self._happened: list[list[Happening]] = [[] for _ in self._lone]  # events of the present cycle
         self._alone: list[tuple[str, Group, Came | None]] = []
@@ -116,13 +118,15 @@ class Lanes:
             feet = ground.seen(feet, np)
         except FOR_SYMBOLS as error:
             raise not_symbolic("the ground", ground.above, error) from error
-        heights = np.array([np.broadcast_to(feet.positions[toe][1], n) for toe in system.robot.toes])
+        heights = np.array([np.broadcast_to(feet.positions[toe][-1], n) for toe in system.robot.toes])
         below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
             self.finish(np.array([lane]), "below_ground", f"at {heights[:, lane].min():.3g} m")
         standing = ~below
-        for i in system.of_phase(system.section_phase)[0].on_ground:
-            rising = along(feet.jacobians[system.robot.toes[i]][1], self.start[self.nv :])
+        if system.section_toes:
+            standing &= (heights[[toe in system.section_toes for toe in system.robot.toes]] <= ON_GROUND).any(axis=0)
+        for i in () if system.section_toes else system.of_phase(system.section_phase)[0].on_ground:
+            rising = along(feet.jacobians[system.robot.toes[i]][-1], self.start[self.nv :])
             standing &= rests(heights[i], rising, STATE_AT_REST)
         for stands, chosen in ((True, standing), (False, ~standing & ~below)):
             lanes = np.flatnonzero(chosen)
@@ -302,6 +306,9 @@ class Lanes:
             for lane, t in zip(group.lanes, group.t, strict=True):
                 self._happened[lane].append(happening(domain, guard, reset, name, self.began[lane] + t))
         struck = struck_toes(self.system, domain, reset)
+        if self.system.section_toes and (struck or reset.stop):  # in space only lone lanes know of other impacts
+            self.give_up(group)
+            return
         if struck and len(group):
             group, rising = strike(self.numbers, struck, reset.impact, group)
             self.give_up(rising)
