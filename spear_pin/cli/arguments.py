@@ -87,7 +87,6 @@ class Parser(argparse.ArgumentParser):
 
     Attributes:
         more: name of the argument that words between and after options go to as well; None: they are refused.
-        instead: by an option that the command does not have, what to do instead, in words.
         output: its group of options that say where and how results are written, the last one of its help.
     """
 
@@ -99,7 +98,6 @@ class Parser(argparse.ArgumentParser):
         self.register("type", int, whole)
         # argparse's own, which some releases have without an exponent, -.5 or -inf
         self._negative_number_matcher = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
-        self.instead: dict[str, str] = {}
         self.output: argparse._ArgumentGroup = self.add_argument_group("output")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
@@ -117,12 +115,10 @@ class Parser(argparse.ArgumentParser):
         return super().format_help()
 
     def refuse_unknown(self, words: Sequence[str]) -> NoReturn:
-        """Exit with status 2 for arguments that are not known; say what to do instead, or the nearest options."""
+        """Exit with status 2 for arguments that are not known, with the nearest options."""
         said = f"unknown arguments: {' '.join(words)}"
         option = next((word.partition("=")[0] for word in words if word.startswith("--")), None)
-        if option in self.instead:
-            said = f"{one_line(said, 400)}; {self.instead[option]}"
-        elif option is not None:
+        if option is not None:
             names = [name for name in self._option_string_actions if name.startswith("--")]
             near = nearest(option, names)
             said = f"{one_line(said, 400)}; nearest options: {', '.join(near)}"

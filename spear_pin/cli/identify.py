@@ -6,9 +6,11 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.legs import add_leg as add_another
+from spear_pin.cli.legs import called
 from spear_pin.cli.output import joined, progress
 from spear_pin.cli.pairs import names
-from spear_pin.cli.push_test import add_leg, leg
+from spear_pin.cli.pinned import add_drive, pinned_leg
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
@@ -18,12 +20,7 @@ if TYPE_CHECKING:
 
 GUESSED = ("stiffness", "damping", "rest_angle")  # from the data, where they are neither given nor varied
 WORDS = {"coulomb": "dry friction", "rest_angle": "rest angle", "rotor_inertia": "rotor inertia"}
-LEG = "SPEAR-II, whose masses and inertias are assumed"
-ANOTHER = (
-    "the leg is SPEAR-II's; for another, call identify(leg, ...) in Python, with "
-    'leg = pin_toe(monopod(load(..., base="fixed"), "FL", locked=["boom_x"]), span=(-0.2, 2.5)); '
-    "`spear push-test --robot ROBOT` prints these lines for a robot"
-)
+LEG = "SPEAR-II's, with its masses and inertias; for another leg give --robot"
 KNOWN = ("stiffness", "damping", "coulomb", "rest_angle", "rotor_inertia")
 
 
@@ -57,11 +54,9 @@ def add(commands: Commands) -> None:
     smoothing.add_argument("--filter", metavar="KIND", help="centred or causal (default: centred)")
     smoothing.add_argument("--smoothed-already", action="store_true", help="take the records as smoothed already")
     smoothing.add_argument("--model-as-is", action="store_true", help="do not smooth the model: estimates are biased")
-    parser.instead = dict.fromkeys(("--robot", "--leg"), ANOTHER)
-    model = parser.add_argument_group(
-        "model", "the leg is SPEAR-II, whose masses and inertias are assumed; Python takes other legs"
-    )
-    add_leg(model)
+    add_another(parser, "its leg is the one in the records")
+    model = parser.add_argument_group("model", "the leg is SPEAR-II's, with its masses and inertias, without --robot")
+    add_drive(model)
     model.add_argument(
         "--vary",
         nargs="+",
@@ -102,7 +97,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     kind: Any = "centred" if arguments.filter is None else arguments.filter
     smoothing = None if arguments.window is None else MovingAverage(arguments.window, kind)
     program = Program()
-    pinned = leg(arguments, program)
+    pinned, other = pinned_leg(arguments, program)
+    of_whom = LEG if other is None else called(other).removesuffix(",")
     guessed = [name for name in GUESSED if name not in arguments.vary and getattr(arguments, name) is None]
     for path in arguments.files:
         if arguments.files.count(path) > 1:
@@ -123,12 +119,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     picture = save_figure(fit_summary(estimates), arguments.out / "identify.svg")
     return {
         "estimates": [{"file": name, **_figures(estimate)} for name, estimate in estimates.items()],
-        "leg": LEG,
+        "leg": of_whom,
+        **({} if other is None or other.cut is None else {"cut": str(other.cut)}),
         "remarks": remarks,
         "files": [str(picture)],
         "opened": picture,
         "text": joined(
-            [*_lines(estimates), f"leg: {LEG}", *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]
+            [f"leg: {of_whom}", *_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]
         ),
         "python": str(program),
     }

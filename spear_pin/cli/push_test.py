@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 import argparse
-import math
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_seed, check_out
 from spear_pin.cli.legs import add_leg as add_another
-from spear_pin.cli.legs import called, one_leg, rests_on, write_leg
+from spear_pin.cli.legs import called, rests_on
 from spear_pin.cli.output import aligned, joined, shows
+from spear_pin.cli.pinned import add_drive, pinned_leg
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
-    from spear_pin.model.robot import Robot
     from spear_pin.studies.push_test import GearRow, PassiveKnee, Release
 
 RECORDING = ("repeats", "noise", "quantum", "drift", "volts-per-rad", "offset", "seed")  # options of --write-csv
 DURATION, DEPTH = 1.5, 0.10  # s, m: of SPEAR-II; of another leg by its size
-FLEXION = (-0.2, 2.5)  # rad: of a knee of which the file does not say how far it turns
 NONE = "none"  # what --ratios calls the belt taken off
 
 
@@ -33,7 +31,7 @@ def add(commands: Commands) -> None:
     summary = "simulate a test: a leg is pushed down and released"
     parser = add_command(commands, "push-test", run, summary, example)
     parser.add_argument("--depth", type=float, metavar="M", help=f"depth of the push (default: {DEPTH:.2f})")
-    add_leg(parser)
+    add_drive(parser)
     parser.add_argument(
         "--stiffness",
         type=float,
@@ -73,52 +71,6 @@ def add(commands: Commands) -> None:
     add_open(parser, "push_test.html, or gear_ratios.svg with --ratios,")
 
 
-def add_leg(parser: argparse._ActionsContainer) -> None:
-    """Declare --ratio and --no-motor; `leg` reads them."""
-    drive = parser.add_mutually_exclusive_group()
-    drive.add_argument("--ratio", type=float, metavar="N", help="ratio of the knee's gearbox (default: 15)")
-    drive.add_argument(
-        "--no-motor", action="store_true", help="take the belt off, so that no rotor turns with the knee"
-    )
-
-
-def leg(arguments: argparse.Namespace, program: Program) -> PinnedLeg:
-    """Load SPEAR-II as --ratio and --no-motor say, and write the Python for it, which calls it "leg"."""
-    from spear_pin.studies.push_test import spear_ii
-
-    if arguments.ratio is not None and not 0 < arguments.ratio < math.inf:
-        raise BadValue("--ratio", arguments.ratio, "a number > 0")
-    ratio = None if arguments.no_motor else 15.0 if arguments.ratio is None else arguments.ratio
-    program.let("leg", program.call(spear_ii, ratio=ratio))
-    return spear_ii(ratio)
-
-
-def _limited(robot: Robot) -> bool:
-    """Whether the file says how far the knee may turn; some say turns of it."""
-    return max(map(abs, robot.limits["knee"].position)) < 2.0 * math.pi
-
-
-def _geared(robot: Robot, arguments: argparse.Namespace, program: Program, named: Code) -> Robot:
-    """Change another robot's leg as --ratio and --no-motor say, and write the Python for it.
-
-    Raises:
-        BadValue: its rotors have no inertia, so that no ratio changes anything.
-    """
-    from spear_pin.model.variants import vary
-
-    if arguments.no_motor:
-        program.let(named, program.call(vary, named, knee_rotor=0.0))
-        return vary(robot, knee_rotor=0.0)
-    if arguments.ratio is None:
-        return robot
-    if not robot.model.armature[robot.index("knee")]:
-        raise BadValue(
-            "--ratio", arguments.ratio, f"to be left out: the knee of {called(robot)} has a rotor without inertia"
-        )
-    program.let(named, program.call(vary, named, knee_ratio=arguments.ratio))
-    return vary(robot, knee_ratio=arguments.ratio)
-
-
 def _csv(word: str) -> str:
     """The name of a file in --out, whose suffix may be left out."""
     name = word if Path(word).suffix == ".csv" else f"{word}.csv"
@@ -142,27 +94,21 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Simulate a release, compare gear ratios, or write a synthetic record."""
     from dataclasses import replace
 
-    from spear_pin.model.pinned import pin_toe
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop_of_another import scaled_hopping
     from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, resting_at
 
     check_out(arguments)
     _check_mode(arguments)
-    other, program = one_leg(arguments, ["boom_x"]), Program()
+    program = Program()
+    pinned, other = pinned_leg(arguments, program)
     scale = 1.0 if other is None else scale_of(other).length
     arguments.depth = scale * DEPTH if arguments.depth is None else arguments.depth
     if arguments.ratios is not None:
         return _compared(arguments)
     usual = WITHOUT_MOTOR if arguments.no_motor else WITH_MOTOR
-    if other is None:
-        pinned = leg(arguments, program)
-    else:
-        named = write_leg(program, arguments, other, ["boom_x"])
-        geared, spring = _geared(other, arguments, program, named), scaled_hopping(other).spring
-        span = None if _limited(geared) else FLEXION
-        pinned = pin_toe(geared, span=span)
-        program.let("leg", program.call(pin_toe, named, span=span))
+    if other is not None:
+        spring = scaled_hopping(other).spring
         usual = replace(usual, stiffness=spring.stiffness, damping=spring.damping)
         if spring.stiffness == 0 and arguments.stiffness is None:
             raise BadValue(
@@ -188,9 +134,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _check_mode(arguments: argparse.Namespace) -> None:
     """Refuse options that would have no effect."""
     recording, comparing = arguments.write_csv is not None, arguments.ratios is not None
-    if arguments.robot is not None and (recording or comparing):
-        mode = "--write-csv: spear identify knows SPEAR-II alone" if recording else "--ratios: give one by --ratio"
-        raise BadValue("--robot", arguments.robot, f"to be left out with {mode}")
+    if arguments.robot is not None and comparing:
+        raise BadValue("--robot", arguments.robot, "to be left out with --ratios: give one by --ratio")
     for option, given, works in (
         ("--write-csv", recording, not comparing),
         ("--ratio", arguments.ratio is not None, not comparing),
@@ -350,6 +295,9 @@ def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     options = f"--volts-per-rad {calibration.volts_per_rad:g} --offset {calibration.offset:g}"
     options += " --no-motor" if arguments.no_motor else ""
     options += "" if arguments.ratio is None else f" --ratio {arguments.ratio:g}"
+    for name in ("robot", "leg", "bends", "body"):
+        value = getattr(arguments, name)
+        options += "" if value is None else f" --{name} {shlex.quote(str(value))}"
     options += " --unilateral" if knee.unilateral else ""
     options += " --static-rest" if arguments.static_rest else ""
     options += " --vary stiffness damping coulomb rest_angle" if knee.coulomb else ""

@@ -126,7 +126,10 @@ class Search:
         roots = shooting.solve(self._values(system)[None], tolerance, on_iterates=self._tell)
         self.effort.evaluations += A_CYCLE * (self._cycles - before)
         if roots.end[0] != CONVERGED:
-            raise NoGait(WHY[roots.end[0]].format(n=roots.iteration[0]), float(roots.norm[0]))
+            why = WHY[roots.end[0]].format(n=roots.iteration[0])
+            if roots.end[0] == NO_START and (broken := return_map(system, state, rtol)).reason != "complete":
+                why += f": {broken.message}"
+            raise NoGait(why, float(roots.norm[0]))
         q, v = shooting.states(np.zeros(1, dtype=np.int64), roots.x)
         return with_parameters(system, self.named(roots.x[0, local.dimension :])), (q[0], v[0])
 

@@ -45,8 +45,8 @@ def test_truth_is_found(capsys, tmp_path, lab, smoothing):
 def test_table(capsys, tmp_path, lab):
     status, out, _ = run(capsys, "identify", lab, *CALIBRATION, "--out", tmp_path)
     assert status == 0
-    head, row, held, note, leg = out.splitlines()[:5]
-    assert leg == "leg: SPEAR-II, whose masses and inertias are assumed"
+    leg, head, row, held, note = out.splitlines()[:5]
+    assert leg == "leg: SPEAR-II's, with its masses and inertias; for another leg give --robot"
     assert "stiffness, N·m/rad" in head and "±" in row and "synthetic, not measured" in note
     assert held.endswith("held at coulomb 0, rotor_inertia 0.027")
 
@@ -144,12 +144,10 @@ def test_mistakes(capsys, tmp_path, lab, options, named):
     assert named in refused(capsys, "identify", lab, *options, "--out", tmp_path)
 
 
-@pytest.mark.parametrize("option", ["--robot=solo12", "--leg=FL"])
-def test_another_leg_is_for_python(capsys, tmp_path, lab, option):
-    line = refused(capsys, "identify", lab, option, "--out", tmp_path)
-    assert f"unknown arguments: {option}; the leg is SPEAR-II's" in line
-    assert 'pin_toe(monopod(load(..., base="fixed"), "FL", locked=["boom_x"]), span=(-0.2, 2.5))' in line
-    assert "spear push-test --robot" in line
+def test_a_leg_without_a_robot(capsys, tmp_path, lab):
+    assert "--leg is 'FL'; expected only with --robot" in refused(
+        capsys, "identify", lab, "--leg", "FL", "--out", tmp_path
+    )
 
 
 def test_missing_file(capsys, tmp_path):

@@ -1,6 +1,7 @@
 """Another robot's leg or plane in commands other than hop and bound, and one line where one cannot be had."""
 
 import json
+import shlex
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from spear_pin.model.pinned import pin_toe
 from spear_pin.model.srdf import to_srdf
 from spear_pin.studies.hop_of_another import scaled_hopping
 from spear_pin.studies.sweep import store
-from tests.cli.calls import printed, refused, run, words
+from tests.cli.calls import printed, refused, rows, run, words
 from tests.model.legged import quadruped
 
 
@@ -114,7 +115,6 @@ class TestPushTest:
         ("options", "said"),
         [
             (["--ratios", "12"], "left out with --ratios: give one by --ratio"),
-            (["--write-csv", "x"], "left out with --write-csv: spear identify knows SPEAR-II alone"),
             (["--leg", "XX"], "unknown leg 'XX'"),
         ],
         ids=words,
@@ -122,6 +122,17 @@ class TestPushTest:
     def test_mistakes(self, capsys, dog, tmp_path, options, said):
         assert said in refused(capsys, "push-test", "--robot", dog, *options, "--out", tmp_path)
         assert not list(tmp_path.iterdir())
+
+    @pytest.mark.slow
+    def test_its_record_is_identified(self, capsys, dog, tmp_path):
+        record = ("--robot", dog, "--leg", "HR", "--write-csv", "dog", "--repeats", 2, "--out", tmp_path)
+        said = rows(run(capsys, "push-test", *record)[1])
+        asked = shlex.split(said["identify it by"])
+        assert asked[:2] == ["spear", "identify"] and asked[-4:] == ["--robot", str(dog), "--leg", "HR"]
+        found = printed(capsys, *asked[1:], "--out", tmp_path)
+        assert found["leg"].endswith("leg HR")
+        (stiffness,) = (each for each in found["estimates"][0]["parameters"] if each["name"] == "stiffness")
+        assert stiffness["value"] == pytest.approx(float(said["truth"].split()[1]), rel=5e-3)
 
     def test_a_rotor_without_inertia(self, capsys, tmp_path):
         path = tmp_path / "light.urdf"

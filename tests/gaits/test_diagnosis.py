@@ -117,3 +117,12 @@ def test_is_told_soon(monkeypatch, leg):
         with pytest.raises(NoGait):
             find_gait(hop(leg, (), asked), ["stance_torque"], FLIGHT)
         assert sum(spent) < 1.5 * attempts.ENOUGH
+
+
+def test_a_first_cycle_that_breaks_off_says_why(leg):
+    system = hop(leg)
+    stance = next(domain for domain in system.domains if domain.phase == "stance")
+    idle = replace(stance, law=lambda t, q, v, held, p, dyn, ops: (0.0, 0.0))
+    domains = tuple(idle if domain is stance else domain for domain in system.domains)
+    with pytest.raises(NoGait, match=r"does not close at the starting point: .*"):
+        find_gait(replace(system, domains=domains, phase_limit=1.0))
