@@ -46,13 +46,17 @@ def merged(parts: Mapping[bool | None, NDArray[np.complex128]]) -> Multipliers:
 def parted(A: Array, symmetric: NDArray[np.bool_]) -> Multipliers:
     """Finds the multipliers of first-order motion, and the kind that makes up most of each.
 
+    A kind's share is its participation factor, the product of the mode's left and right eigenvectors over its
+    coordinates. A right eigenvector alone would mislead where one kind drives the other much: in a triangular A,
+    participation is 1 for the block that a multiplier comes from.
+
     Args:
         A: matrix of a⁺ = A a, (n, n).
         symmetric: whether each coordinate is symmetric, (n,).
     """
     values, vectors = np.linalg.eig(A)
     order = _order(values)
-    shares = (np.abs(vectors[~symmetric]) ** 2).sum(axis=0) / (np.abs(vectors) ** 2).sum(axis=0)
+    shares = (np.linalg.pinv(vectors).T * vectors)[~symmetric].sum(axis=0).real
     return Multipliers(values[order].astype(np.complex128), tuple(LATERAL if shares[i] > 0.5 else ALONG for i in order))
 
 

@@ -122,9 +122,12 @@ def apart(system: HybridSystem, trajectory: Trajectory) -> Array:
 
     With too little load a toe leaves the ground again while the knee flexes; that distance is in shares of the weight.
     If the knee is back at its touchdown angle before the toe leaves, the spring releases there, and the toe stays on
-    the ground until the knee is straight; that distance is in rad.
+    the ground until the knee is straight; that distance is in rad. A toe that only touches the ground in passing has
+    no load, and a knee that has not moved.
     """
     stance, knee = trajectory.phase == "stance", system.robot.index("knee")
+    if not stance.any():
+        return np.array([-TREAD, -TAUT])
     angle, flexing = trajectory.q[stance, knee], trajectory.v[stance, knee] > 0.0
     load = float(trajectory.force[stance, 0, 1][flexing].min(initial=np.inf)) / system.robot.weight
     taut = float(angle[-1] - angle[0]) if system.spring.rest is None else 1.0

@@ -46,5 +46,6 @@ class Searcher:
             arguments = [(self.gaits, self.robot, self.motors, each) for each in missing.values()]
             for finding in workers.each(of_gaits.attempt, arguments, self.n_jobs, PURPOSE):
                 self.store.keep(to_json(finding))
-                self.tell(f"{len(self.store)} searches done, the last for {words.of(finding.point)}")
+                found = "no gait" if finding.figures is None else f"{finding.figures.cost:.4g}"
+                self.tell(f"{len(self.store)} searches done, the last for {words.of(finding.point)}: {found}")
         return [of_json(self.store.get(each.key) or {}) for each in searches]

@@ -30,3 +30,11 @@ def test_a_kind_is_that_of_the_greater_part(coupling):
     found = parted(A, symmetric)
     assert found.kinds == (LATERAL, ALONG, ALONG, ALONG, LATERAL)
     np.testing.assert_allclose(found.values, eigenvalues(A), rtol=0, atol=1e-12)
+
+
+def test_a_kind_that_drives_the_other_much_keeps_its_own():
+    """A lateral mode of which most is motion along: the robot is a little lopsided."""
+    A = np.array([[0.9, 0.0, 5.0], [0.0, 0.6, 4.0], [1e-3, 0.0, 0.7]])
+    found = parted(A, np.array([True, True, False]))
+    assert found.values == pytest.approx([0.9, 0.7, 0.6], abs=0.03)
+    assert found.kinds == (ALONG, LATERAL, ALONG)

@@ -183,6 +183,11 @@ class TestBrinks:
         force[3, 0, 1] = 0.0
         assert apart(hop.system, replace(cycle, force=force))[0] < 0.0
 
+    def test_a_toe_that_only_touches_in_passing(self, hop, cycle):
+        """All of the contact may be motion on a switching surface."""
+        phase = np.where(cycle.phase == "stance", "chatter", cycle.phase)
+        assert (apart(hop.system, replace(cycle, phase=phase)) < 0.0).all()
+
 
 def test_the_first_hop_goes_along_bounds(monkeypatch):
     """Where the least correction would cross a bound, the other unknowns close the gap."""
