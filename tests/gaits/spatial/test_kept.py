@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spear_pin import Contact, Gait, SpatialLaw, simulate, simulate_many
+from spear_pin import Contact, Gait, SpatialLaw, simulate
 from spear_pin.errors import BadValue
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.periodic import return_map
@@ -37,10 +37,9 @@ def test_forces_in_space_as_an_xarray():
     assert data.axis.values.tolist() == ["x", "y", "z"] and data.force.shape[1:] == (4, 3)
 
 
-def test_many_lanes_are_refused():
-    q, v = (part[None] for part in gait().state)
-    with pytest.raises(BadValue, match="in the plane"):
-        simulate_many(gait().system, q, v)
+def test_derivatives_are_refused():
+    with pytest.raises(BadValue, match="in the plane: gaits in space have no derivatives yet"):
+        gait().sensitivity(["stiffness"])
 
 
 def test_what_was_replaced_in_the_plane_is_not_lost():

@@ -119,7 +119,7 @@ def test_what_does_not_fit_has_fewer_frames_or_is_refused(bounds: Comparison, mo
     monkeypatch.setattr(page, "MOST_BYTES", len(bounds.page.encode()) - 1)
     assert data(page.render(*parts))["rate"] < data(bounds.page)["rate"]
     monkeypatch.setattr(page, "MOST_BYTES", 1000)
-    with pytest.raises(BadValue, match="motions is .* s'; expected shorter ones"):
+    with pytest.raises(BadValue, match="motions is .* s'; expected shorter motions"):
         page.render(*parts)
 
 
