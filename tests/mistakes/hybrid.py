@@ -354,8 +354,8 @@ MUTATIONS = [
         "hybrid/engines/taylor_single",
         ["hybrid/test_lone_runner"],
         {
-            "lane alone: a guard that stays on zero": ("if stays_on_zero(guards[i], values[i], change)", "if False"),
-            "lane alone: a kink that stays on zero": (", values[self._kinks[1]])", ", [])"),
+            "lane alone: a guard that stays on zero": ("if stays_on_zero(guard, values[i], change)", "if False"),
+            "lane alone: a kink that stays on zero": ("], later[self._kinks])", "], [])"),
         },
     ),
     *mistakes_in(
