@@ -72,6 +72,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (SpearError, OSError) as error:
         complain(f"spear: {one_line(str(error))}")
         return 2
+    except MemoryError:
+        complain("spear: there is not enough memory for this; a smaller file or fewer cycles take less")
+        return 2
 
 
 def _is_no_noise(record: logging.LogRecord) -> bool:

@@ -71,3 +71,16 @@ def test_every_number_is_json(capsys):
         raise AssertionError(name)
 
     assert math.isfinite(json.loads(out, parse_constant=refuse)["D"][0][0])
+
+
+def test_want_of_memory_is_one_line(capsys, monkeypatch):
+    def without(arguments):
+        raise MemoryError
+
+    monkeypatch.setattr("spear_pin.cli._run", without)
+    from spear_pin.cli import main
+
+    assert main(["robots"]) == 2
+    assert capsys.readouterr().err == (
+        "spear: there is not enough memory for this; a smaller file or fewer cycles take less\n"
+    )

@@ -297,3 +297,11 @@ def test_fuzz(tmp_path):
         assert np.isfinite(record.t).all() and np.isfinite(record.angle).all()
         assert (np.diff(record.t) > 0).all() and np.abs(record.angle).max() <= 2 * np.pi
     assert 50 < read < 450
+
+
+def test_a_cell_of_a_million_digits_takes_no_time():
+    """The patterns of units and dates would take hours."""
+    from spear_pin.studies.identification.cells import find_remedy
+
+    assert find_remedy("9" * 1_000_000) == "write a number"
+    assert find_remedy("1.5 V") == "write 1.5 alone, and the unit in the column's name, as in 'time [s]'"
