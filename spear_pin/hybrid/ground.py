@@ -18,9 +18,9 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dynamics import FLOATS, Operations
 from spear_pin.hybrid.own import asked, is_own, mistake, number
 from spear_pin.kinds import typed
+from spear_pin.model.mechanism import Feet, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import plus, times
-from spear_pin.model.terms import Feet, Terms
 
 STEEPEST = 1.2  # rad: steeper slopes are walls
 SHAPE = frozenset({"above", "axes", "under"})  # methods that a ground of another shape overrides

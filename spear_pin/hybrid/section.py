@@ -24,7 +24,8 @@ from spear_pin.hybrid.rules.footing import closed_toes, still
 from spear_pin.hybrid.rules.start import placed
 from spear_pin.hybrid.spatial_section import SpatialCharts
 from spear_pin.hybrid.translation import translations
-from spear_pin.model.mechanism import Mechanism, mechanism_of
+from spear_pin.model.equations import mechanism_of
+from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.robot import Robot
 
 Lanes = NDArray[np.int64]

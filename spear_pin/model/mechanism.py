@@ -1,56 +1,97 @@
-"""The equations of motion of a robot for scalars of any kind: in the plane by short formulas, else in space."""
+"""The equations of motion for scalars of any kind: what the plane and space have in common."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, Self
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any, NamedTuple, Self
 
-from spear_pin.model.planar import Planar
-from spear_pin.model.robot import Robot
-from spear_pin.model.spatial import Spatial
-from spear_pin.model.terms import Feet, Terms
+
+class Feet(NamedTuple):
+    """Kinematics of the toes at a state, in two dimensions or in three.
+
+    Attributes:
+        positions: x, in space y, and z of each toe.
+        jacobians: J of each toe, as many rows of nv.
+        drifts: J̇ v of each toe.
+    """
+
+    positions: dict[str, tuple[Any, ...]]
+    jacobians: dict[str, list[list[Any]]]
+    drifts: dict[str, tuple[Any, ...]]
 
 
-class Mechanism(Protocol):
+@dataclass(frozen=True)
+class Terms:
+    """The equations of motion at a state: D v̇ + bias = B u + Σ Jᵀ F, (3.16).
+
+    Attributes:
+        mass_matrix: D, nv rows of nv.
+        bias: C v + G, nv.
+        positions, jacobians, drifts: position, J and J̇ v of each toe, as `Feet` has them.
+    """
+
+    mass_matrix: list[list[Any]]
+    bias: list[Any]
+    positions: dict[str, tuple[Any, ...]]
+    jacobians: dict[str, list[list[Any]]]
+    drifts: dict[str, tuple[Any, ...]]
+
+
+class Mechanism(ABC):
     """Bodies on joints of one coordinate each, whose numbers and states may be scalars of any kind.
 
     Attributes:
         coordinates: names of the coordinates.
         nv: number of coordinates.
-        toes: of each toe the number of its body, -1 for the world, and its place there.
+        bodies: the bodies, each after the one that it hangs on.
+        frames: of each frame the number of its body, -1 for the world, and its place there, in m.
+        toes: the same of each toe.
+        lift: acceleration of the ground, which does what gravity does, in m/s²; a vector of two or three.
     """
 
     coordinates: tuple[str, ...]
     nv: int
+    bodies: tuple[Any, ...]
+    frames: dict[str, tuple[int, Any]]
+    toes: dict[str, tuple[int, Any]]
+    lift: Any
 
-    @property
-    def toes(self) -> Mapping[str, tuple[int, tuple[Any, ...]]]: ...  # noqa: D102
-
+    @abstractmethod
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
-        """Returns the equations of motion at (q, v); `ops` has `sin` and `cos`."""
+        """Returns the equations of motion at (q, v), (3.16); `ops` has `sin` and `cos` for their scalars."""
 
+    @abstractmethod
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
         """Returns the kinematics of the toes alone."""
 
+    @abstractmethod
     def position(self, frame: str, q: Sequence[Any], ops: Any) -> tuple[Any, ...]:
-        """Returns the position of any frame of the robot's model, in m."""
+        """Returns the position of any frame of the robot's model, in m.
+
+        Raises:
+            UnknownName: there is no such frame.
+        """
 
     @property
     def numbers(self) -> tuple[Any, ...]:
-        """All its numbers: masses, inertias, rotors, placements and places of toes."""
+        """The numbers of each body, as its `numbers` lists them, then the places of toes."""
+        of_bodies = (number for body in self.bodies for number in body.numbers)
+        return *of_bodies, *(number for _, offset in self.toes.values() for number in offset)
 
     def with_numbers(self, numbers: Sequence[Any]) -> Self:
-        """Returns the mechanism with other numbers, in the order of `numbers`; they may be symbols."""
+        """Returns this mechanism with other numbers, in the order of `numbers`; they may be symbols."""
+        left, other = iter(numbers), copy(self)
+        other.bodies = tuple(body.with_numbers(left) for body in self.bodies)
+        other.toes = {toe: (i, tuple(islice(left, len(offset)))) for toe, (i, offset) in self.toes.items()}
+        other.frames = {**self.frames, **other.toes}
+        return other
 
     @property
     def shape(self) -> Any:
         """All of it but its numbers, and which of these are zero."""
-
-
-def mechanism_of(robot: Robot) -> Mechanism:
-    """Returns the equations of motion of a robot whose joints have one coordinate each.
-
-    Raises:
-        BadValue: it has a joint of several coordinates, or is on a rotary boom.
-    """
-    return Planar(robot) if robot.planar else Spatial(robot)
+        other = self.with_numbers([float(number != 0.0) for number in self.numbers])
+        return other.bodies, tuple(other.toes.items()), tuple(sorted(other.frames.items())), self.lift

@@ -10,7 +10,6 @@ Vectors lie in the x-z plane; angles turn x towards z, so that pitch is positive
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from copy import copy
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -19,9 +18,9 @@ import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.directions import WORLD_ALIGNED
+from spear_pin.model.mechanism import Feet, Mechanism, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import vanishes
-from spear_pin.model.terms import Feet, Terms
 
 Vector = tuple[Any, Any]
 ZERO: Vector = (0.0, 0.0)
@@ -51,8 +50,18 @@ class Body:
     inertia: float
     armature: float
 
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        """Mass, centre of mass, inertia, rotor and placement."""
+        return self.mass, *self.com, self.inertia, self.armature, *self.placement
 
-class Planar:
+    def with_numbers(self, left: Iterator[Any]) -> Body:
+        """Returns the body with the next of some numbers, in the order of `numbers`."""
+        mass, com, inertia, armature = next(left), (next(left), next(left)), next(left), next(left)
+        return replace(self, mass=mass, com=com, inertia=inertia, armature=armature, placement=(next(left), next(left)))
+
+
+class Planar(Mechanism):
     """The planar dynamics of a robot, for any scalars.
 
     Args:
@@ -70,33 +79,12 @@ class Planar:
         pin.computeJointJacobians(robot.model, at_zero, pin.neutral(robot.model))
         self.bodies = _bodies(robot.model, at_zero)
         self.lift = _plane(-robot.model.gravity.linear)  # of the ground, which does what gravity does
-        self.frames: dict[str, tuple[int, tuple[float, float]]] = {}
+        self.frames = {}
         for frame in robot.model.frames:
             turn = at_zero.oMi[frame.parentJoint].rotation
             place = int(frame.parentJoint) - 1, _plane(turn @ frame.placement.translation)
             self.frames.setdefault(frame.name, place)  # of several of a name the first, as Pinocchio finds it
         self.toes = {toe: self.frames[toe] for toe in robot.toes}
-
-    @property
-    def numbers(self) -> tuple[Any, ...]:
-        """Mass, centre of mass, inertia, rotor and placement of each body, then the places of toes."""
-        of_bodies = (number for body in self.bodies for number in _numbers(body))
-        return *of_bodies, *(number for _, offset in self.toes.values() for number in offset)
-
-    def with_numbers(self, numbers: Sequence[Any]) -> Planar:
-        """Returns this mechanism with other numbers, in the order of `numbers`; they may be symbols."""
-        left, other = iter(numbers), copy(self)
-        other.bodies = tuple(_with_numbers(body, left) for body in self.bodies)
-        other.toes = {toe: (i, (next(left), next(left))) for toe, (i, _) in self.toes.items()}
-        other.frames = {**self.frames, **other.toes}
-        return other
-
-    @property
-    def shape(self) -> Any:
-        """All of it but its numbers, and which of these are zero."""
-        other = self.with_numbers([float(number != 0.0) for number in self.numbers])
-        frames = tuple(sorted(item for item in self.frames.items() if item[0] not in self.toes))
-        return other.bodies, tuple(other.toes.items()), frames, self.lift
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
         """Returns the equations of motion at (q, v).
@@ -268,16 +256,6 @@ def _hung(above: _Load, load: _Load, body: Body, arm: Vector) -> _Load:
 
 
 _WORLD = _Joint(0.0, 1.0, 0.0, ZERO, ZERO, 0.0, ZERO, ZERO)
-
-
-def _numbers(body: Body) -> tuple[Any, ...]:
-    return body.mass, *body.com, body.inertia, body.armature, *body.placement
-
-
-def _with_numbers(body: Body, left: Iterator[Any]) -> Body:
-    """Returns a body with the next of some numbers, in the order of `_numbers`."""
-    mass, com, inertia, armature = next(left), (next(left), next(left)), next(left), next(left)
-    return replace(body, mass=mass, com=com, inertia=inertia, armature=armature, placement=(next(left), next(left)))
 
 
 def _bodies(model: pin.Model, at_zero: pin.Data) -> tuple[Body, ...]:

@@ -8,22 +8,36 @@ SymPy, CasADi, heyoka. Every number is read from the robot's `pinocchio.Model`. 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.mechanism import Feet, Mechanism, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import dot, negated, plus, times, vanishes
-from spear_pin.model.terms import Feet, Terms
+from spear_pin.model.vectors import (
+    UPRIGHT,
+    ZERO,
+    Rows,
+    Vector,
+    add,
+    cross,
+    floats_of,
+    matrix_of,
+    multiply,
+    rotate,
+    rotate_back,
+    rotation,
+    scale,
+    subtract,
+    transpose,
+    vector_of,
+)
 
-Vector = tuple[Any, Any, Any]
-Rows = tuple[Vector, Vector, Vector]
-ZERO: Vector = (0.0, 0.0, 0.0)
-UPRIGHT: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 NO_FORCES: Mapping[str, Vector] = {}
 
 
@@ -54,6 +68,19 @@ class Body:
     inertia: Rows
     armature: float
 
+    @property
+    def numbers(self) -> tuple[Any, ...]:
+        """Mass, first moment, inertia (one of each two entries that are equal), rotor and placement."""
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = self.inertia
+        return self.mass, *self.moment, xx, xy, xz, yy, yz, zz, self.armature, *self.placement
+
+    def with_numbers(self, left: Iterator[Any]) -> Body:
+        """Returns the body with the next of some numbers, in the order of `numbers`."""
+        mass, moment, (xx, xy, xz, yy, yz, zz) = next(left), vector_of(islice(left, 3)), islice(left, 6)
+        inertia = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
+        armature, placement = next(left), vector_of(islice(left, 3))
+        return replace(self, mass=mass, moment=moment, inertia=inertia, armature=armature, placement=placement)
+
 
 class Toe(NamedTuple):
     """Motion of a toe in the world, x, y and z.
@@ -69,7 +96,7 @@ class Toe(NamedTuple):
     acceleration: Vector
 
 
-class Spatial:
+class Spatial(Mechanism):
     """The dynamics in space of a robot, for any scalars.
 
     Args:
@@ -95,31 +122,11 @@ class Spatial:
             raise BadValue("robot", robot, 'one whose joints have one coordinate each, load(..., base="chain")')
         self.coordinates, self.nv = robot.coordinates, robot.nv
         self.bodies = tuple(_body(robot, joint) for joint in range(1, robot.model.njoints))
-        self.lift = _vector(-robot.model.gravity.linear)  # of the ground, which does what gravity does
-        self.frames: dict[str, tuple[int, Vector]] = {}
+        self.lift = floats_of(-robot.model.gravity.linear)  # of the ground, which does what gravity does
+        self.frames = {}
         for frame in robot.model.frames:  # of several of a name the first, as Pinocchio finds it
-            self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, _vector(frame.placement.translation)))
+            self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, floats_of(frame.placement.translation)))
         self.toes = {toe: self.frames[toe] for toe in robot.toes}
-
-    @property
-    def numbers(self) -> tuple[Any, ...]:
-        """Mass, first moment, inertia, rotor and placement of each body, then the places of toes."""
-        of_bodies = (number for body in self.bodies for number in _numbers(body))
-        return *of_bodies, *(number for _, offset in self.toes.values() for number in offset)
-
-    def with_numbers(self, numbers: Sequence[Any]) -> Spatial:
-        """Returns this mechanism with other numbers, in the order of `numbers`; they may be symbols."""
-        left, other = iter(numbers), copy(self)
-        other.bodies = tuple(_with_numbers(body, left) for body in self.bodies)
-        other.toes = {toe: (i, _next(left)) for toe, (i, _) in self.toes.items()}
-        other.frames = {**self.frames, **other.toes}
-        return other
-
-    @property
-    def shape(self) -> Any:
-        """All of it but its numbers, and which of these are zero."""
-        other = self.with_numbers([float(number != 0.0) for number in self.numbers])
-        return other.bodies, tuple(other.toes.items()), tuple(sorted(other.frames.items())), self.lift
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
         """Returns the equations of motion at (q, v).
@@ -154,7 +161,7 @@ class Spatial:
         i, offset = self.frames[frame]
         still = [0.0] * self.nv
         joint = self._joints(q, still, still, ops, ZERO)[i] if i >= 0 else _WORLD
-        return _plus(joint.origin, _to_world(joint.turned, offset))
+        return add(joint.origin, rotate(joint.turned, offset))
 
     def forces(
         self,
@@ -187,16 +194,16 @@ class Spatial:
         loads: list[tuple[Vector, Vector]] = [_inertial(*each) for each in zip(self.bodies, joints, strict=True)]
         for toe, push in pushes.items():
             i, offset = self.toes[toe]
-            own = _to_own(joints[i].turned, push)
-            loads[i] = _minus(loads[i][0], own), _minus(loads[i][1], _cross(offset, own))
+            own = rotate_back(joints[i].turned, push)
+            loads[i] = subtract(loads[i][0], own), subtract(loads[i][1], cross(offset, own))
         needed: list[Any] = [0.0] * self.nv
         for i in reversed(range(self.nv)):
             body, joint, (force, torque) = self.bodies[i], joints[i], loads[i]
             needed[i] = plus(dot(body.axis, torque if body.turns else force), times(body.armature, a[i]))
             if body.parent >= 0:
-                force, torque = _to_world(joint.against, force), _to_world(joint.against, torque)
+                force, torque = rotate(joint.against, force), rotate(joint.against, torque)
                 above = loads[body.parent]
-                loads[body.parent] = _plus(above[0], force), _plus(above[1], _plus(torque, _cross(joint.arm, force)))
+                loads[body.parent] = add(above[0], force), add(above[1], add(torque, cross(joint.arm, force)))
         return needed
 
     def _mass_matrix(self, joints: Sequence[_Joint]) -> list[list[Any]]:
@@ -208,14 +215,14 @@ class Spatial:
             if body.parent >= 0:
                 composites[body.parent] = _hung(composites[body.parent], composite, joints[i])
             if body.turns:
-                force, torque = _cross(body.axis, composite.moment), _to_world(composite.inertia, body.axis)
+                force, torque = cross(body.axis, composite.moment), rotate(composite.inertia, body.axis)
             else:
-                force, torque = _scaled(composite.mass, body.axis), _cross(composite.moment, body.axis)
+                force, torque = scale(composite.mass, body.axis), cross(composite.moment, body.axis)
             matrix[i][i] = plus(dot(body.axis, torque if body.turns else force), body.armature)
             j = i
             while (above := self.bodies[j].parent) >= 0:
-                force, torque = _to_world(joints[j].against, force), _to_world(joints[j].against, torque)
-                torque, j = _plus(torque, _cross(joints[j].arm, force)), above
+                force, torque = rotate(joints[j].against, force), rotate(joints[j].against, torque)
+                torque, j = add(torque, cross(joints[j].arm, force)), above
                 other = self.bodies[j]
                 matrix[i][j] = matrix[j][i] = dot(other.axis, torque if other.turns else force)
         return matrix
@@ -226,14 +233,14 @@ class Spatial:
         drifts: dict[str, tuple[Any, ...]] = {}
         for toe, (i, offset) in self.toes.items():
             joint = joints[i] if i >= 0 else _WORLD
-            positions[toe] = position = _plus(joint.origin, _to_world(joint.turned, offset))
-            carried = _to_world(joint.turned, _plus(joint.acceleration, _swung(joint, offset)))
-            drifts[toe] = _minus(carried, lift) if i >= 0 else ZERO
+            positions[toe] = position = add(joint.origin, rotate(joint.turned, offset))
+            carried = rotate(joint.turned, add(joint.acceleration, _swung(joint, offset)))
+            drifts[toe] = subtract(carried, lift) if i >= 0 else ZERO
             rows = jacobians[toe] = [[0.0] * self.nv for _ in range(3)]
             while i >= 0:
                 body, joint = self.bodies[i], joints[i]
-                axis = _to_world(joint.turned, body.axis)
-                column = _cross(axis, _minus(position, joint.origin)) if body.turns else axis
+                axis = rotate(joint.turned, body.axis)
+                column = cross(axis, subtract(position, joint.origin)) if body.turns else axis
                 for row, value in zip(rows, column, strict=True):
                     row[i] = value
                 i = body.parent
@@ -251,12 +258,12 @@ class Spatial:
         joints, feet = self._joints(q, v, a, ops, ZERO), {}
         for toe, (i, offset) in self.toes.items():
             joint = joints[i]
-            velocity = _plus(joint.velocity, _cross(joint.spin, offset))
-            acceleration = _plus(joint.acceleration, _swung(joint, offset))
+            velocity = add(joint.velocity, cross(joint.spin, offset))
+            acceleration = add(joint.acceleration, _swung(joint, offset))
             feet[toe] = Toe(
-                _plus(joint.origin, _to_world(joint.turned, offset)),
-                _to_world(joint.turned, velocity),
-                _to_world(joint.turned, acceleration),
+                add(joint.origin, rotate(joint.turned, offset)),
+                rotate(joint.turned, velocity),
+                rotate(joint.turned, acceleration),
             )
         return feet
 
@@ -267,22 +274,22 @@ class Spatial:
             above = joints[body.parent] if body.parent >= 0 else world
             against, arm = body.turned, body.placement
             if body.turns:
-                against = _product(body.turned, _rotation(body.axis, ops.cos(q[i]), ops.sin(q[i])))
+                against = multiply(body.turned, rotation(body.axis, ops.cos(q[i]), ops.sin(q[i])))
             else:
-                arm = _plus(arm, _to_world(body.turned, _scaled(q[i], body.axis)))
-            carried = _plus(above.acceleration, _swung(above, arm))
-            spin, turning = _to_own(against, above.spin), _to_own(against, above.turning)
-            velocity = _to_own(against, _plus(above.velocity, _cross(above.spin, arm)))
-            acceleration, rate = _to_own(against, carried), _scaled(v[i], body.axis)
+                arm = add(arm, rotate(body.turned, scale(q[i], body.axis)))
+            carried = add(above.acceleration, _swung(above, arm))
+            spin, turning = rotate_back(against, above.spin), rotate_back(against, above.turning)
+            velocity = rotate_back(against, add(above.velocity, cross(above.spin, arm)))
+            acceleration, rate = rotate_back(against, carried), scale(v[i], body.axis)
             if body.turns:
-                turning = _plus(turning, _plus(_scaled(a[i], body.axis), _cross(spin, rate)))
-                spin = _plus(spin, rate)
+                turning = add(turning, add(scale(a[i], body.axis), cross(spin, rate)))
+                spin = add(spin, rate)
             else:
-                velocity = _plus(velocity, rate)
-                coriolis = _scaled(2.0, _cross(spin, rate))
-                acceleration = _plus(acceleration, _plus(_scaled(a[i], body.axis), coriolis))
-            turned = _product(above.turned, against)
-            origin = _plus(above.origin, _to_world(above.turned, arm))
+                velocity = add(velocity, rate)
+                coriolis = scale(2.0, cross(spin, rate))
+                acceleration = add(acceleration, add(scale(a[i], body.axis), coriolis))
+            turned = multiply(above.turned, against)
+            origin = add(above.origin, rotate(above.turned, arm))
             joints.append(_Joint(turned, against, arm, origin, spin, velocity, turning, acceleration))
         return joints
 
@@ -319,8 +326,8 @@ class _Composite(NamedTuple):
 def _hung(above: _Composite, load: _Composite, joint: _Joint) -> _Composite:
     """Adds to a body's composite that of a joint which hangs on it."""
     R, arm = joint.against, joint.arm
-    moment, mass = _to_world(R, load.moment), load.mass
-    inertia = _product(_product(R, load.inertia), _transposed(R))
+    moment, mass = rotate(R, load.moment), load.mass
+    inertia = multiply(multiply(R, load.inertia), transpose(R))
     along = plus(times(2.0, dot(arm, moment)), times(mass, dot(arm, arm)))
 
     def entry(i: int, j: int) -> Any:
@@ -328,43 +335,23 @@ def _hung(above: _Composite, load: _Composite, joint: _Joint) -> _Composite:
         value = plus(plus(above.inertia[i][j], inertia[i][j]), negated(shift))
         return plus(value, along) if i == j else value
 
-    first, second, third = (_vector_of(entry(i, j) for j in range(3)) for i in range(3))
-    return _Composite(
-        plus(above.mass, mass), _plus(above.moment, _plus(moment, _scaled(mass, arm))), (first, second, third)
-    )
-
-
-def _numbers(body: Body) -> tuple[Any, ...]:
-    """Returns the numbers of a body, of its inertia one of each two that are equal."""
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
-    return body.mass, *body.moment, xx, xy, xz, yy, yz, zz, body.armature, *body.placement
-
-
-def _with_numbers(body: Body, left: Iterator[Any]) -> Body:
-    """Returns a body with the next of some numbers, in the order of `_numbers`."""
-    mass, moment = next(left), _next(left)
-    xx, xy, xz, yy, yz, zz, armature = (next(left) for _ in range(7))
-    inertia = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
-    return replace(body, mass=mass, moment=moment, inertia=inertia, armature=armature, placement=_next(left))
-
-
-def _next(numbers: Iterator[Any]) -> Vector:
-    return next(numbers), next(numbers), next(numbers)
+    first, second, third = (vector_of(entry(i, j) for j in range(3)) for i in range(3))
+    return _Composite(plus(above.mass, mass), add(above.moment, add(moment, scale(mass, arm))), (first, second, third))
 
 
 def _inertial(body: Body, joint: _Joint) -> tuple[Vector, Vector]:
     """Returns the force, and the torque about the joint, that a body's motion needs."""
     if vanishes(body.mass):
         return ZERO, ZERO
-    momentum = _to_world(body.inertia, joint.spin)
-    force = _plus(_scaled(body.mass, joint.acceleration), _swung(joint, body.moment))
-    turning = _plus(_to_world(body.inertia, joint.turning), _cross(joint.spin, momentum))
-    return force, _plus(_cross(body.moment, joint.acceleration), turning)
+    momentum = rotate(body.inertia, joint.spin)
+    force = add(scale(body.mass, joint.acceleration), _swung(joint, body.moment))
+    turning = add(rotate(body.inertia, joint.turning), cross(joint.spin, momentum))
+    return force, add(cross(body.moment, joint.acceleration), turning)
 
 
 def _swung(joint: _Joint, arm: Vector) -> Vector:
     """Returns the acceleration that rotation adds at an arm."""
-    return _plus(_cross(joint.turning, arm), _cross(joint.spin, _cross(joint.spin, arm)))
+    return add(cross(joint.turning, arm), cross(joint.spin, cross(joint.spin, arm)))
 
 
 def _body(robot: Robot, joint: int) -> Body:
@@ -377,77 +364,12 @@ def _body(robot: Robot, joint: int) -> Body:
     about = inertia.inertia + inertia.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
     return Body(
         parent=int(model.parents[joint]) - 1,
-        turned=_rows(place.rotation),
-        placement=_vector(place.translation),
-        axis=_vector(motion[3:, 0] if motion[3:].any() else motion[:3, 0]),
+        turned=matrix_of(place.rotation),
+        placement=floats_of(place.translation),
+        axis=floats_of(motion[3:, 0] if motion[3:].any() else motion[:3, 0]),
         turns=bool(motion[3:].any()),
         mass=float(inertia.mass),
-        moment=_vector(inertia.mass * lever),
-        inertia=_rows(about),
+        moment=floats_of(inertia.mass * lever),
+        inertia=matrix_of(about),
         armature=float(model.armature[row]),
     )
-
-
-def _rotation(axis: Vector, cosine: Any, sine: Any) -> Rows:
-    """Returns the matrix of a rotation about a unit vector of numbers."""
-    x, y, z = axis
-    skew = (0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)
-
-    def entry(i: int, j: int) -> Any:
-        along = axis[i] * axis[j]
-        if i == j:
-            return 1.0 if along == 1.0 else along + (1.0 - along) * cosine
-        return plus(times(along, 1.0 - cosine), times(skew[i][j], sine))
-
-    first, second, third = (_vector_of(entry(i, j) for j in range(3)) for i in range(3))
-    return first, second, third
-
-
-def _plus(a: Vector, b: Vector) -> Vector:
-    return plus(a[0], b[0]), plus(a[1], b[1]), plus(a[2], b[2])
-
-
-def _minus(a: Vector, b: Vector) -> Vector:
-    return _plus(a, _scaled(-1.0, b))
-
-
-def _scaled(factor: Any, vector: Vector) -> Vector:
-    return times(factor, vector[0]), times(factor, vector[1]), times(factor, vector[2])
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    first, second, third = (plus(times(a[i], b[j]), negated(times(a[j], b[i]))) for i, j in ((1, 2), (2, 0), (0, 1)))
-    return first, second, third
-
-
-def _to_world(rows: Rows, vector: Vector) -> Vector:
-    return dot(rows[0], vector), dot(rows[1], vector), dot(rows[2], vector)
-
-
-def _to_own(rows: Rows, vector: Vector) -> Vector:
-    return _to_world(_transposed(rows), vector)
-
-
-def _product(a: Rows, b: Rows) -> Rows:
-    columns = _transposed(b)
-    first, second, third = (_to_world(columns, row) for row in a)
-    return first, second, third
-
-
-def _transposed(rows: Rows) -> Rows:
-    first, second, third = (_vector_of(column) for column in zip(*rows, strict=True))
-    return first, second, third
-
-
-def _vector_of(values: Any) -> Vector:
-    x, y, z = values
-    return x, y, z
-
-
-def _vector(values: Any) -> Vector:
-    return _vector_of(float(value) for value in values)
-
-
-def _rows(matrix: Any) -> Rows:
-    first, second, third = (_vector(row) for row in matrix)
-    return first, second, third

@@ -16,7 +16,7 @@ from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
-from spear_pin.model.mechanism import mechanism_of
+from spear_pin.model.equations import mechanism_of
 
 OPS = replace(FLOATS, solve=solve)
 SAMPLES = 4  # of each arc

@@ -7,14 +7,14 @@ MUTATIONS = [
         "model/spatial",
         ["model/test_spatial"],
         {
-            "half of Coriolis's acceleration of a slide": ("coriolis = _scaled(2.0,", "coriolis = _scaled(1.0,"),
+            "half of Coriolis's acceleration of a slide": ("coriolis = scale(2.0,", "coriolis = scale(1.0,"),
             "no armature in space": ("times(body.armature, a[i])", "0.0"),
             "no armature in D in space": (
                 "torque if body.turns else force), body.armature)",
                 "torque if body.turns else force), 0.0)",
             ),
-            "D in space without the arm": ("_plus(torque, _cross(joints[j].arm, force)), above", "torque, above"),
-            "a push that acts at the joint": ("_minus(loads[i][1], _cross(offset, own))", "loads[i][1]"),
+            "D in space without the arm": ("add(torque, cross(joints[j].arm, force)), above", "torque, above"),
+            "a push that acts at the joint": ("subtract(loads[i][1], cross(offset, own))", "loads[i][1]"),
         },
     ),
     *mistakes_in(

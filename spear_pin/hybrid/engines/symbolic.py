@@ -23,10 +23,9 @@ from spear_pin.hybrid.engines.structure import Scalars, with_fields
 from spear_pin.hybrid.engines.trial import mistaken
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
 from spear_pin.hybrid.rules.footing import size
-from spear_pin.model.mechanism import Mechanism
+from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
 from spear_pin.model.spring import Spring
-from spear_pin.model.terms import Feet
 
 
 @dataclass(frozen=True)

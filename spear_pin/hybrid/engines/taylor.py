@@ -27,7 +27,7 @@ from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.own import is_own, mistake
 from spear_pin.hybrid.rules.entry import AWAY
 from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing
-from spear_pin.model.mechanism import mechanism_of
+from spear_pin.model.equations import mechanism_of
 
 Values = Mapping[str, Any]
 TIME_LIMIT = -1  # marks the end of an arc that no guard ended
@@ -149,7 +149,7 @@ class Compiled:
         self.field = field
         self.here = slopes, guards, kinks, _ = field(hy.time, self.state)
         self.kinks = len(kinks)
-        moving = [bool(hy.get_variables(value)) or _uses_time(value) for value in guards]  # others never fall
+        moving = [_changes(value) for value in guards]  # others never fall
         watched = [i for i, guard in enumerate(domain.guards) if moving[i] and (code.observing or not guard.observes)]
         self._motion = list(zip(self.state, slopes, strict=True))
         falling, either = hy.event_direction.negative, hy.event_direction.any
@@ -337,8 +337,10 @@ def operations(kinks: list[Any], flat: list[Any] | None = None) -> Operations:
     return Operations(**functions, tanh=tanh, exp=exp, maximum=maximum, solve=solve)
 
 
-def _uses_time(value: Any) -> bool:
-    return bool(require().cfunc([value], require().get_variables(value), opt_level=0).is_time_dependent)
+def _changes(value: Any) -> bool:
+    """Tells whether an expression depends on the state or on time, not on parameters alone."""
+    hy = require()
+    return bool(hy.get_variables(hy.subs(value, {hy.time: hy.expression("time")})))
 
 
 def _nothing(*_: Any) -> None:

@@ -13,7 +13,7 @@ from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.engines.taylor import Code, Ready
 from spear_pin.hybrid.engines.taylor_single import CompiledImpact, Single, impact
 from spear_pin.hybrid.lanes.groups import Held
-from spear_pin.model.mechanism import mechanism_of
+from spear_pin.model.equations import mechanism_of
 
 KEPT = 16  # number of systems whose compiled parts are kept
 

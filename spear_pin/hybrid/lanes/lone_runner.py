@@ -125,7 +125,7 @@ class LoneRunner:
     def __init__(self, numbers: Numbers, lane: int, *, keep: bool = False, longest: float = math.inf) -> None:
         self._numbers, self._lane, self._keep, self._longest = numbers, lane, keep, longest
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
-        self._in_space = bool(self._system.section_toes)
+        self._in_space = self._system.robot.dimension == 3
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
         self._parameters = np.array(self._constants)
         self._struck: dict[tuple[int, int], list[str]] = {}
@@ -251,9 +251,8 @@ class LoneRunner:
 
     def _strike_in_space(self, now: _Now, domain: Domain, reset: Reset) -> None:
         """Applies an impact, or the end of sliding, as the reference engine does."""
-        toes, nv = self._system.robot.toes, self._nv
-        landing = [now.grounded[toes.index(toe)] for toe in reset.impact]
-        if landing and all(now.last - time < self._system.shortest_flight for time in landing):
+        nv = self._nv
+        if retouches(self._system, reset, [now.last - time for time in now.grounded]):
             raise _Unclear("a toe bounces")
         strike = struck(self._itself, domain, reset, now.y[:nv], now.y[nv:], now.overlap, now.last)
         assert strike is not None
@@ -311,7 +310,7 @@ class LoneRunner:
         would have to be compiled.
         """
         for domain in now.domains:
-            if not in_place(self._system, domain, now.y):
+            if not in_place(self._itself, domain, now.y):
                 continue
             ready = now.singles.get(id(domain))
             if ready is None:

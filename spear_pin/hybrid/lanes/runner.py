@@ -81,8 +81,9 @@ class Lanes:
         seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
         longest = self._longest
-        few = n <= FEW or bool(system.section_toes)  # in space impacts may overlap, which each lane has for itself
-        self._lone = [LoneRunner(self.numbers, lane, longest=longest) for lane in range(n)] if few else []
+        self._in_space = system.robot.dimension == 3  # where impacts may overlap, which each lane has for itself
+        alone = n if n <= FEW or self._in_space else 0
+        self._lone = [LoneRunner(self.numbers, lane, longest=longest) for lane in range(alone)]
         self.orders: list[Order] = [()] * n  # order of events in the last whole cycle
         self._happened: list[list[Happening]] = [[] for _ in self._lone]  # events of the present cycle
         self._alone: list[tuple[str, Group, Came | None]] = []
@@ -122,12 +123,15 @@ class Lanes:
         below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
             self.finish(np.array([lane]), "below_ground", f"at {heights[:, lane].min():.3g} m")
-        standing = ~below
+        toes = system.robot.toes
         if system.section_toes:
-            standing &= (heights[[toe in system.section_toes for toe in system.robot.toes]] <= ON_GROUND).any(axis=0)
-        for i in () if system.section_toes else system.of_phase(system.section_phase)[0].on_ground:
-            rising = along(feet.jacobians[system.robot.toes[i]][-1], self.start[self.nv :])
-            standing &= rests(heights[i], rising, STATE_AT_REST)
+            standing = ~below & (heights[[toe in system.section_toes for toe in toes]] <= ON_GROUND).any(axis=0)
+        else:
+            rising = [along(feet.jacobians[toe][-1], self.start[self.nv :]) for toe in toes]
+            resting = [
+                rests(heights[i], rising[i], STATE_AT_REST) for i in system.of_phase(system.section_phase)[0].on_ground
+            ]
+            standing = ~below & np.all(resting, axis=0)
         for stands, chosen in ((True, standing), (False, ~standing & ~below)):
             lanes = np.flatnonzero(chosen)
             if not len(lanes):
@@ -306,7 +310,7 @@ class Lanes:
             for lane, t in zip(group.lanes, group.t, strict=True):
                 self._happened[lane].append(happening(domain, guard, reset, name, self.began[lane] + t))
         struck = struck_toes(self.system, domain, reset)
-        if self.system.section_toes and (struck or reset.stop):  # in space only lone lanes know of other impacts
+        if self._in_space and (struck or reset.stop):  # only lone lanes know of other impacts
             self.give_up(group)
             return
         if struck and len(group):

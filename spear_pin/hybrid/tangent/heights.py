@@ -13,7 +13,8 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, value_of
-from spear_pin.model.mechanism import Mechanism, mechanism_of
+from spear_pin.model.equations import mechanism_of
+from spear_pin.model.mechanism import Mechanism
 
 
 @dataclass(frozen=True)

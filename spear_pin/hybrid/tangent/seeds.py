@@ -15,7 +15,7 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.parameters import number, with_numbers
-from spear_pin.model.mechanism import mechanism_of
+from spear_pin.model.equations import mechanism_of
 from spear_pin.model.numbers import body_numbers
 from spear_pin.model.variants import parameters_of
 
