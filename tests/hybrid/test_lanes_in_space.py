@@ -5,6 +5,7 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.lanes import lone_runner
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from tests.hybrid.lanes import compiles
@@ -30,3 +31,21 @@ def test_pushed(name, cycles):
             off = np.abs(np.concatenate([found.q[lane] - expected.state[0], found.v[lane] - expected.state[1]])).max()
             assert off < 1e-7, (lane, off)
     assert not found.repeated[0]
+
+
+@compiles
+@pytest.mark.slow
+def test_an_impact_is_not_over_when_the_next_toe_lands(monkeypatch):
+    """The first toe's impulse is still received as the second lands, for as long as the system says."""
+    gait, seen = Gait.load("trot"), []
+
+    def noted(system, domain, reset, q, v, overlap, now):
+        seen.append((overlap.window, overlap.received(system.robot.toes, now)[:, 2].max()))
+        return struck(system, domain, reset, q, v, overlap, now)
+
+    struck = lone_runner.struck
+    monkeypatch.setattr(lone_runner, "struck", noted)
+    found = simulate_many(gait.system, *(part[None] for part in gait.state), unroll=False)
+    assert found.cycles[0] == 1 and not found.repeated[0]
+    assert [window for window, _ in seen] == len(seen) * [gait.system.overlap]
+    assert seen[0][1] == 0.0 < seen[1][1]
