@@ -14,15 +14,15 @@ HEAD = """\
 # Corrections of the source
 
 This page lists the errors that we found when we computed chapters 3 to 5 of the source again, with the tables they use.
-To compute the numbers, run
+To print the inertias, gravity torques, poles and averages of this page, run
 
 ```sh
 python -m benchmarks.errata
 ```
 
-`spear report` computes the numbers that show each correction. The page has only corrections that matter for this
-package; everything else is used as printed. "Here" means this package. If the printed form is correct under another
-convention, the entry says so.
+`spear report` writes a page on which each correction links to the computed statements that show it. Listed are only
+corrections that matter for this package; everything else is used as printed. "Here" means this package. If the printed
+form is correct under another convention, the entry says so.
 """
 
 

@@ -36,7 +36,7 @@ VERBS = set(
     "yields".split()
 )
 ORDERS = set(
-    "change compare cut draw find lock look plot print read run save search see set start type use watch".split()
+    "change click compare cut draw find lock look plot print read run save search see set start type use watch".split()
 )
 ABBREVIATION = re.compile(
     r"\b(e\.g|i\.e|cf|vs|al|Appl|Fig|Figs|Eq|Eqs|Mech|Proc|Sec|No|resp|approx|St)\.$|(?:^|[,;(:] |\band )[A-Z]\.$"

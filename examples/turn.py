@@ -26,7 +26,7 @@ from spear_pin.viz.player import record
 from spear_pin.viz.plots import save_figure
 from spear_pin.viz.plots.space import footfall_diagram, space_summary
 
-STRIDES = 12
+STRIDES = 8
 
 
 def main(folder: Path) -> None:

@@ -18,6 +18,7 @@ def guards() -> dict[str, str]:
     return {left: guard for group in groups.values() for left, guard in group.items()}
 
 
+@cache
 def matching(pattern: str) -> re.Pattern[str]:
     """The names of tests that a pattern stands for; `*` is anything."""
     return re.compile(".*".join(map(re.escape, pattern.split("*"))))

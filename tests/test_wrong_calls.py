@@ -4,8 +4,8 @@ import pytest
 
 from tests.wrong_calls.run import answered_badly, everything
 
-PART = 24  # of as many
-TURNS = 3  # in which they are made
+PART = 48  # of as many
+TURNS = 2  # in which they are made
 
 
 def test_they_are_many_and_all_different():

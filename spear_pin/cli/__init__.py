@@ -41,13 +41,13 @@ from spear_pin.files import check_target, together
 
 # the commands, by the heading of their group, as help, completion and docs list them
 COMMANDS: dict[str, tuple[Callable[[Commands], None], ...]] = {
-    "robot: load your own (URDF, MJCF, TOML) or one by name": (robots.add, dynamics.add, export.add),
+    "robot: inspect one that ships, or yours (URDF, MJCF, TOML)": (robots.add, dynamics.add),
     "gait: find a gait and simulate it": (hop.add, bound.add, trot.add, turn.add, search.add),
     "study: vary, optimise and compare gaits": (
         *(compare.add, sweep.add, family.add, sensitivity.add, uncertainty.add, design.add, payoff.add),
     ),
-    "lab: identify a real leg": (push_test.add, identify.add),
-    "look: open pages, set up your shell": (explore.add, report.add, doctor.add, completion.add),
+    "lab: push a leg, real or simulated": (push_test.add, identify.add),
+    "look: pages, films, tables; set-up": (explore.add, export.add, report.add, doctor.add, completion.add),
 }
 
 NOISE = (

@@ -41,7 +41,7 @@ QUADRUPED, LEG = "q_spear", "spear_ii"  # robots that are in the plane as they s
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear payoff solo12 --leg FL", "ask whether a spring in the knee saves energy when this leg hops")
-    summary = "tell whether a knee spring saves energy, fixed or switched"
+    summary = "tell whether a fixed or a switched knee spring saves energy"
     parser = add_command(commands, "payoff", run, summary, example)
     add_robot(parser)
     parser.add_argument("--leg", metavar="NAME", help="let this leg hop in place (default: the whole robot bounds)")

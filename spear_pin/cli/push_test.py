@@ -28,7 +28,7 @@ NONE = "none"  # what --ratios calls the belt taken off
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear push-test --ratios none 15 30 66", "compare the release of SPEAR-II's leg with four gear ratios")
-    summary = "simulate a test: a leg is pushed down and released"
+    summary = "simulate a push test: a leg is pushed down, then released"
     parser = add_command(commands, "push-test", run, summary, example)
     parser.add_argument("--depth", type=float, metavar="M", help=f"depth of the push (default: {DEPTH:.2f})")
     add_drive(parser)

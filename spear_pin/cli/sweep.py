@@ -39,7 +39,9 @@ def add(commands: Commands) -> None:
         "spear sweep hop --over stiffness=46:52:21 --flight-time 0.2",
         "find the hop and its multipliers for 21 stiffnesses, with the same flight time",
     )
-    parser = add_command(commands, "sweep", run, "find gaits over a grid or a sample of parameters", example)
+    parser = add_command(
+        commands, "sweep", run, "find a gait at each point of a grid of parameters, or a sample", example
+    )
     add_gait(parser)
     parser.add_argument(
         "--over",

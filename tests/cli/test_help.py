@@ -10,11 +10,11 @@ from spear_pin.cli.arguments import commands_of
 from tests.cli.calls import run
 
 GROUPS = {
-    "robot": ["robots", "dynamics", "export"],
+    "robot": ["robots", "dynamics"],
     "gait": ["hop", "bound", "trot", "turn", "search"],
     "study": ["compare", "sweep", "family", "sensitivity", "uncertainty", "design", "payoff"],
     "lab": ["push-test", "identify"],
-    "look": ["explore", "report", "doctor", "completion"],
+    "look": ["explore", "export", "report", "doctor", "completion"],
 }
 NAMES = [name for names in GROUPS.values() for name in names]
 RIDDLES = re.compile(r"\b(led|told|held|beside|of each|which is|from cold|apart by|as of)\b")

@@ -31,7 +31,12 @@ def gait(name):
     return found.system, found.state
 
 
-@pytest.mark.parametrize("name", ["trot", "pronk", "turn_9", "gallop", "long_stride"])
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    "name", ["trot", "pronk", "long_stride", *(pytest.param(name, marks=SLOW) for name in ("turn_9", "gallop"))]
+)
 def test_along_a_gait(name):
     system, state = gait(name)
     mechanism, seen = mechanism_of(system.robot), set()

@@ -25,7 +25,7 @@ ROBOTS = ("example-robot-data", "casadi")
 BY_PARTS = 0.06  # between multipliers of along and lateral motion, found apart, and those of both together
 
 for name in library.IN_SPACE:
-    shipped(name)
+    shipped(name, columns=0 if name.startswith("turn_") and name != "turn_9" else 1)
 
 
 def _embedded(plane: Gait, law: SpatialLaw | None = None) -> Gait:
@@ -66,7 +66,7 @@ def turn_3() -> Gait:
     return turning(_embedded(plane, law), math.radians(3.0))
 
 
-@solved("turn_4")
+@solved("turn_4", columns=0)
 def turn_sharper() -> Gait:
     begun = Gait.load("turn_4")
     system, state = turned(begun.system, begun.state, math.radians(4.2), library.TURNS["turn_4"][1], 1e-9)
@@ -74,7 +74,7 @@ def turn_sharper() -> Gait:
     return Gait(system, state, {}, residual(system, state), multipliers(system, state), durations)
 
 
-@solved("long_stride_3.00")
+@solved("long_stride_3.00", columns=0)
 def gallop_begun() -> Gait:
     """Half a millisecond on the way from a bound to a gallop."""
     return galloping(_embedded(Gait.load("long_stride_3.00")), (0.0005, 0.0005))

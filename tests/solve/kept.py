@@ -39,6 +39,8 @@ class Recipe:
         extras: modules that the search, or the robot, needs.
         close: by how much multipliers may differ from eigenvalues of the Jacobian; None where the heading is among
             what they belong to, which the section leaves out, or where the map has no derivative.
+        columns: how many columns of the Jacobian are found again in the gate; none where another gait of the same law
+            stands for it, which differs in some numbers.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Recipe:
     begins: tuple[str, ...]
     extras: tuple[str, ...] = ()
     close: float | None = CLOSE
+    columns: int = COLUMNS
 
     @property
     def path(self) -> Path:
@@ -76,12 +79,12 @@ def _without_decorator(search: Callable[[], Gait]) -> str:
 
 
 def solved(
-    *begins: str, extras: tuple[str, ...] = (), close: float | None = CLOSE
+    *begins: str, extras: tuple[str, ...] = (), close: float | None = CLOSE, columns: int = COLUMNS
 ) -> Callable[[Callable[[], Gait]], Callable[[], Gait]]:
     """Registers a search; what it decorates returns the kept gait."""
 
     def register(search: Callable[[], Gait]) -> Callable[[], Gait]:
-        recipe = RECIPES[search.__name__] = Recipe(search.__name__, search, begins, extras, close)
+        recipe = RECIPES[search.__name__] = Recipe(search.__name__, search, begins, extras, close, columns)
 
         @cache
         def kept() -> Gait:
@@ -92,9 +95,9 @@ def solved(
     return register
 
 
-def shipped(name: str) -> None:
+def shipped(name: str, columns: int = COLUMNS) -> None:
     """Registers a gait that ships, of which only the Jacobian is kept here."""
-    RECIPES[name] = Recipe(name, lambda: Gait.load(name), (name,))
+    RECIPES[name] = Recipe(name, lambda: Gait.load(name), (name,), columns=columns)
 
 
 def jacobian(name: str) -> Array:
@@ -126,7 +129,7 @@ def differences(recipe: Recipe) -> list[str]:
     return said
 
 
-def faults(recipe: Recipe, columns: int = COLUMNS) -> list[str]:
+def faults(recipe: Recipe, columns: int | None = None) -> list[str]:
     """Says what is wrong with a kept gait, by a few cycles instead of a search.
 
     Some columns of the Jacobian are found again, which another motion, robot or law would change. Where two feet land
@@ -141,7 +144,7 @@ def faults(recipe: Recipe, columns: int = COLUMNS) -> list[str]:
         said.append(f"it is no fixed point: residual {off:.1e}")
     local = chart(system, state)
     seed = int.from_bytes(recipe.name.encode(), "big")
-    for j in np.random.default_rng(seed).permutation(local.dimension)[:columns]:
+    for j in np.random.default_rng(seed).permutation(local.dimension)[: recipe.columns if columns is None else columns]:
         along = STEP * np.eye(local.dimension)[j]
         ends = [local.coordinates(return_map(system, local.state(sign * along)).state) for sign in (1.0, -1.0)]
         off = np.abs((ends[0] - ends[1]) / (2.0 * STEP) - matrix[:, j]).max() / max(1.0, np.abs(matrix).max())

@@ -82,7 +82,8 @@ class TestWay:
 
     def test_ends_at_a_border(self, leg, follow):
         follow[1]["stiffness"] = (
-            "border, where it ends: [a: b] becomes [c: d]; beyond, the cycle misses its start by 1.2"
+            "border, where it ends: [a: b] becomes [c: d]; beyond, the cycle does not close: its end differs from its"
+            " start by 1.2"
         )
         way = lead_hop(made(leg, {"stiffness": 9.0, "damping": 0.0}), {})
         assert way.gait is None and (way.number, way.why) == (

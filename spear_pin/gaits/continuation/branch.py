@@ -93,8 +93,9 @@ class BorderPoint:
         if self.reason:
             return f"the cycle ends: {REASONS.get(self.reason, self.reason)}"
         kind = {CONTINUOUS: "border", TURNED: "border, where it turns", DISCONTINUOUS: "border, where it ends"}
-        jump = f"; beyond, the cycle misses its start by {self.jump:.2g}" if self.kind == DISCONTINUOUS else ""
-        return f"{kind[self.kind]}: {_change(self.before, self.after)}{jump}"
+        jump = f"; beyond, the cycle does not close: its end differs from its start by {self.jump:.2g}"
+        said = f"{kind[self.kind]}: {_change(self.before, self.after)}"
+        return said + jump * (self.kind == DISCONTINUOUS)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 Torques are those of one motor: in the sagittal plane a joint stands for two legs, and two motors share its torque.
 Work, energies and the effort are those of all motors of the robot. Forces act on a toe of the model; in the sagittal
-plane that is on both feet of a pair. A name without its joint or toe is the largest value.
+plane that is on both feet of a pair. Without its joint or toe a name stands for the largest value over all of them.
 """
 
 from __future__ import annotations
@@ -33,21 +33,23 @@ class Named(NamedTuple):
 CATALOGUE: tuple[Named, ...] = (
     Named("PHASE_time", "s", "Duration of a phase."),
     Named("period", "s", "Duration of a cycle."),
-    Named("EVENT_height", "m", "Height of the base at an event that is only observed, such as the apex."),
+    Named(
+        "EVENT_height", "m", "Height of the base at an event that is recorded but changes nothing, such as the apex."
+    ),
     Named("JOINT_rate_at_SECTION", "rad/s", "Speed of a joint just before the cycle closes."),
     Named("JOINT_at_SECTION", "rad", "Angle of a joint where the cycle closes."),
-    Named("stride", "m", "Way forward in a cycle."),
-    Named("mean_speed", "m/s", "Way forward in a cycle over its period."),
+    Named("stride", "m", "Distance covered in a cycle."),
+    Named("mean_speed", "m/s", "Distance covered in a cycle, divided by its period."),
     Named("work", "J", "Work of all motors on the joints in a cycle, braking counted as negative."),
     Named("positive_work", "J", "Work of all motors in a cycle where they drive: ∫ Σ max(u ω, 0) dt."),
-    Named("absolute_work", "J", "Work of all motors in a cycle by its amount: ∫ Σ |u ω| dt."),
-    Named("cost_of_transport", "1", "Absolute work over the robot's weight and the way forward."),
-    Named("cost_of_transport_positive", "1", "Positive work over the robot's weight and the way forward."),
+    Named("absolute_work", "J", "Absolute work of all motors in a cycle: ∫ Σ |u ω| dt."),
+    Named("cost_of_transport", "1", "Absolute work divided by the robot's weight and the distance covered."),
+    Named("cost_of_transport_positive", "1", "Positive work divided by the robot's weight and the distance covered."),
     Named("effort", "N²·m²·s", "∫ Σ u² dt over a cycle and all motors, u the torque of one motor."),
-    Named("effort_per_distance", "N²·m·s", "The effort over the way forward."),
+    Named("effort_per_distance", "N²·m·s", "The effort divided by the distance covered."),
     Named("rms_torque_JOINT", "N·m", "Root mean square of the torque of one motor over a cycle."),
-    Named("peak_torque_JOINT", "N·m", "Largest torque of one motor, by its amount."),
-    Named("peak_speed_JOINT", "rad/s", "Largest speed of a joint, by its amount."),
+    Named("peak_torque_JOINT", "N·m", "Largest absolute torque of one motor."),
+    Named("peak_speed_JOINT", "rad/s", "Largest absolute speed of a joint."),
     Named("greatest_height_TOE", "m", "Greatest height of a toe above the ground between lift-off and touchdown."),
     Named("least_JOINT", "rad", "Least angle of a joint."),
     Named("greatest_JOINT", "rad", "Greatest angle of a joint."),
@@ -55,15 +57,19 @@ CATALOGUE: tuple[Named, ...] = (
     Named(
         "friction_used_TOE",
         "1",
-        "Largest ratio of the force along the ground to the normal force, where the toe bears at least 2 % of its even"
-        " share of the weight: m g over the number of toes.",
+        "Largest ratio of the force along the ground to the normal force, while the toe carries at least 2 % of its"
+        " even share of the weight: m g divided by the number of toes.",
     ),
-    Named("deflection_JOINT", "rad", "Deflection of a spring as it is let go; of several times the least."),
+    Named(
+        "deflection_JOINT",
+        "rad",
+        "Deflection of a spring when it releases; if it releases several times, the smallest.",
+    ),
     Named("heat_JOINT", "J", "Heat of the windings of all motors of a joint in a cycle."),
     Named("energy", "J", "Work and heat of all motors in a cycle."),
     Named("electricity_JOINT", "J", "Electricity that all motors of a joint take in a cycle; none is given back."),
     Named("electricity", "J", "Electricity that all motors take in a cycle; none is given back."),
-    Named("reserve_JOINT", "N·m", "Least torque that one motor has to spare, at the joint."),
+    Named("reserve_JOINT", "N·m", "Smallest torque that one motor still has in reserve, at the joint."),
     Named("multiplier_N", "1", "Modulus of a Floquet multiplier, by decreasing size."),
 )
 PLACES = re.compile(r"[A-Z]{2,}|(?<=_)N$")

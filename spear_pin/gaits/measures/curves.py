@@ -106,22 +106,26 @@ class Curves:
 
     def peak(self, values: Array) -> float:
         """Returns the largest value of a signal, (n,); -∞ where no sample counts."""
-        best = float(values[self.chosen].max(initial=-np.inf))
+        return self.range(values)[1]
+
+    def amount(self, values: Array) -> float:
+        """Returns the largest modulus of a signal, (n,)."""
+        least, greatest = self.range(values)
+        return max(-least, greatest)
+
+    def range(self, values: Array) -> tuple[float, float]:
+        """Returns the least and the largest value of a signal, (n,); ∞ and -∞ where no sample counts."""
+        there = values[self.chosen]
+        least, greatest = float(there.min(initial=np.inf)), float(there.max(initial=-np.inf))
         for run in self.runs:
             if values[run].max() > values[run].min():
                 curve = self._spline(run, values)
                 times = _roots(curve.derivative())
                 found = curve(times)
-                best = max(best, float(found[_resolved(times, found, self.t[run], values[run])].max(initial=-np.inf)))
-        return best
-
-    def amount(self, values: Array) -> float:
-        """Returns the largest modulus of a signal, (n,)."""
-        return max(self.peak(values), self.peak(-values))
-
-    def range(self, values: Array) -> tuple[float, float]:
-        """Returns the least and the largest value of a signal, (n,)."""
-        return -self.peak(-values), self.peak(values)
+                found = found[_resolved(times, found, self.t[run], values[run])]
+                least = min(least, float(found.min(initial=np.inf)))
+                greatest = max(greatest, float(found.max(initial=-np.inf)))
+        return least, greatest
 
     def ratio(self, above: Array, below: Array, least: float) -> float:
         """Returns the largest |above / below| where the signal below, (n,), is at least `least` > 0; else 0."""

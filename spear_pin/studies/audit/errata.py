@@ -26,11 +26,11 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "Kinetic energy (3.14)",
             "The printed sum has the energies of the rotors, of the boom, and of two links that turn about fixed "
             "axes. It lacks the translation of thigh and shank with the boom, and the coupling of the two links. "
-            "The printed shank turns with its relative rate θ̇₂, and its absolute rate θ̇₁ - θ̇₂ is correct. The "
-            "correct energy of each link is ½ m |ẋ_c|² + ½ J ω², with the velocity of its centre of mass and its "
-            "absolute rate (see [the model](model.md)). In the push test the toe is on the ground below the hip, "
-            "with one degree of freedom. The knee's effective inertia Sᵀ D S, S = dq/dθ₂, is then 0.1932 kg·m² at "
-            "1.0 rad. The printed form gives 0.1636, 15 % less.",
+            "The printed energy of the shank uses the relative rate θ̇₂; it should use the absolute rate θ̇₁ - "
+            "θ̇₂. The correct energy of each link is ½ m |ẋ_c|² + ½ J ω², with the velocity of its centre of mass "
+            "and its absolute rate (see [the model](model.md)). In the push test the toe stays on the ground below "
+            "the hip, so the leg has one degree of freedom. The knee's effective inertia Sᵀ D S, S = dq/dθ₂, is "
+            "then 0.1932 kg·m² at 1.0 rad. The printed form gives 0.1636, 15 % less.",
             ("kinetic-energy",),
         ),
         Erratum(
@@ -60,8 +60,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         Erratum(
             "Rotor of the knee (3.13)",
             "The motor's stator turns with the thigh. So its rotor has the energy ½ J (s θ̇₁ - N θ̇₂)², where s = "
-            "±1 is the sense in which it turns. The term N J that couples hip and knee is 0.0018 kg·m²; the mass "
-            "matrix has 0.026. The source does not give the sense. Here s = 0, as in the source.",
+            "±1 is the sense in which it turns. The coupling term N J is 0.0018 kg·m², small against the hip-knee "
+            "entry of the mass matrix, 0.026. The source neglects this coupling and does not say which sense is "
+            "right, so it is neglected here too (s = 0).",
             ("stator-turns",),
         ),
         Erratum(
@@ -82,7 +83,7 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Friction (3.16), (3.18)",
-            "F_x = μ F_y has no direction. Friction opposes sliding: F_x = -μ F_y sign ẋ_toe, with F_y ≥ 0.",
+            "F_x = μ F_y has no direction. Friction opposes sliding: F_x = -μ F_y sign(ẋ_toe), with F_y ≥ 0.",
             ("sliding-friction",),
         ),
         Erratum(
@@ -111,10 +112,10 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         Erratum(
             "Stance law (4.10)",
             "The source describes a flexing torque that helps to compress the spring in the first half of stance, "
-            "and an extending torque that pushes off in the second. On θ₂, positive in flexion, this law is +τ̄ "
-            "sign sin 2πf(t - t_td). The printed minus is the same law for torques counted positive in extension. "
-            "After t = 1/f the wave flexes again and ends stance, if stance has not ended before. "
-            "`hold_extension` is the alternative.",
+            "and an extending torque that pushes off in the second. In terms of θ₂, positive in flexion, this law "
+            "is +τ̄ sign(sin(2πf(t - t_td))). The printed minus is the same law for torques counted positive in "
+            "extension. One period 1/f after touchdown this square wave would flex the knee again, which ends "
+            "stance if it has not ended before. With `hold_extension` the torque goes on extending instead.",
             ("half-waves",),
         ),
         Erratum(
@@ -122,8 +123,8 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "With the printed gains and corrected signs, the poles of the leg in flight are -4.40 ± 18.52j and "
             "-7.97 ± 41.42j rad/s. Their damping ratios are 0.23 and 0.19. So in 0.2 s they do not bring the "
             "joints to rest, though the source says that they do. The source neglects the knee's damping in "
-            "flight; 1.3 N·m·s/rad there would raise the knee's ratio to 0.61. [Hopping](../how_to/hop.md) has "
-            "the rates at touchdown, and gains that do bring the joints to rest.",
+            "flight; 1.3 N·m·s/rad there would raise the knee's damping ratio to 0.61. [Hopping](../how_to/hop.md) "
+            "has the rates at touchdown, and gains that do bring the joints to rest.",
             (
                 "settles-in-flight",
                 "knee-flat-before-touchdown",
@@ -161,16 +162,16 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Friction",
-            "Section 4.1.5.1 speaks of Coulomb friction, but the model has a viscous one. In Table 4.1 b falls "
-            "with the depth, with the motor and without. Dry friction has this effect on a viscous fit. Dry "
-            "friction is offered as τ_c.",
+            "Section 4.1.5.1 speaks of Coulomb friction, but the model has a viscous one. In Table 4.1, b "
+            "decreases as the push gets deeper, both with and without the motor. Dry friction has this effect on a "
+            "viscous fit. The identification here can also fit dry friction, τ_c.",
             ("viscous-friction",),
         ),
         Erratum(
             "Pinned toe (Section 4.1.2)",
-            "The model holds the toe to the ground. Take the estimates of Table 4.1, with RA as the spring's "
-            "zero. The release without motor from 10 cm then needs the ground to pull by 11.5 N, so a free toe "
-            "would lift off for a moment. In the other five sets it stays down.",
+            "The model holds the toe to the ground. Take the estimates of Table 4.1, with RA as the spring's zero. "
+            "In the release from 10 cm without the motor, the ground would then have to pull the toe down with "
+            "11.5 N. So a free toe would lift off for a moment. In the other five sets it stays down.",
             ("toe-stays-down",),
         ),
         Erratum(
@@ -181,11 +182,12 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Belt (4.5)-(4.7)",
-            "The area is 1.242·10⁻⁵ m². A belt in parallel to the spring assumes a rotor that stands still. "
-            "Without current the rotor floats, and the belt lies in series. The modulus of neoprene leaves out "
-            "the belt's cords. A belt as soft as 0.73 to 1.09 N·m/rad would decouple the rotor instead of "
-            "delaying the swing. The difference of Table 4.2 lies in that range by coincidence: with the rows' "
-            "own mean it is 3.4 N·m/rad. Both differences are below one standard deviation.",
+            "The cross-section of the belt is 1.242·10⁻⁵ m²; its printed unit is wrong. A belt in parallel to the "
+            "spring assumes a rotor that stands still. Without current the rotor floats, and the belt lies in "
+            "series. The modulus of neoprene leaves out the belt's cords. A belt as soft as 0.73 to 1.09 N·m/rad "
+            "would decouple the rotor instead of delaying the swing. In Table 4.2 the stiffnesses with and without "
+            "motor differ by 0.85 N·m/rad. This is in that range only by coincidence: with the means of Table "
+            "4.1's rows the difference is 3.4 N·m/rad. Both differences are below one standard deviation.",
             (
                 "belt-stiffness",
                 "belt-explains-motor",
@@ -210,18 +212,19 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
     "The quadruped": (
         Erratum(
             "Stance law (5.5)-(5.6)",
-            "Knee angles are positive as printed, with θ̄_p = +40° and θ̄_a = -40°. On them a spring that resists "
-            "flexion is -k (θ - θ̄). The torque that keeps the foot pressed down extends: ū_p < 0, ū_a > 0. Here "
-            "τ = -side (|ū| + k (side θ - θ̄)), with side = +1 for the posterior and -1 for the anterior knee.",
+            "The knee angles have the printed signs: θ̄_p = +40° and θ̄_a = -40°. With these signs, the torque of "
+            "a spring that resists flexion is -k (θ - θ̄). The torque that keeps the foot pressed down extends: "
+            "ū_p < 0, ū_a > 0. Here τ = -side (|ū| + k (side θ - θ̄)), with side = +1 for the posterior and -1 for "
+            "the anterior knee.",
             ("bounding-knee-sign",),
         ),
         Erratum(
             "Output linearisation",
-            "The last term of (5.15) and (5.20) is L²_f h; the source prints L_g L_f h again. The outputs meant "
-            "below (5.10) are (5.9), whose H has the index of its phase. The text before (5.22) has to say that "
-            "x⁺ is *not* in Z. In (5.10) γ^td is the value at touchdown, and Δ is negative because the leg sweeps "
-            "back. The sentence under (5.3) exchanges g^sw and g^su. The state (q_s′, q̇_s′)′ is x_s, without a "
-            "dot.",
+            "The last term of (5.15) and (5.20) is L²_f h; the source prints L_g L_f h again. The text below "
+            "(5.10) means the outputs (5.9); their H should have the index of the phase. The text before (5.22) "
+            "has to say that x⁺ is *not* in Z. In (5.10) γ^td is the value at touchdown, and Δ is negative because "
+            "the leg sweeps back. The sentence under (5.3) exchanges g^sw and g^su. The state (q_s′, q̇_s′)′ is "
+            "x_s, without a dot.",
             ("output-linearisation",),
         ),
         Erratum(
@@ -243,9 +246,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "about the hip is 0.014 + 1.72 · 0.008² + 0.005 + 0.47 · 0.462² = 0.119 kg·m². So the rotor outweighs "
             'the leg it moves, by 1.6 to 1. The source says that this is "not as much a concern" as at the knee. '
             "That depends on the measure. At the knee 0.027 kg·m² move a shank of 0.015 about the knee, which is "
-            "1.8 to 1. But in kg·m² the hip has seven times as much. The source also says that the hip's effort "
-            'is "relatively small" and that its motor "would not be able to provide the peak torques". These two '
-            "statements contradict each other.",
+            "1.8 to 1. But in absolute terms the rotor inertia at the hip, 0.188 kg·m², is seven times that at the "
+            'knee. The source also says that the hip\'s effort is "relatively small" and that its motor "would not '
+            'be able to provide the peak torques". These two statements contradict each other.',
             (
                 "hip-inertia-no-concern",
                 "hip-effort-small",
