@@ -14,7 +14,7 @@ from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures, of_ends
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import LOCK, has_lanes
+from spear_pin.hybrid.batch import LOCK, has_lanes, may_vary
 from spear_pin.hybrid.engines.structure import NONZERO
 from spear_pin.hybrid.newton import Lanes
 from spear_pin.hybrid.orders import Order
@@ -163,9 +163,10 @@ class TangentCycles:
 def tangent_cycles(
     system: HybridSystem, vary: Sequence[str], measures: Sequence[str | Callable[[Run], float]]
 ) -> TangentCycles | None:
-    """Returns cycles with derivatives, or None without heyoka or for a system that lanes cannot run."""
+    """Returns cycles with derivatives, or None for a system that has none; in the plane also without heyoka."""
     names = tuple(name for name in measures if isinstance(name, str))
-    if system.section_toes or len(names) < len(measures) or not has_lanes(system, vary):
+    known = may_vary(system, vary) if system.section_toes else has_lanes(system, vary)
+    if len(names) < len(measures) or not known:
         return None
     if any(name in NONZERO and parameter(system, name) == 0.0 for name in vary):
         return None  # what is zero is not compiled

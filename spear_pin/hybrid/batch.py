@@ -142,18 +142,6 @@ def check_lanes(system: HybridSystem) -> None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
 
 
-def check_tangents(system: HybridSystem) -> None:
-    """Checks that cycles of a system have exact derivatives.
-
-    Raises:
-        BadValue: it cannot run in lanes, or its robot moves in space.
-    """
-    check_lanes(system)
-    if not system.robot.planar:
-        expected = "one that moves in the plane: gaits in space have no derivatives yet"
-        raise BadValue("robot", system.robot.name, expected)
-
-
 def may_differ(system: HybridSystem, name: str) -> bool:
     """Tells whether `name` may take a different value in each lane.
 
@@ -163,12 +151,20 @@ def may_differ(system: HybridSystem, name: str) -> bool:
 
 
 def has_lanes(system: HybridSystem, names: Iterable[str]) -> bool:
-    """Tells whether gaits of a system are found in lanes that differ in the named numbers; False without heyoka."""
+    """Tells whether gaits of a system are found in lanes that differ in the named numbers; False without heyoka.
+
+    In space compiling takes longer than the reference engine does.
+    """
+    return system.robot.planar and taylor.available() and may_vary(system, names)
+
+
+def may_vary(system: HybridSystem, names: Iterable[str]) -> bool:
+    """Tells whether the named numbers may vary where cycles of a system are differentiated."""
     try:
-        check_tangents(system)
+        check_lanes(system)
     except BadValue:
         return False
-    return taylor.available() and all(may_differ(system, name) for name in names)
+    return all(may_differ(system, name) for name in names)
 
 
 def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array], cycles: int) -> None:

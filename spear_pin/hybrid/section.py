@@ -165,13 +165,18 @@ class Charts:
         v[lanes] -= applied(np.linalg.pinv(rows), applied(rows, v[lanes]))
         return q, v
 
+    def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
+        """Tells which closed toes slide at the first of some states, (k,)."""
+        found: NDArray[np.bool_] = self.section.sliding(q[:1], v[:1])[0]
+        return found
+
     def coordinates(self, q: Array, v: Array) -> Array:
         """Returns the coordinates ξ of states on the section, (n, d)."""
         parts = (self.q_bases, q - self.q), (self.v_bases, v - self.v)
         return np.concatenate([applied(np.swapaxes(bases, 1, 2), part) for bases, part in parts], axis=1)
 
-    def changes(self, moves: Array) -> Array:
-        """Returns the changes of ξ, (n, d, c), for changes of the states, (n, nq + nv, c)."""
+    def changes(self, q: Array, v: Array, moves: Array) -> Array:
+        """Returns the changes of ξ, (n, d, c), for changes of states, (n, nq + nv, c); they are linear in these."""
         nv = self.q.shape[1]
         parts = (self.q_bases, moves[:, :nv]), (self.v_bases, moves[:, nv:])
         return np.concatenate([np.swapaxes(bases, 1, 2) @ part for bases, part in parts], axis=1)
@@ -213,6 +218,12 @@ class Chart:
         """Returns the coordinates ξ of a state on the section."""
         q, v = state
         xi: Array = self.lane.coordinates(q[None], v[None])[0]
+        return xi
+
+    def changes(self, y: Array, dy: Array) -> Array:
+        """Returns the changes of ξ, (d, c), for changes of a state on the section, (2 nv,), by dy, (2 nv, c)."""
+        nv = len(y) // 2
+        xi: Array = self.lane.changes(y[None, :nv], y[None, nv:], dy[None])[0]
         return xi
 
 

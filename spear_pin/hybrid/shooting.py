@@ -104,14 +104,17 @@ class Shooting:
         """
         n, width = unknowns.shape
         charts, d = self._on_ground(lanes, unknowns), self.charts.dimension
-        assert self.slopes is not None and isinstance(charts, Charts)
+        assert self.slopes is not None
         offsets = stencil(width)
         beside = self.states(np.repeat(lanes, 2 * width), (unknowns[:, None] + offsets).reshape(-1, width))
         moves = differentiated(np.concatenate(beside, axis=1).reshape(n, 2 * width, -1))
         held = np.broadcast_to(np.eye(width - d, width, d), (n, width - d, width))
-        ends, measured = self.slopes(lanes, *charts.states(unknowns[:, :d]), unknowns[:, d:])
+        q, v = charts.states(unknowns[:, :d])
+        after = self.cycle(lanes, q, v, unknowns[:, d:])
+        ends, measured = self.slopes(lanes, q, v, unknowns[:, d:])
         along = np.concatenate([moves, held], axis=1)
-        return np.concatenate([charts.changes(ends @ along - moves), measured @ along], axis=1)
+        moved = charts.changes(after.q, after.v, ends @ along) - charts.changes(q, v, moves)
+        return np.concatenate([moved, measured @ along], axis=1)
 
     def solve(
         self, start: Array, tolerance: float, calls: int | None = None, on_iterates: OnIterates = ignored

@@ -11,6 +11,7 @@ cycle leads back to its beginning.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -64,6 +65,15 @@ class SpatialCharts:
         """Directions of v of each lane, (n, nv, dv)."""
         return np.broadcast_to(self.v_basis, (len(self), *self.v_basis.shape))
 
+    @property
+    def slides(self) -> NDArray[np.bool_]:
+        """Which closed toes slide: on this section, before the impact, no toe is closed, (0,)."""
+        return np.zeros(0, bool)
+
+    def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
+        """Tells which closed toes slide, (0,)."""
+        return self.slides
+
     def take(self, lanes: Lanes) -> SpatialCharts:
         """Returns the charts of some lanes, in any order, with repetitions allowed."""
         return replace(self, q=self.q[lanes], v=self.v[lanes])
@@ -87,6 +97,27 @@ class SpatialCharts:
         places, rates = (np.array(part) for part in zip(*states, strict=True))
         return np.concatenate([(places - self.q) @ self.q_basis, (rates - self.v) @ self.v_basis], axis=1)
 
+    def changes(self, q: Array, v: Array, moves: Array) -> Array:
+        """Returns the changes of ξ, (n, d, c), for changes of states on the section, (n, 2 nv, c).
+
+        Args:
+            q: configurations of the states, (n, nv), at any position and heading.
+            v: velocities, (n, nv).
+            moves: changes of both.
+        """
+        nv, found = q.shape[1], []
+        for at, moving, move in zip(q, v, moves, strict=True):
+            c, s = math.cos(at[YAW]), math.sin(at[YAW])
+            turn = np.array([[c, s], [-s, c]])
+            ahead, aside = turn @ moving[:2]
+            dq, dv = move[:nv], move[nv:].copy()
+            dv[:2] = turn @ dv[:2] + np.outer([aside, -ahead], dq[YAW])
+            if halfway(self.system, at):
+                mirror = mirror_of(self.system.robot)
+                dq, dv = mirror(dq.T).T, mirror(dv.T).T
+            found.append(np.concatenate([self.q_basis.T @ dq, self.v_basis.T @ dv]))
+        return np.array(found)
+
 
 def seen(system: HybridSystem, state: State) -> State:
     """Returns a state on the section relative to the robot's position and heading.
@@ -94,11 +125,16 @@ def seen(system: HybridSystem, state: State) -> State:
     Between the halves of a stride the state is mirrored.
     """
     q, v = headed(*state)
-    toes, others = system.section_toes, system.mirrored_toes
-    if not others or lowest(system, q, toes) <= lowest(system, q, others):
+    if not halfway(system, q):
         return q, v
     mirror = mirror_of(system.robot)
     return mirror(q), mirror(v)
+
+
+def halfway(system: HybridSystem, q: Array) -> bool:
+    """Tells whether a configuration on the section is one between the halves of a stride."""
+    others = system.mirrored_toes
+    return bool(others) and lowest(system, q, system.section_toes) > lowest(system, q, others)
 
 
 def lowest(system: HybridSystem, q: Array, toes: Sequence[str]) -> float:

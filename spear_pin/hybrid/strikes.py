@@ -142,14 +142,8 @@ def struck_in_space(
     """
     robot = system.robot
     feet = {toe: system.ground.foot(robot, q, toe) for toe in robot.toes}
-    grounded = {toe for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN}
-    striking = {*reset.impact} - grounded
-    striking |= {
-        toe
-        for toe, (height, jacobian) in feet.items()
-        if toe not in grounded and height <= ON_GROUND and float(jacobian[-1] @ v) < 0.0
-    }
-    toes = [toe for toe in robot.toes if toe in grounded | striking]
+    normal = {toe: (height, float(jacobian[-1] @ v)) for toe, (height, jacobian) in feet.items()}
+    toes, striking = struck_toes_in_space(system, domain, reset, normal)
     jacobian = np.concatenate([feet[toe][1] for toe in toes])
     mass_matrix, earlier = robot.mass_matrix(q), v
     v, stopping = landed(mass_matrix, jacobian, v, [toe in reset.impact for toe in toes])
@@ -166,6 +160,23 @@ def struck_in_space(
     noted = dict(zip(map(rise, toes), speeds, strict=True))
     noted |= {told(toe): float(toe in striking and toe not in reset.impact) for toe in toes}
     return Strike(impact.v, impulse, work, noted)
+
+
+def struck_toes_in_space(
+    system: HybridSystem, domain: Domain, reset: Reset, normal: Mapping[str, tuple[float, float]]
+) -> tuple[list[str], set[str]]:
+    """Returns the toes that take part in an impact in space, and those among them that were in the air.
+
+    Args:
+        system: the system.
+        domain: the domain that the impact ends.
+        reset: reset of the event.
+        normal: height above the ground, in m, and normal velocity, in m/s, of each toe.
+    """
+    grounded = {toe for toe, mode in zip(system.robot.toes, domain.contacts, strict=True) if mode != OPEN}
+    falling = {toe for toe, (height, speed) in normal.items() if height <= ON_GROUND and speed < 0.0}
+    striking = ({*reset.impact} | falling) - grounded
+    return [toe for toe in system.robot.toes if toe in grounded | striking], striking
 
 
 def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array) -> Strike:

@@ -15,18 +15,25 @@ import pinocchio as pin
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
+from spear_pin.model.spatial import Spatial
 
 UNITS: Mapping[str, str] = {
     "mass": "kg",
     "com_x": "m",
+    "com_y": "m",
     "com_z": "m",
     "inertia": "kg·m²",
+    "inertia_xx": "kg·m²",
+    "inertia_yy": "kg·m²",
+    "inertia_zz": "kg·m²",
     "armature": "kg·m²",
     "viscous": "N·m·s/rad",
 }
 """What is said of each joint, with its unit: mass, centre of mass in the joint's frame parallel to the world at q = 0,
-inertia about it in the plane, reflected inertia of the rotor, viscous friction."""
-POSITIVE = ("mass", "inertia", "armature", "viscous")
+inertia about it in the plane or, in space, about its axes, reflected inertia of the rotor, viscous friction."""
+POSITIVE = ("mass", "inertia", "inertia_xx", "inertia_yy", "inertia_zz", "armature", "viscous")
+AXES = "xyz"
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -43,10 +50,16 @@ class Number:
 
 
 def body_numbers(robot: Robot) -> dict[str, Number]:
-    """Returns the nonzero numbers of a planar robot's bodies, by name.
+    """Returns the nonzero numbers of a robot's bodies, by name.
 
-    "knee_mass" is the mass of the body that the knee moves, "hip_to_knee" and "knee_to_toe" are lengths.
+    "knee_mass" is the mass of the body that the knee moves, "hip_to_knee" and "knee_to_toe" are lengths. In space
+    "roll_inertia_xx" is the inertia of what turns with the joint "roll", the torso, about its x axis.
+
+    Raises:
+        BadValue: the robot has a joint of several coordinates.
     """
+    if robot.dimension == 3:
+        return _in_space(robot)
     planar, found = Planar(robot), dict[str, Number]()
     for i, (joint, body) in enumerate(zip(robot.coordinates, planar.bodies, strict=True)):
         values = body.mass, *body.com, body.inertia, body.armature, float(robot.model.damping[i])
@@ -81,7 +94,9 @@ def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
             raise BadValue(
                 name, value, f"a finite number{'' if what.startswith('com') else ' > 0'}, in {known[name].unit}"
             )
-        if what:
+        if what.startswith("inertia_"):
+            _set_inertia(model, int(model.getJointId(joint)), what, name, value)
+        elif what:
             _set(model, int(model.getJointId(joint)), what, value, known[name].value)
         else:
             _stretch(robot, model, name, value / known[name].value)
@@ -104,16 +119,51 @@ def _set(model: pin.Model, joint: int, what: str, value: float, before: float) -
     elif what == "inertia":
         model.inertias[joint] = pin.Inertia(body.mass, body.lever, body.inertia * (value / before))
     elif what.startswith("com"):
-        data = pin.Data(model)
-        pin.forwardKinematics(model, data, pin.neutral(model))
-        turn = data.oMi[joint].rotation
+        turn = _turns(model)[joint]
         lever = turn @ body.lever
-        lever[{"com_x": 0, "com_z": 2}[what]] = value
+        lever[AXES.index(what[-1])] = value
         model.inertias[joint] = pin.Inertia(body.mass, turn.T @ lever, body.inertia)
     else:
         numbers = (model.armature if what == "armature" else model.damping).copy()
         numbers[row] = value
         setattr(model, "armature" if what == "armature" else "damping", numbers)
+
+
+def _set_inertia(model: pin.Model, joint: int, what: str, name: str, value: float) -> None:
+    body, turn, i = model.inertias[joint], _turns(model)[joint], AXES.index(what[-1])
+    tensor = turn @ body.inertia @ turn.T
+    tensor[i, i] = value
+    least, middle, most = np.linalg.eigvalsh(tensor)
+    if not least > 0.0 or most > (least + middle) * (1.0 + ROUNDING):
+        raise BadValue(name, value, "one that a body can have: no principal moment exceeds the sum of the others")
+    model.inertias[joint] = pin.Inertia(body.mass, body.lever, turn.T @ tensor @ turn)
+
+
+def _turns(model: pin.Model) -> list[Any]:
+    """Returns the rotation of each joint's frame at q = 0."""
+    data = pin.Data(model)
+    pin.forwardKinematics(model, data, pin.neutral(model))
+    return [place.rotation for place in data.oMi]
+
+
+def _in_space(robot: Robot) -> dict[str, Number]:
+    mechanism, turns, found = Spatial(robot), _turns(robot.model), dict[str, Number]()
+    for i, (joint, body) in enumerate(zip(robot.coordinates, mechanism.bodies, strict=True)):
+        turn, own = turns[i + 1], robot.model.inertias[i + 1]
+        tensor = turn @ own.inertia @ turn.T
+        values = {"mass": own.mass, **{f"com_{axis}": x for axis, x in zip(AXES, turn @ own.lever, strict=True)}}
+        values |= {f"inertia_{axis}{axis}": tensor[k, k] for k, axis in enumerate(AXES)}
+        values |= {"armature": body.armature, "viscous": robot.model.damping[i]}
+        for what, value in values.items():
+            unit = UNITS[what]
+            if not body.turns and what in ("armature", "viscous"):
+                unit = unit.replace("·m²", "").replace("·rad", "")
+            found[f"{joint}_{what}"] = Number(float(value), unit)
+        if body.parent >= 0:
+            found[f"{robot.coordinates[body.parent]}_to_{joint}"] = Number(float(np.linalg.norm(body.placement)), "m")
+    for toe, (i, offset) in mechanism.toes.items():
+        found[f"{robot.coordinates[i]}_to_{toe}"] = Number(float(np.linalg.norm(offset)), "m")
+    return {name: number for name, number in found.items() if number.value != 0.0}
 
 
 def _stretch(robot: Robot, model: pin.Model, name: str, factor: float) -> None:

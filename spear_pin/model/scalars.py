@@ -1,9 +1,12 @@
-"""Sums and products of scalars of any kind, in which entries that are the number zero are left out."""
+"""Sums, products, sines and cosines of scalars of any kind; entries that are the number zero are left out."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
+
+import numpy as np
 
 
 def vanishes(value: Any) -> bool:
@@ -36,3 +39,10 @@ def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
 def negated(value: Any) -> Any:
     """Returns the negative; the number zero stays zero."""
     return 0.0 if vanishes(value) else -value
+
+
+def turn(angle: Any) -> tuple[Any, Any]:
+    """Returns cosine and sine of an angle: a number, or a scalar that takes NumPy's functions."""
+    if isinstance(angle, float):
+        return math.cos(angle), math.sin(angle)
+    return np.cos(angle), np.sin(angle)

@@ -15,6 +15,7 @@ import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.kinds import typed
+from spear_pin.model.chain import CHAIN
 from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.fitting import hold
 from spear_pin.model.loading import load
@@ -147,7 +148,8 @@ def vary(robot: Robot, **values: float) -> Robot:
 def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     """Returns the robot's original model with changes made before its joints are locked, which merges links."""
     cut = robot.cut
-    model = (load(robot.source) if cut is None else recut(cut.kind, cut.robot, cut.legs, cut.body)).model
+    base = "chain" if robot.coordinates[: len(CHAIN)] == CHAIN else None
+    model = (load(robot.source, base=base) if cut is None else recut(cut.kind, cut.robot, cut.legs, cut.body)).model
     motors = None if cut is None else {joint: len(turns) for joint, turns in cut.angles.items()}
     for name, value in varied.items():
         if _kind(name) is None:

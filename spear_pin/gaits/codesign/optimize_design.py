@@ -21,7 +21,7 @@ from spear_pin.gaits.sensitivity.electricity import check_gears
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.tangent_cycles import REFUSALS
 from spear_pin.gaits.targets import check_wanted
-from spear_pin.hybrid.batch import check_tangents
+from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number
 from spear_pin.kinds import typed
@@ -86,7 +86,7 @@ def optimize_design(
         >>> best.converged, list(best.parameters)
         (True, ['stiffness'])
     """
-    check_tangents(gait.system)
+    check_lanes(gait.system)
     check_gears(gait.system, motors)
     taylor.require()
     solved_for = tuple(vary) if vary is not None else tuple(gait.parameters) if keep else ()

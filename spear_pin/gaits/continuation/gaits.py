@@ -88,9 +88,8 @@ class Gaits:
         about = About(charts, durations, float(np.abs(residual[:d]).max()))
         (q,), (v,) = charts.states(np.zeros((1, d)))
         u, slides = self.point((q, v), values), None
-        if isinstance(charts, Charts):
-            after = charts.section.sliding(cycle.q[:1], cycle.v[:1])[0]
-            slides = None if (after == charts.slides).all() else after
+        after = charts.sliding(cycle.q, cycle.v)
+        slides = None if (after == charts.slides).all() else after
         return Local(u, residual, jacobian, directions, multipliers, cycle.orders[0], about), slides
 
     def _exact(
@@ -98,7 +97,7 @@ class Gaits:
     ) -> tuple[Array, Array, Cycles] | None:
         """Returns F, its exact Jacobian and the cycle about a chart's origin; None where no derivatives are known."""
         exact, d = self.family.exact, charts.dimension
-        if exact is None or not isinstance(charts, Charts):
+        if exact is None:
             return None
         (q,), (v,), begins = self._placed(charts, np.zeros((1, d)), values[None])
         numbers = self.numbers(values)
@@ -114,7 +113,8 @@ class Gaits:
         rows = measured @ along
         if self.over_target:
             rows[-1] -= own[-1]
-        return residual, np.concatenate([charts.changes((ends @ along - moves)[None])[0], rows]), cycle
+        moved = charts.changes(cycle.q, cycle.v, (ends @ along)[None]) - charts.changes(q[None], v[None], moves[None])
+        return residual, np.concatenate([moved[0], rows]), cycle
 
     def _differenced(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Cycles]:
         """Returns F, its Jacobian by differences and the cycle about a chart's origin."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from spear_pin.gaits.sensitivity.signals import Pieces
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Stretch
@@ -37,12 +39,20 @@ def forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Itera
     for each in lasting(stretches):
         closed = closed_in(each, toes)
         if toe in closed:
-            k = 2 * closed.index(toe)
-            values, changes, rates = each.said.forces, each.dsaid.forces, each.rates.forces
-            yield (
-                Pieces(each, values[k], changes[k], rates[k]),
-                Pieces(each, values[k + 1], changes[k + 1], rates[k + 1]),
-            )
+            parts = each.said.forces, each.dsaid.forces, each.rates.forces
+            axes = len(parts[0]) // len(closed)
+            first = axes * closed.index(toe)
+            *tangential, normal = (Pieces(each, *(part[first + i] for part in parts)) for i in range(axes))
+            yield tangential[0] if axes == 2 else length(*tangential), normal
+
+
+def length(x: Pieces, y: Pieces) -> Pieces:
+    """Returns the modulus of a vector along the ground; where it vanishes it has no derivative, 0 here."""
+    values = np.hypot(x.values, y.values)
+    to_x, to_y = (each.values / np.where(values > 0.0, values, 1.0) for each in (x, y))
+    changes = to_x[:, None] * x.derivatives + to_y[:, None] * y.derivatives
+    ends = [BEGIN, END]
+    return Pieces(x.stretch, values, changes, to_x[ends] * x.rates + to_y[ends] * y.rates)
 
 
 def closed_in(stretch: Stretch, toes: Sequence[str]) -> list[str]:

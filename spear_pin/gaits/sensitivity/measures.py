@@ -65,9 +65,11 @@ def _at_events(cycle: Derivative, start: Array, weight: Measure, of: All) -> dic
 def _advance(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
     if not cycle.system.cyclic:
         return {}
-    i = cycle.system.robot.index(cycle.system.cyclic[0])
-    period = of["period"]
-    stride, change = float(cycle.y[i]) - float(cycle.stretches[0].arc.y[i]), cycle.dy[i] - start[i]
+    robot, period = cycle.system.robot, of["period"]
+    along = [robot.index(name) for name in cycle.system.cyclic if name != "yaw"]
+    way, ways = cycle.y[along] - cycle.stretches[0].arc.y[along], cycle.dy[along] - start[along]
+    stride = float(way[0]) if len(way) == 1 else float(np.linalg.norm(way))
+    change = (way / stride) @ ways if stride else ways[0]
     speed = stride / period.value
     return {
         "stride": Measure(stride, change, "m"),

@@ -18,16 +18,17 @@ from spear_pin.gaits.sensitivity.margins import margins
 from spear_pin.gaits.sensitivity.measure import Measure, Measures
 from spear_pin.gaits.sensitivity.measures import measures
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import check_tangents
-from spear_pin.hybrid.engines.structure import Structure
+from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
+from spear_pin.hybrid.section import Chart, chart
+from spear_pin.hybrid.spatial_section import SpatialCharts
+from spear_pin.hybrid.tangent.collocation import ENDS
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
-from spear_pin.hybrid.tangent.fields import tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.seeds import numbers, seeds, weight_seeds
+from spear_pin.hybrid.tangent.section import aside, on_section
+from spear_pin.hybrid.tangent.seeds import seeds, weight_seeds
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 
 CLOSED = 1e-6  # largest displacement of the return map at a fixed point
@@ -82,9 +83,17 @@ class Orbit:
 
     @cached_property
     def columns(self) -> Array:
-        """Derivatives of ξ after the cycle, (d, d + m)."""
-        nv, local = self.system.robot.nv, self.chart
-        return np.concatenate([local.q_basis.T @ self.cycle.dy[:nv], local.v_basis.T @ self.cycle.dy[nv:]])
+        """Derivatives of ξ after the cycle, (d, d + m); see `hybrid.tangent.section` for symmetric gaits in space."""
+        found, xi, d = self.chart.changes(self.cycle.y, self.cycle.dy), aside(self.system, self.chart), self.dimension
+        if xi is not None:
+            y, still = np.concatenate(self.chart.state(xi)), np.zeros((len(self.seeds), d))
+            dy = on_section(self.system, self.chart, still, d, xi)
+            cycle = differentiated(self.system, Recorder(self.system), y, dy, still, ENDS)
+            assert isinstance(self.chart.lane, SpatialCharts)
+            even = self.chart.lane.even
+            odd = np.outer(~even, ~even)
+            found[:, :d] = np.where(odd, self.chart.changes(cycle.y, cycle.dy), found[:, :d] * np.outer(even, even))
+        return found
 
     @property
     def jacobian(self) -> Array:
@@ -126,16 +135,13 @@ class Orbit:
     @property
     def slides(self) -> NDArray[np.bool_]:
         """Which toes of the section slide as the cycle begins, (k,)."""
-        assert isinstance(self.chart.lane, Charts)
         return self.chart.lane.slides
 
     @property
     def slide_after(self) -> NDArray[np.bool_]:
         """Which toes of the section slide as the cycle ends, (k,)."""
-        assert isinstance(self.chart.lane, Charts)
         nv, y = self.system.robot.nv, self.cycle.y[None]
-        found: NDArray[np.bool_] = self.chart.lane.section.sliding(y[:, :nv], y[:, nv:])[0]
-        return found
+        return self.chart.lane.sliding(y[:, :nv], y[:, nv:])
 
     def beside(self, change: Mapping[str, float], dy: Array, names: tuple[str, ...] = (), slides: Any = None) -> Orbit:
         """Returns the orbit with other numbers, from the state moved by dy, (2 nv,), and put onto their section.
@@ -169,7 +175,7 @@ def orbit_of_gait(
 
     See `sensitivity.sensitivity` for the arguments and for what is raised.
     """
-    check_tangents(system)
+    check_lanes(system)
     check_gears(system, motors)
     names = (*vary, *over)
     if len(set(names)) != len(names) or not over:
@@ -186,36 +192,6 @@ def orbit_of_gait(
             "change of state", off, f"at most {CLOSED:g} in a cycle, as at a fixed point; find one by find_gait"
         )
     return orbit
-
-
-def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int) -> Array:
-    """Returns derivatives of states on the section; toes stay on the ground and move along it only where they slide.
-
-    Args:
-        system: the system.
-        local: the chart about the state.
-        seeds: derivatives of the system's numbers, (p, c); the first d columns are the directions of ξ.
-        d: the section's dimension.
-    """
-    whole, nv, c = section(system), system.robot.nv, seeds.shape[1]
-    assert whole.mechanism is not None
-    toes = tangent_feet(Structure(system, system.domains[0], {}, whole.mechanism), whole.toes)
-    state = local.state(np.zeros(d))
-    y, raw = np.concatenate(state), numbers(system)
-    dy = np.zeros((2 * nv, c))
-    dq, split = dy[:nv], local.q_basis.shape[1]
-    dq[:, :split] = local.q_basis
-    feet, slopes = toes.at(y, raw, dy * 0.0, seeds)
-    dq -= np.linalg.pinv(feet.rows[:, 1]) @ slopes.heights
-    _, slopes = toes.at(y, raw, dy, seeds)
-    assert isinstance(local.lane, Charts)
-    slides = local.lane.slides
-    chosen = np.column_stack([~slides, np.ones_like(slides)]).ravel()
-    drift = np.einsum("rnc,n->rc", slopes.rows.reshape(-1, nv, c)[chosen], state[1])
-    rows = velocity_rows(feet.rows[None], slides)[0]
-    dy[nv:] = -np.linalg.pinv(rows) @ drift
-    dy[nv:, split:d] += local.v_basis
-    return dy
 
 
 def solved(orbit: Orbit, vary: Sequence[str], keep: Sequence[str]) -> tuple[Array, Array]:

@@ -7,7 +7,6 @@ group, it does so at once. A leg's contact and its evolution are separate.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -18,14 +17,15 @@ from spear_pin.gaits.spatial.legs import YAW, Group, Leg
 from spear_pin.gaits.spatial.torques import LegLaw
 from spear_pin.gaits.virtual_constraints import begun, value
 from spear_pin.hybrid.domain import Held
+from spear_pin.model.scalars import turn
 
-Numbers = Sequence[float]
+Numbers = Sequence[Any]
 Legs = Sequence[Leg]
 
 
-def mean_angle(group: Group, q: Numbers) -> float:
+def mean_angle(group: Group, q: Numbers) -> Any:
     """Returns the mean leg angle γ of a group, whichever of its legs are on the ground."""
-    return float(np.mean([value(leg.angle, q) for leg in group]))
+    return sum(value(leg.angle, q) for leg in group) / len(group.legs)
 
 
 def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw, anew: bool) -> dict[str, Any]:
@@ -40,7 +40,8 @@ def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw, a
         p: the law.
         anew: whether it is the first leg of its group to land, and is not just back.
     """
-    ahead = math.cos(q[YAW]) * v[0] + math.sin(q[YAW]) * v[1]
+    c, s = turn(q[YAW])
+    ahead = c * v[0] + s * v[1]
     adduction, hip, knee = p.torques(leg, held, ahead)
     latched: dict[str, Any] = {
         "rest": q[leg.knee],
@@ -78,8 +79,8 @@ def waits(leg: Leg, last: Group, others: Legs, q: Numbers, p: LegLaw) -> dict[st
     """Holds a leg that is about to land, so that its further motion depends on the state alone."""
     weights = _along(q)
     outputs = leg.outputs(others, weights)
-    stays = tuple(5 * (float(value(row, q)),) for row in outputs.rows)
-    origin, span = float(value(outputs.phase, q)), p.span_of_flight(last)
+    stays = tuple(5 * (value(row, q),) for row in outputs.rows)
+    origin, span = value(outputs.phase, q), p.span_of_flight(last)
     return _named(leg, weights, stays, origin, span, 1.0) | {f"{leg.name}_lands_at": q[leg.adduction]}
 
 
@@ -88,18 +89,18 @@ def landing(legs: Iterable[Leg], held: Held) -> list[Leg]:
     return [leg for leg in legs if held.get(f"{leg.name}_forward", 1.0) > 0.5]
 
 
-def _along(q: Numbers) -> tuple[float, float, float]:
-    return math.cos(q[YAW]), math.sin(q[YAW]), 0.0
+def _along(q: Numbers) -> tuple[Any, Any, float]:
+    return *turn(q[YAW]), 0.0
 
 
 def _begins(
     leg: Leg,
     others: Legs,
-    weights: tuple[float, float, float],
+    weights: tuple[Any, Any, float],
     shapes: Sequence[Sequence[float]],
     q: Numbers,
     v: Numbers,
-    span: float,
+    span: Any,
     held: Held,
     p: LegLaw,
     forward: float,
@@ -110,7 +111,7 @@ def _begins(
 
 
 def _named(
-    leg: Leg, weights: tuple[float, float, float], alpha: Any, origin: float, span: float, forward: float
+    leg: Leg, weights: tuple[Any, Any, float], alpha: Any, origin: Any, span: Any, forward: float
 ) -> dict[str, Any]:
     latched = {"weights": weights, "alpha": alpha, "origin": origin, "span": span, "past": 0.0, "forward": forward}
     return {f"{leg.name}_{name}": each for name, each in latched.items()}

@@ -170,7 +170,7 @@ class SpatialLaw:
         i = LEGS.index(leg.end)
         faster = self.plane.speed_gain[i] * (ahead - self.plane.speed_nominal[i])
         hip, knee = (self._of_pair(leg, f"{name}_torque", held) for name in ("hip", "knee"))
-        squeeze = float(getattr(self, f"{leg.end}_squeeze"))
+        squeeze = getattr(self, f"{leg.end}_squeeze")
         return (
             self._of(leg, "adduction_torque", held) - leg.lateral * squeeze,
             (hip + faster) / PAIR + self._of(leg, "hip_difference", held),
@@ -195,15 +195,18 @@ class SpatialLaw:
 
     def span_of_stance(self, group: Group) -> float:
         """Returns Δ of (5.10), for the mean leg angle of a pair on the ground, in rad."""
-        return float(getattr(self.plane, f"{group.name}_stance_span"))
+        span: float = getattr(self.plane, f"{group.name}_stance_span")
+        return span
 
     def span_of_flight(self, group: Group) -> float:
         """Returns Δ of (5.19), in the flight after the stance of a pair, or of all legs, in m."""
-        return float(getattr(self.plane, f"{group.flight}_span"))
+        span: float = getattr(self.plane, f"{group.flight}_span")
+        return span
 
     def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
         """Returns the angle of a leg's adduction at touchdown, to the left, in rad."""
-        return self._of(leg, "adduction", held) + leg.lateral * float(getattr(self, f"{leg.end}_spread"))
+        spread: float = getattr(self, f"{leg.end}_spread")
+        return self._of(leg, "adduction", held) + leg.lateral * spread
 
     def _of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
         """Returns one of `ANTISYMMETRIC` for a leg, as adjusted; a difference has the leg's sign."""
@@ -215,7 +218,7 @@ class SpatialLaw:
         return self._adjusted(self.plane, f"{leg.end}_{name}", held)
 
     def _adjusted(self, owner: Any, name: str, held: Mapping[str, Any]) -> float:
-        value = float(getattr(owner, name))
+        value: float = getattr(owner, name)
         return value + held[ADJUSTED][INPUTS.index(name)] if self.feedback and ADJUSTED in held else value
 
     def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:

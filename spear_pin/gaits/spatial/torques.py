@@ -14,8 +14,8 @@ from spear_pin.gaits.virtual_constraints import demanded
 from spear_pin.hybrid.domain import Held, Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.symmetry import headed
 from spear_pin.model.robot import Robot
+from spear_pin.model.scalars import dot, turn
 
 ADJUSTED = "adjusted"  # name of the latched additions by event feedback to a law's inputs
 
@@ -52,10 +52,10 @@ def adjusted(
     feedback: Shape,
     nominal: Sequence[float],
     limits: Sequence[float],
-    q: Sequence[float],
-    v: Sequence[float],
+    q: Sequence[Any],
+    v: Sequence[Any],
     heading: float = 0.0,
-) -> tuple[float, ...]:
+) -> tuple[Any, ...]:
     """Returns what event feedback adds to a law's inputs, within limits, at a section state; () without feedback.
 
     Args:
@@ -68,11 +68,11 @@ def adjusted(
     """
     if not feedback:
         return ()
-    at, moving = headed(np.array(q, dtype=float), np.array(v, dtype=float))
-    at[YAW] = q[YAW] - heading
-    wanted = np.array(feedback) @ (np.concatenate([at, moving]) - nominal)
-    bounds = np.array(limits)
-    return tuple(np.clip(wanted, -bounds, bounds).tolist())
+    c, s = turn(q[YAW])
+    state = [0.0, 0.0, *q[2:], c * v[0] + s * v[1], c * v[1] - s * v[0], *v[2:]]
+    state[YAW] = q[YAW] - heading
+    off = [value - wanted for value, wanted in zip(state, nominal, strict=True)]
+    return tuple(max(-limit, min(limit, dot(row, off))) for row, limit in zip(feedback, limits, strict=True))
 
 
 def nominal_start(robot: Robot, law: Any, landing: Group) -> State:

@@ -179,7 +179,8 @@ class TrotLaw:
 
     def _of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
         """Returns a number for a leg, as adjusted."""
-        value = float(getattr(self, f"{leg.end}_{name}"))
+        value: float = getattr(self, f"{leg.end}_{name}")
         if not self.feedback or ADJUSTED not in held:
             return value
-        return value + float(held[ADJUSTED][TROT_INPUTS.index(f"{leg.end}_{name}")])
+        added: float = held[ADJUSTED][TROT_INPUTS.index(f"{leg.end}_{name}")]
+        return value + added

@@ -15,11 +15,18 @@ SETTLED = 1e-15  # largest change of an impulse in the last sweep, relative to t
 GAINED = 1e-12  # gain of energy due to rounding, relative to the kinetic energy that passes through the toes
 
 
-class _Answer(NamedTuple):
-    """Impulses, (m, 3), and how each toe meets the ground."""
+class Answer(NamedTuple):
+    """Impulses that obey Moreau's law.
+
+    Attributes:
+        impulse: the sum of all impulses on each toe that the law is about, (m, 3), in N·s.
+        modes: how each toe meets the ground: "stick", "slip" or "open".
+        earlier: the part of the sum that toes have received before, (m, 3), in N·s.
+    """
 
     impulse: Array
     modes: tuple[str, ...]
+    earlier: Array
 
 
 def spatial_impact(D: Array, J: Array, v: Array, friction: float, before: Array | None = None) -> JointImpact:
@@ -42,17 +49,33 @@ def spatial_impact(D: Array, J: Array, v: Array, friction: float, before: Array 
     """
     response = np.linalg.solve(D, J.T)
     A, u = J @ response, J @ v
-    m = len(J) // 3
-    received = np.zeros((m, 3)) if before is None else before
-    for earlier in (received, np.zeros((m, 3))):
-        total, modes = _together(A, u - A @ earlier.ravel(), friction)
-        impulse = total - earlier
-        after = u + A @ impulse.ravel()
-        loss = -0.5 * float(impulse.ravel() @ (u + after))
-        if loss >= -GAINED * float(np.abs(impulse.ravel() * u).sum()):
+    answer = answered(A, u, friction, before)
+    impulse = (answer.impulse - answer.earlier).ravel()
+    slides, leaves = (tuple(mode == which for mode in answer.modes) for which in ("slip", "open"))
+    return JointImpact(v + response @ impulse, impulse.reshape(-1, 3), loss(A, u, impulse), slides, leaves)
+
+
+def answered(A: Array, u: Array, friction: float, before: Array | None = None) -> Answer:
+    """Finds the impulses of `spatial_impact`.
+
+    Args:
+        A: J D⁻¹ Jᵀ, (3 m, 3 m).
+        u: velocities of the toes before, (3 m,).
+        friction: coefficient of friction.
+        before: impulses of impacts that have not ended yet, (m, 3), in N·s.
+    """
+    nothing = np.zeros((len(u) // 3, 3))
+    for earlier in (nothing if before is None else before, nothing):
+        found = _together(A, u - A @ earlier.ravel(), friction)
+        impulse = (found.impulse - earlier).ravel()
+        if loss(A, u, impulse) >= -GAINED * float(np.abs(impulse * u).sum()):
             break
-    leaves = tuple(mode == "open" for mode in modes)
-    return JointImpact(v + response @ impulse.ravel(), impulse, loss, tuple(mode == "slip" for mode in modes), leaves)
+    return found._replace(earlier=earlier)
+
+
+def loss(A: Array, u: Array, impulse: Array) -> float:
+    """Returns the kinetic energy, in J, that impulses, (3 m,), take from toes with the velocities u, (3 m,)."""
+    return -0.5 * float(impulse @ (2.0 * u + A @ impulse))
 
 
 def violation(A: Array, u: Array, impulse: Array, friction: float) -> float:
@@ -78,13 +101,13 @@ def violation(A: Array, u: Array, impulse: Array, friction: float) -> float:
     return float(worst)
 
 
-def _together(A: Array, u: Array, friction: float) -> _Answer:
+def _together(A: Array, u: Array, friction: float) -> Answer:
     """Finds impulses for which all toes obey the law together."""
     m = len(u) // 3
     sticking = np.asarray(-np.linalg.lstsq(A, u, rcond=None)[0].reshape(-1, 3), np.float64)
     if all(np.hypot(x, y) <= friction * z for x, y, z in sticking.tolist()):
         if np.abs(u + A @ sticking.ravel()).max() <= max(AGREES * np.abs(u).max(), ROUNDING):
-            return _Answer(sticking, m * ("stick",))
+            return Answer(sticking, m * ("stick",), np.zeros((m, 3)))
     impulse, holds = np.zeros((m, 3)), [Foothold(np.zeros(3), "open")] * m
     blocks = [slice(3 * i, 3 * i + 3) for i in range(m)]
     for _ in range(SWEEPS):
@@ -95,4 +118,4 @@ def _together(A: Array, u: Array, friction: float) -> _Answer:
             impulse[i] = holds[i].force
         if np.abs(impulse - last).max() <= SETTLED * np.abs(impulse).max():
             break
-    return _Answer(impulse, tuple(hold.mode for hold in holds))
+    return Answer(impulse, tuple(hold.mode for hold in holds), np.zeros((m, 3)))

@@ -8,6 +8,7 @@ followed back to the fixed time. This is the saltation matrix, extended to held 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -16,18 +17,22 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
-from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.automaton import KELLER, HybridSystem
+from spear_pin.hybrid.contact import OPEN, SLIP, SLOW, STICK
 from spear_pin.hybrid.domain import Reset, Switch
-from spear_pin.hybrid.engines.structure import with_fields
+from spear_pin.hybrid.engines.structure import symbols
+from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.strikes import Overlap, struck_toes_in_space
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, SHORTEST, Derivative, Stretch, falling
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
+from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.kinks import later, of_the_inside
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, struck
+from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, stopped, struck, struck_in_space
 
 GRAZING = 1e-6  # slope of a guard at zero, relative to its mean slope over the arc, below which it grazes
 
@@ -37,15 +42,21 @@ class _Now:
     """Present derivatives of the state, of the held values, and of the last event's time.
 
     Attributes:
+        overlap: impacts in space that may not be over.
         behind: whether the state's derivatives are still at the last event, not yet at a fixed time.
         bent: the previous arc, if it ended at a kink.
+        past: total time of the earlier phases, in s.
+        changes: derivatives of the impulses in `overlap`, (3, c) each.
     """
 
     dy: Array
     held: dict[str, Any]
     tau: Array
+    overlap: Overlap
     behind: bool = False
     bent: Stretch | None = None
+    past: float = 0.0
+    changes: dict[str, Array] = field(default_factory=dict)
     durations: dict[str, Any] = field(default_factory=dict)
     steepness: float = math.inf
 
@@ -69,7 +80,7 @@ def differentiated(
     whole = _Whole(system, recorder, seeds, fineness)
     held = whole.begun(y, dy)
     arcs = recorder.cycle(y)
-    now, stretches = _Now(dy, held, np.zeros(dy.shape[1])), []
+    now, stretches = _Now(dy, held, np.zeros(dy.shape[1]), Overlap(system.overlap)), []
     for arc in arcs:
         stretch = whole.carry(arc, now)
         stretches.append(stretch)
@@ -83,7 +94,8 @@ class _Whole:
     def __init__(self, system: HybridSystem, recorder: Recorder, seeds: Array, fineness: Fineness) -> None:
         self.system, self.recorder, self.seeds, self.fineness = system, recorder, seeds, fineness
         self.nv, self.c, self.raw = system.robot.nv, seeds.shape[1], recorder.numbers
-        self.law = _dual_law(system, self.raw, seeds)
+        par = [Dual(x, d) if d.any() else x for x, d in zip(self.raw.tolist(), seeds, strict=True)]
+        self.law = symbols(system, recorder.mechanism, {}, par)[1].law
 
     def begun(self, y: Array, dy: Array) -> dict[str, Any]:
         """Returns the values held at the beginning of the cycle."""
@@ -106,6 +118,9 @@ class _Whole:
         clocks[:-2], clocks[BEGIN], clocks[END] = t, arc.t, arc.end
         states[:, :-2], states[:, BEGIN], states[:, END] = y, arc.y, arc.after
         values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
+        if SLIP in arc.domain.contacts and self._begins_to_slide(arc):
+            for rows in (values.rows[..., None], slopes.rows):
+                rows[:, BEGIN] = of_the_inside(rows, BEGIN)
         for place, kink in ((BEGIN, now.bent is not None), (END, arc.event is None)):
             if kink:
                 slopes.rows[:, place] = of_the_inside(slopes.rows, place)
@@ -119,6 +134,14 @@ class _Whole:
             now.tau = now.bent.tau = stretch.since = later(now.bent, stretch)
         stretch.tau, now.bent = self._tau(stretch, now), None if arc.event is not None else stretch
         return stretch
+
+    def _begins_to_slide(self, arc: Arc) -> bool:
+        """Tells whether a toe in space begins to slide as an arc begins, where its direction is not defined."""
+        q, v = arc.y[: self.nv], arc.y[self.nv :]
+        for toe, mode in zip(self.system.robot.toes, arc.domain.contacts, strict=True):
+            if mode == SLIP and still(float(np.linalg.norm(self.system.robot.toe_jacobian(q, toe)[:-1] @ v))):
+                return True
+        return False
 
     def _tau(self, stretch: Stretch, now: _Now) -> Array:
         """Returns how much later the event that ends an arc happens, per unit of each direction, (c,)."""
@@ -156,20 +179,61 @@ class _Whole:
         if reset.phase is not None:
             spent = now.durations.get(arc.domain.phase, 0.0)
             now.durations[arc.domain.phase] = spent + Dual(arc.end, tau)
-            now.tau = np.zeros(self.c)
+            now.tau, now.past = np.zeros(self.c), now.past + arc.end
         else:
             now.tau, now.behind = tau, True
 
     def _strike(self, arc: Arc, reset: Reset, now: _Now) -> Array:
         """Applies an impact to the derivatives and to the held values; returns the state after it."""
-        toes, y, nv = struck_toes(self.system, arc.domain, reset), arc.after, self.nv
-        if not toes:
+        y, nv = arc.after, self.nv
+        if self.system.robot.dimension == 3 and (reset.impact or reset.stop):
+            change, slope = self._strike_in_space(arc, reset, now)
+        elif toes := struck_toes(self.system, arc.domain, reset):
+            feet, slopes = self._feet(toes, y, now)
+            change, slope, lifted = struck(feet, slopes, toes, reset.impact)
+            now.held = {**now.held, **lifted}
+        else:
             return y
-        feet, slopes = self.recorder.feet(tuple(toes)).at(y, self.raw, now.dy, self.seeds)
-        change, slope, lifted = struck(feet, slopes, toes, reset.impact)
-        now.held = {**now.held, **lifted}
         now.dy[nv:] += slope
         return np.concatenate([y[:nv], y[nv:] + change])
+
+    def _feet(self, toes: Sequence[str], y: Array, now: _Now) -> tuple[ToeNumbers, ToeNumbers]:
+        """Returns numbers of toes at a state, and their derivatives."""
+        return self.recorder.feet(tuple(toes)).at(y, self.raw, now.dy, self.seeds)
+
+    def _strike_in_space(self, arc: Arc, reset: Reset, now: _Now) -> tuple[Array, Array]:
+        """Returns the change of velocity by an impact in space, or by the end of sliding, and its derivatives."""
+        robot, y, domain = self.system.robot, arc.after, arc.domain
+        if reset.stop:
+            grounded = [toe for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
+            feet, slopes = self._feet(grounded, y, now)
+            rows = []
+            for i, toe in enumerate(grounded):
+                sticks = domain.contacts[robot.toes.index(toe)] == STICK
+                slow = math.hypot(*feet.speeds[3 * i : 3 * i + 2]) <= 2.0 * SLOW
+                rows += range(3 * i if toe in reset.stop or sticks or slow else 3 * i + 2, 3 * i + 3)
+            return stopped(feet, slopes, rows)
+        every, _ = self._feet(robot.toes, y, now)
+        normal = {
+            toe: (float(height), float(speed))
+            for toe, height, speed in zip(robot.toes, every.heights, every.speeds[2::3], strict=True)
+        }
+        toes, striking = struck_toes_in_space(self.system, domain, reset, normal)
+        feet, slopes = self._feet(toes, y, now)
+        time, before = now.past + arc.end, None
+        if not (self.system.impact_law == KELLER and len(toes) == 1):
+            received = now.overlap.received(toes, time)
+            still = np.zeros((3, self.c))
+            there = [now.changes[toe] if toe in now.overlap.recent else still for toe in toes]
+            before = received, np.array(there)
+        found = struck_in_space(feet, slopes, toes, reset.impact, striking - {*reset.impact}, before)
+        counted = {toe for toe in toes if toe in now.overlap.recent}
+        now.overlap.add(toes, striking, found.impulse, time)
+        for toe, change in zip(toes, found.dimpulse, strict=True):
+            if toe in now.overlap.recent:
+                now.changes[toe] = now.changes[toe] + change if toe in counted else change
+        now.held = {**now.held, **found.held}
+        return found.v, found.dv
 
 
 @cache
@@ -178,18 +242,3 @@ def _directions(n: int, c: int) -> Array:
     found: Array = np.concatenate([np.eye(n, n + c + 1), np.eye(1, n + c + 1, n + c)])
     found.setflags(write=False)
     return found
-
-
-def _dual_law(system: HybridSystem, raw: Array, seeds: Array) -> Any:
-    """Returns the parameters of the law as dual numbers."""
-    changes = enumerate(np.any(seeds, axis=1).tolist())
-
-    def dual(value: Any) -> Any:
-        if isinstance(value, tuple):
-            return tuple(map(dual, value))
-        if value is None or isinstance(value, (bool, str)):
-            return value
-        i, changed = next(changes)
-        return Dual(float(raw[i]), seeds[i]) if changed else value
-
-    return with_fields(system.law, {name: dual(value) for name, value in vars(system.law).items()})

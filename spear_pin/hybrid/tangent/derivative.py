@@ -170,7 +170,7 @@ class Derivative:
             if event is None or event.reset is None:
                 continue
             met = frozenset([event.name, *each.meets])
-            found = [*found[:-1], found[-1] | met] if each.late else [*found, met]
+            found = [*found[:-1], found[-1] | met] if each.late and found else [*found, met]
         return tuple(found)
 
     @property

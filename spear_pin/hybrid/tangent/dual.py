@@ -42,7 +42,8 @@ class Dual:
         """Applies NumPy's functions of numbers, which some latches use."""
         if method != "__call__" or settings or ufunc not in _UFUNCS:
             return NotImplemented
-        return _UFUNCS[ufunc](*inputs)
+        # NumPy's own numbers would ask again
+        return _UFUNCS[ufunc](*(each.item() if isinstance(each, np.generic) else each for each in inputs))
 
     def __add__(self, other: Any) -> Any:
         if isinstance(other, Dual):

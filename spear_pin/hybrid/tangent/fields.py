@@ -79,7 +79,7 @@ class TangentField:
             dnumbers: derivatives of the parameters, (p, c).
         """
         rows, n, c = len(y), len(t), dy.shape[2]
-        if not taylor.available():
+        if not self._compiles:
             return self._interpreted(t, y, numbers, dt, dy, dnumbers)
         inputs = np.empty((2 * (1 + rows + len(numbers)), n, c))
         half = len(inputs) // 2
@@ -94,6 +94,11 @@ class TangentField:
         inputs = np.concatenate([t[None], y, numbers])
         found = self._function(np.concatenate([inputs, np.zeros_like(inputs)]))
         return Values(found[: len(found) // 2], self._ends)
+
+    @property
+    def _compiles(self) -> bool:
+        """Tells whether the function is compiled: in space that takes longer than thousands of cycles."""
+        return taylor.available() and self.structure.system.robot.dimension == 2
 
     @cached_property
     def _ends(self) -> tuple[int, int, int]:
@@ -120,12 +125,12 @@ class TangentField:
     def _interpreted(
         self, t: Array, y: Array, numbers: Array, dt: Any, dy: Array, dnumbers: Array
     ) -> tuple[Values, Values]:
-        """Returns what `at` returns, without heyoka, from arrays."""
+        """Returns what `at` returns, without heyoka, from arrays; what does not change has no derivative."""
         n, c = len(t), dy.shape[2]
-        parts = [(t[:, None], np.broadcast_to(dt, (n, c)))]
-        parts += [(x[:, None], d) for x, d in zip(y, dy, strict=True)]
-        parts += [(np.full((n, 1), x), np.broadcast_to(d, (n, c))) for x, d in zip(numbers, dnumbers, strict=True)]
-        outputs = self._of([Dual(x, d) for x, d in parts], ARRAYS)
+        parts: list[Any] = [Dual(t[:, None], np.broadcast_to(dt, (n, c)))]
+        parts += [Dual(x[:, None], d) for x, d in zip(y, dy, strict=True)]
+        parts += [Dual(x, d) if d.any() else x for x, d in zip(numbers.tolist(), dnumbers, strict=True)]
+        outputs = self._of(parts, ARRAYS)
         values = np.array([np.broadcast_to(value_of(each), (n, 1))[:, 0] for each in outputs])
         slopes = np.array([np.broadcast_to(derivative_of(each), (n, c)) for each in outputs])
         return Values(values, self._ends), Values(slopes, self._ends)
@@ -153,8 +158,8 @@ class TangentFeet:
             dnumbers: derivatives of the parameters, (p, c).
         """
         x, d = np.concatenate([y, numbers]), np.concatenate([dy, dnumbers])
-        if not taylor.available():
-            outputs = self._of([Dual(float(value), slopes) for value, slopes in zip(x, d, strict=True)], ARRAYS)
+        if not taylor.available() or self.structure.system.robot.dimension == 3:
+            outputs = self._of([Dual(value, slopes) for value, slopes in zip(x.tolist(), d, strict=True)], ARRAYS)
             values = np.array([value_of(each) for each in outputs])
             return self._named(values), self._named(derivatives(outputs, d.shape[1]))
         found = self._function(np.concatenate([np.repeat(x[:, None], d.shape[1], axis=1), d]))
@@ -168,8 +173,8 @@ class TangentFeet:
     @cached_property
     def _parts(self) -> list[tuple[slice, tuple[int, ...]]]:
         """Place among the outputs, and shape, of each of `ToeNumbers` except the first."""
-        nv, m = self.structure.system.robot.nv, len(self.toes)
-        shapes: list[tuple[int, ...]] = [(m,), (m, 2, nv), (m, 2, nv), (2 * m, 2 * m), (2 * m,)]
+        nv, k, m = self.structure.system.robot.nv, self.structure.system.robot.dimension, len(self.toes)
+        shapes: list[tuple[int, ...]] = [(m,), (m, k, nv), (m, k, nv), (k * m, k * m), (k * m,)]
         ends = np.cumsum([1, *map(math.prod, shapes)]).tolist()
         return [(slice(i, j), shape) for i, j, shape in zip(ends[:-1], ends[1:], shapes, strict=True)]
 
@@ -186,22 +191,22 @@ class TangentFeet:
         feet, factors = numbers.ground.seen(terms, ops), factorize(terms.mass_matrix)
         rows = [row for toe in self.toes for row in feet.jacobians[toe]]
         responses = [substitute(factors, row) for row in rows]
-        outputs = [numbers.ground.friction, *(feet.positions[toe][1] for toe in self.toes)]
+        outputs = [numbers.ground.friction, *(feet.positions[toe][-1] for toe in self.toes)]
         outputs += [number for each in (rows, responses) for row in each for number in row]
         outputs += [dot(row, response) for row in rows for response in responses]
         return outputs + [dot(row, duals[nv : 2 * nv]) for row in rows]
 
 
 class ToeNumbers(NamedTuple):
-    """Numbers of m toes, or their derivatives.
+    """Numbers of m toes with k axes each, or their derivatives; k is 2 in the plane and 3 in space.
 
     Attributes:
         friction: the coefficient of friction.
         heights: heights of the toes, in m, (m, ...).
-        rows: rows of their Jacobians, along the ground and normal to it, (m, 2, nv, ...).
-        responses: D⁻¹ times those rows, (m, 2, nv, ...).
-        inverse_inertia: J D⁻¹ Jᵀ of all toes together, (2 m, 2 m, ...).
-        speeds: J v, (2 m, ...).
+        rows: rows of their Jacobians, along the ground and normal to it, (m, k, nv, ...).
+        responses: D⁻¹ times those rows, (m, k, nv, ...).
+        inverse_inertia: J D⁻¹ Jᵀ of all toes together, (k m, k m, ...).
+        speeds: J v, (k m, ...).
     """
 
     friction: Any

@@ -8,7 +8,8 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
-from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, roughness, rule
+from spear_pin.hybrid.contact import SLIP
+from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE, POINTS, Fineness, roughness, rule
 from spear_pin.hybrid.tangent.derivative import SHORTEST
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
@@ -32,17 +33,19 @@ def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, float, Array]:
         return t, length, np.tile(arc.y[:, None], (1, len(t)))
     motion, panels = arc.motion, min(max(1, math.ceil(arc.steps / fineness.steps)), MOST_PANELS)
     assert motion is not None
+    # a toe in space begins to slide along a direction that turns the faster the slower it is
+    tail = ENDS.tail if SLIP in arc.domain.contacts else fineness.tail
     while True:
         h = length / panels
         t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()
         y = motion(t)
         left = roughness(y.T.reshape(panels, POINTS, -1))
-        if left <= fineness.tail:
+        if left <= tail:
             return t, h, y
         if not math.isfinite(left):
             raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
         if panels == MOST_PANELS:
             raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
         # coefficients of a panel shorter by a factor fall by its power of the number of points, at first of fewer
-        wanted = panels * (left / fineness.tail) ** (1.0 / (POINTS - EARLY))
+        wanted = panels * (left / tail) ** (1.0 / (POINTS - EARLY))
         panels = min(max(panels + 1, math.ceil(wanted)), MOST_PANELS)

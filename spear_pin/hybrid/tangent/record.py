@@ -21,6 +21,7 @@ from spear_pin.hybrid.lanes.compilation import Compilation
 from spear_pin.hybrid.lanes.lone_runner import Lap, LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.orders import Order
+from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_feet, tangent_field
@@ -77,11 +78,13 @@ class Recorder:
     """
 
     def __init__(self, system: HybridSystem, numbers: Numbers | None = None, lane: int = 0) -> None:
-        self.system, self._nv = system, system.robot.nv
         self._numbers = many(system, {}) if numbers is None else numbers
+        self.system, self._nv, self._in_space = system, system.robot.nv, system.robot.dimension == 3
         self.mechanism, self.law = self._numbers.mechanism, self._numbers.law_of(lane)
-        alone = numbers is None and not taylor.available()
-        self._runner: Runner = ReferenceRunner(system) if alone else CompiledRunner(self._numbers, lane)
+        alone = self._in_space or (numbers is None and not taylor.available())
+        own = self._numbers.of_lane(lane)
+        itself = with_parameters(system, own) if alone and own else system
+        self._runner: Runner = ReferenceRunner(itself) if alone else CompiledRunner(self._numbers, lane)
         self.numbers = np.array(self._numbers.constants(lane), dtype=float)
         self.end = np.empty(0)
         self.order: Order = ()
@@ -129,7 +132,7 @@ class Recorder:
 
     def field(self, domain: Domain, held: Held) -> TangentField:
         """Returns the tangent field that gives a domain's derivatives."""
-        key = id(domain), shape_of(held)
+        key = domain.name if self._in_space else id(domain), shape_of(held)
         if key not in self._fields:
             self._fields[key] = tangent_field(Structure(self.system, domain, held, self.mechanism))
         return self._fields[key]

@@ -50,8 +50,11 @@ class ReferenceRunner:
             self.why = found.message
         elif any(event.name == RETOUCH for event in found.events):
             self.why = "a toe bounces"
+        before, phase = "", phase
         for segment in found.segments:
-            self.why = self.why or self._not_plain(segment)
+            if segment.domain.phase != phase:
+                before, phase = phase, segment.domain.phase
+            self.why = self.why or self._not_plain(segment, before)
         if self.why:
             return None
         arcs, switches, came = list[Arc](), 0, -1.0
@@ -63,13 +66,19 @@ class ReferenceRunner:
         end = np.concatenate(found.state)
         return ReferenceLap(end, found.domain.phase, found.held, found.durations, order_of(self._system, found), arcs)
 
-    def _not_plain(self, segment: Segment) -> str:
-        """Returns why a cycle that contains a motion is not recorded, "" if it is."""
+    def _not_plain(self, segment: Segment, before: str) -> str:
+        """Returns why a cycle that contains a motion is not recorded, "" if it is.
+
+        Args:
+            segment: the motion.
+            before: the phase before, "" in the first one.
+        """
         domain = segment.domain
         if not any(domain is each for each in self._system.domains):
             return f"toes alternate in {domain.phase}"
         event = _event(segment)
-        if isinstance(event, Guard) and left_at_once(event, segment.pieces[-1].end):
+        at_once = isinstance(event, Guard) and left_at_once(event, segment.pieces[-1].end)
+        if at_once and (self._system.robot.dimension == 2 or (event.reset is not None and event.reset.phase == before)):
             return f"{domain.name} ends as it begins: a toe bounces"
         return ""
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,9 @@ from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
 from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.rules.guards import rise
+from spear_pin.hybrid.rules.guards import struck as told
 from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
+from spear_pin.hybrid.rules.spatial_impact import answered
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
@@ -40,7 +44,7 @@ def struck(
         NotDifferentiable: a toe that lands rises again, as at the end of bounces, or the smallest perturbation may
             change the set of sticking, sliding and lifted toes.
     """
-    size, lifted = 2 * len(toes), dict[str, Any]()
+    lifted = dict[str, Any]()
     if any(rises(float(speed)) for toe, speed in zip(toes, feet.speeds[1::2], strict=True) if toe in lands):
         raise NotDifferentiable("a toe rises as it lands, as at the end of bounces")
     A = [duals(row, d) for row, d in zip(feet.inverse_inertia, slopes.inverse_inertia, strict=True)]
@@ -51,10 +55,133 @@ def struck(
     else:
         impulses, speeds = _joint(feet, A, before, friction)
         lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
-    responses, turned = (each.reshape(size, *each.shape[2:]) for each in (feet.responses, slopes.responses))
     given, change = np.array([value_of(each) for each in impulses]), derivatives(impulses, len(slopes.friction))
-    of_responses = (given @ turned.reshape(size, -1)).reshape(turned.shape[1:])
-    return given @ responses, responses.T @ change + of_responses, lifted
+    return *_moved(feet, slopes, given, change), lifted
+
+
+@dataclass(frozen=True)
+class Pushed:
+    """Impulses on m toes in space, and what follows from them.
+
+    Attributes:
+        v: change of the velocity, (nv,).
+        dv: its derivatives, (nv, c).
+        impulse: impulses, (m, 3), in N·s.
+        dimpulse: their derivatives, (m, 3, c).
+        held: values held for the toes.
+    """
+
+    v: Array
+    dv: Array
+    impulse: Array
+    dimpulse: Array
+    held: dict[str, Any]
+
+
+def struck_in_space(
+    feet: ToeNumbers,
+    slopes: ToeNumbers,
+    toes: Sequence[str],
+    lands: Collection[str],
+    falls: Collection[str],
+    before: tuple[Array, Array] | None,
+) -> Pushed:
+    """Differentiates an impact in space, for the outcome that the rule finds.
+
+    Let T be all impulses of an impact on a toe, and w its velocity afterwards. A toe that sticks has w = 0, one that
+    leaves T = 0, and one that slides along d has w_z = 0 and T_t = -μ T_z d. These equations are differentiated.
+
+    Args:
+        feet: numbers of the toes that take part.
+        slopes: derivatives of these numbers.
+        toes: names of these toes.
+        lands: names of the toes that land.
+        falls: names of other toes that were in the air and are struck in the same instant.
+        before: impulses that the toes have received in impacts that are not over, (m, 3), and their derivatives,
+            (m, 3, c); None if the impact is separate by its law.
+
+    Raises:
+        NotDifferentiable: a toe that lands rises again, toes depend on each other, the smallest perturbation may change
+            the outcome, or a toe slides in a separate impact.
+    """
+    m, c, A, u, mu = len(toes), len(slopes.friction), feet.inverse_inertia, feet.speeds, float(feet.friction)
+    if any(rises(float(speed)) for toe, speed in zip(toes, u[2::3], strict=True) if toe in lands):
+        raise NotDifferentiable("a toe rises as it lands, as at the end of bounces")
+    if not np.linalg.cond(A) < SINGULAR:
+        raise NotDifferentiable("toes in an impact cannot move independently, so their impulses are not unique")
+    total, modes, earlier = answered(A, u, mu, None if before is None else before[0])
+    counted = before is not None and (earlier == before[0]).all()  # else the impact obeys the law alone
+    dearlier = before[1] if before is not None and counted else np.zeros((m, 3, c))
+    impulse = total - earlier
+    after = (u + A @ impulse.ravel()).reshape(-1, 3)
+    if before is None and "slip" in modes:
+        raise NotDifferentiable("a toe slides in an impact by Keller's law")
+    _check_modes(modes, after, total, mu)
+    # w = u + A (T - E), so dw = given + A dT
+    given = slopes.speeds + np.einsum("ijc,j->ic", slopes.inverse_inertia, impulse.ravel())
+    given = (given - A @ dearlier.reshape(3 * m, c)).reshape(m, 3, c)
+    matrix, right = np.zeros((m, 3, 3 * m)), np.zeros((m, 3, c))
+    for i, mode in enumerate(modes):
+        own, rows = np.eye(3 * m)[3 * i : 3 * i + 3], A[3 * i : 3 * i + 3]
+        if mode == "open":
+            matrix[i] = own
+            continue
+        matrix[i], right[i] = rows, -given[i]
+        if mode == "slip":
+            speed = np.hypot(*after[i, :2])
+            d = after[i, :2] / speed
+            turning = mu * total[i, 2] * (np.eye(2) - np.outer(d, d)) / speed
+            matrix[i, :2] = own[:2] + mu * np.outer(d, own[2]) + turning @ rows[:2]
+            right[i, :2] = -turning @ given[i, :2] - np.outer(d, slopes.friction) * total[i, 2]
+    dtotal = np.linalg.solve(matrix.reshape(3 * m, 3 * m), right.reshape(3 * m, c)).reshape(m, 3, c)
+    dimpulse = dtotal - dearlier
+    rising = given + (A @ dtotal.reshape(3 * m, c)).reshape(m, 3, c)
+    held: dict[str, Any] = {}
+    for i, (toe, mode) in enumerate(zip(toes, modes, strict=True)):
+        held[rise(toe)] = Dual(float(after[i, 2]), rising[i, 2]) if mode == "open" else 0.0
+    held |= {told(toe): float(toe in falls) for toe in toes}
+    return Pushed(*_moved(feet, slopes, impulse.ravel(), dimpulse.reshape(3 * m, c)), impulse, dimpulse, held)
+
+
+def stopped(feet: ToeNumbers, slopes: ToeNumbers, rows: Sequence[int]) -> tuple[Array, Array]:
+    """Differentiates the end of sliding: returns the change of velocity, (nv,), and its derivatives, (nv, c).
+
+    Args:
+        feet: numbers of the toes on the ground.
+        slopes: derivatives of these numbers.
+        rows: which of the toes' velocities vanish.
+
+    Raises:
+        NotDifferentiable: these velocities depend on each other.
+    """
+    A = feet.inverse_inertia[np.ix_(rows, rows)]
+    if not np.linalg.cond(A) < SINGULAR:
+        raise NotDifferentiable("toes that stop cannot move independently, so their impulses are not unique")
+    impulse, change = np.zeros(len(feet.speeds)), np.zeros(slopes.speeds.shape)
+    impulse[rows] = -np.linalg.solve(A, feet.speeds[rows])
+    turned = np.einsum("ijc,j->ic", slopes.inverse_inertia, impulse)
+    change[rows] = -np.linalg.solve(A, slopes.speeds[rows] + turned[rows])
+    return _moved(feet, slopes, impulse, change)
+
+
+def _moved(feet: ToeNumbers, slopes: ToeNumbers, impulse: Array, change: Array) -> tuple[Array, Array]:
+    """Returns the change of velocity by impulses, (n,), and its derivatives by those of the impulses, (n, c)."""
+    responses, turned = (each.reshape(len(impulse), *each.shape[2:]) for each in (feet.responses, slopes.responses))
+    return impulse @ responses, responses.T @ change + np.einsum("i,ivc->vc", impulse, turned)
+
+
+def _check_modes(modes: Sequence[str], after: Array, total: Array, friction: float) -> None:
+    """Checks that toes in space keep their modes if an impact changes a little."""
+    speed, push = np.abs(after).max() + DEGENERATE, np.abs(total).max() + 1e-300
+    for mode, (x, y, z), (px, py, pz) in zip(modes, after.tolist(), total.tolist(), strict=True):
+        if mode == "open":
+            margin = z / speed
+        elif mode == "slip":
+            margin = min(pz / push, math.hypot(x, y) / speed)
+        else:
+            margin = min(pz, friction * pz - math.hypot(px, py)) / push
+        if margin < DEGENERATE:
+            raise NotDifferentiable(BORDER)
 
 
 def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:

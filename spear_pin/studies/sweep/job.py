@@ -18,7 +18,7 @@ from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import check_tangents
+from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
 from spear_pin.hybrid.result import State
@@ -133,7 +133,9 @@ def _check_system(system: HybridSystem) -> dict[str, Any]:
     """Returns fields that were replaced in a system and that other processes can replace; refuses others."""
     if system.kind not in KINDS or not built_as_named(system):
         raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
-    check_tangents(system)
+    check_lanes(system)
+    if not system.robot.planar:
+        raise BadValue("robot", system.robot.name, "one that moves in the plane: in space gaits are found one by one")
     kept = replaced(system)
     for name in kept:
         if name not in CARRIED:

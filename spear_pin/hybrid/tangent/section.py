@@ -1,0 +1,86 @@
+"""Derivatives of states on the section, along its coordinates and along numbers of the system.
+
+In space a symmetric gait lands on two feet at once. Its return map has one derivative on either side, as either foot
+may be first. In symmetric and antisymmetric coordinates both sides differ only in how one kind depends on the other,
+by |h'a|; a mean of both leaves that out. So the derivative is taken on one side.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spear_pin.arrays import Array
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.engines.structure import Structure
+from spear_pin.hybrid.rules.guards import ON_GROUND
+from spear_pin.hybrid.section import Chart, Charts, section, velocity_rows
+from spear_pin.hybrid.spatial_section import SpatialCharts
+from spear_pin.hybrid.symmetry import Z, asymmetry
+from spear_pin.hybrid.tangent.fields import ToeNumbers, tangent_feet
+from spear_pin.hybrid.tangent.seeds import numbers
+from spear_pin.model.equations import mechanism_of
+
+ALIKE = 1e-7  # in SI units: largest asymmetry of a gait that counts as symmetric
+APART = 10.0 * ON_GROUND  # m: height of the second foot as the first one lands, beside a symmetric gait
+
+
+def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int, xi: Array | None = None) -> Array:
+    """Returns derivatives of a state on the section, (2 nv, c).
+
+    In the plane toes stay on the ground and move along it only where they slide. In space the lowest toe of the section
+    stays on the ground.
+
+    Args:
+        system: the system.
+        local: the chart about the gait's state.
+        seeds: derivatives of the system's numbers, (p, c); the first d columns are the directions of ξ.
+        d: the section's dimension.
+        xi: coordinates of the state, (d,); zero by default.
+    """
+    q, v = local.state(np.zeros(d) if xi is None else xi)
+    y, nv, split = np.concatenate([q, v]), system.robot.nv, local.q_basis.shape[1]
+    dy = np.zeros((2 * nv, seeds.shape[1]))
+    dy[:nv, :split] = local.q_basis
+    if isinstance(local.lane, Charts):
+        return _in_the_plane(system, local, local.lane, y, dy, seeds)
+    dy[nv:, split:d] = local.v_basis
+    feet, slopes = _feet(system, system.section_toes, y, dy, seeds)
+    dy[Z] -= slopes.heights[feet.heights.argmin()]
+    return dy
+
+
+def _in_the_plane(system: HybridSystem, local: Chart, lane: Charts, y: Array, dy: Array, seeds: Array) -> Array:
+    nv, split, d, toes = system.robot.nv, local.q_basis.shape[1], local.dimension, section(system).toes
+    dq = dy[:nv]
+    feet, slopes = _feet(system, toes, y, dy * 0.0, seeds)
+    dq -= np.linalg.pinv(feet.rows[:, 1]) @ slopes.heights
+    _, slopes = _feet(system, toes, y, dy, seeds)
+    slides = lane.slides
+    chosen = np.column_stack([~slides, np.ones_like(slides)]).ravel()
+    drift = np.einsum("rnc,n->rc", slopes.rows.reshape(-1, nv, seeds.shape[1])[chosen], y[nv:])
+    rows = velocity_rows(feet.rows[None], slides)[0]
+    dy[nv:] = -np.linalg.pinv(rows) @ drift
+    dy[nv:, split:d] += local.v_basis
+    return dy
+
+
+def _feet(
+    system: HybridSystem, toes: tuple[str, ...], y: Array, dy: Array, seeds: Array
+) -> tuple[ToeNumbers, ToeNumbers]:
+    structure = Structure(system, system.domains[0], {}, mechanism_of(system.robot))
+    return tangent_feet(structure, toes).at(y, numbers(system), dy, seeds)
+
+
+def aside(system: HybridSystem, local: Chart) -> Array | None:
+    """Returns coordinates ξ, (d,), of a state beside a symmetric gait, where one foot lands first; None for others."""
+    lane = local.lane
+    if not isinstance(lane, SpatialCharts):
+        return None
+    state = local.state(np.zeros(local.dimension))
+    feet = sorted((system.ground.foot(system.robot, state[0], toe) for toe in system.section_toes), key=lambda f: f[0])
+    if len(feet) < 2 or feet[1][0] - feet[0][0] > ON_GROUND or asymmetry(system.robot, state) > ALIKE:
+        return None
+    xi, split = np.zeros(local.dimension), local.q_basis.shape[1]
+    change = np.where(lane.even[:split], 0.0, (feet[1][1][-1] - feet[0][1][-1]) @ local.q_basis)
+    xi[:split] = APART * change / (change @ change)
+    return xi
