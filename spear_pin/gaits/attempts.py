@@ -198,7 +198,7 @@ class Search:
 
     def _multipliers(self, system: HybridSystem, state: State) -> NDArray[np.complex128]:
         """Returns Floquet multipliers, exact where derivatives are."""
-        if self.exact is not None:
+        if self.exact is not None and not system.section_toes:
             local = chart(system, state)
             d, here = local.dimension, np.concatenate([np.zeros(local.dimension), self._values(system)])
             shooting = self._shooting(local, system, self.wanted, self.rtol)

@@ -16,6 +16,8 @@ from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart as chart
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting
 from spear_pin.hybrid.spatial_section import seen
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
+from spear_pin.hybrid.tangent.section import exact_jacobian
 from spear_pin.hybrid.translation import translations, without
 
 EVALUATIONS = 60_000  # most right-hand sides of one cycle; a gait's cycle takes some thousands, even at rtol 1e-13
@@ -89,11 +91,19 @@ def differentiate_return_map(system: HybridSystem, state: State, rtol: float = 1
 
 
 def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: float = STEP) -> NDArray[np.complex128]:
-    """Finds the Floquet multipliers of a periodic orbit, by decreasing modulus, by differences of the return map.
+    """Finds the Floquet multipliers of a periodic orbit, by decreasing modulus.
+
+    In space they come from exact derivatives. In the plane, and for cycles that have none, they come from differences
+    of the return map.
 
     Raises:
         NoGait: a perturbed cycle does not close.
     """
+    if system.section_toes and system.hardware is None:
+        try:
+            return eigenvalues(exact_jacobian(system, state))
+        except NotDifferentiable:
+            pass
     return eigenvalues(differentiate_return_map(system, state, rtol, step))
 
 

@@ -134,6 +134,17 @@ def evened(robot: Robot) -> Robot:
     return robot.with_model(model)
 
 
+def partner(robot: Robot, name: str) -> tuple[str, float]:
+    """Returns the joint or toe of a robot on a chain that another one is the mirror image of, and a joint's sign."""
+    mirror = mirror_of(robot)
+    if name in robot.coordinates:
+        i = robot.index(name)
+        return robot.coordinates[mirror.of[i]], mirror.signs[i]
+    toes = {robot.index(leg.hip): leg.toe for leg in robot.legs}
+    hip = next(i for i, toe in toes.items() if toe == name)
+    return toes[mirror.of[hip]], 1.0
+
+
 def mirror_of(robot: Robot) -> Mirror:
     """Returns the mirror of a robot on a chain.
 

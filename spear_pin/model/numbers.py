@@ -31,6 +31,7 @@ UNITS: Mapping[str, str] = {
 }
 """What is said of each joint, with its unit: mass, centre of mass in the joint's frame parallel to the world at q = 0,
 inertia about it in the plane or, in space, about its axes, reflected inertia of the rotor, viscous friction."""
+IN_THE_PLANE = ("mass", "com_x", "com_z", "inertia", "armature", "viscous")
 POSITIVE = ("mass", "inertia", "inertia_xx", "inertia_yy", "inertia_zz", "armature", "viscous")
 AXES = "xyz"
 ROUNDING = 1e-9
@@ -63,10 +64,8 @@ def body_numbers(robot: Robot) -> dict[str, Number]:
     planar, found = Planar(robot), dict[str, Number]()
     for i, (joint, body) in enumerate(zip(robot.coordinates, planar.bodies, strict=True)):
         values = body.mass, *body.com, body.inertia, body.armature, float(robot.model.damping[i])
-        for (what, unit), value in zip(UNITS.items(), values, strict=True):
-            found[f"{joint}_{what}"] = Number(
-                value, unit if body.turns else unit.replace("·m²", "").replace("·rad", "")
-            )
+        for what, value in zip(IN_THE_PLANE, values, strict=True):
+            found[f"{joint}_{what}"] = Number(value, _unit(what, body.turns))
         if body.parent >= 0:
             above = robot.coordinates[body.parent]
             found[f"{above}_to_{joint}"] = Number(float(np.hypot(*body.placement)), "m")
@@ -101,6 +100,12 @@ def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
         else:
             _stretch(robot, model, name, value / known[name].value)
     return robot.with_model(model)
+
+
+def _unit(what: str, turns: bool) -> str:
+    """Returns the unit of a number of a joint, which is another where the joint slides."""
+    unit = UNITS[what]
+    return unit if turns or what not in ("armature", "viscous") else unit.replace("·m²", "").replace("·rad", "")
 
 
 def _parts(robot: Robot, name: str) -> tuple[str, str, str]:
@@ -155,10 +160,7 @@ def _in_space(robot: Robot) -> dict[str, Number]:
         values |= {f"inertia_{axis}{axis}": tensor[k, k] for k, axis in enumerate(AXES)}
         values |= {"armature": body.armature, "viscous": robot.model.damping[i]}
         for what, value in values.items():
-            unit = UNITS[what]
-            if not body.turns and what in ("armature", "viscous"):
-                unit = unit.replace("·m²", "").replace("·rad", "")
-            found[f"{joint}_{what}"] = Number(float(value), unit)
+            found[f"{joint}_{what}"] = Number(float(value), _unit(what, body.turns))
         if body.parent >= 0:
             found[f"{robot.coordinates[body.parent]}_to_{joint}"] = Number(float(np.linalg.norm(body.placement)), "m")
     for toe, (i, offset) in mechanism.toes.items():

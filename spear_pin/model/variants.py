@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import copysign
 from numbers import Real
 from types import MappingProxyType
+from typing import Literal
 
 import pinocchio as pin
 
@@ -148,7 +149,7 @@ def vary(robot: Robot, **values: float) -> Robot:
 def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     """Returns the robot's original model with changes made before its joints are locked, which merges links."""
     cut = robot.cut
-    base = "chain" if robot.coordinates[: len(CHAIN)] == CHAIN else None
+    base: Literal["chain"] | None = "chain" if robot.coordinates[: len(CHAIN)] == CHAIN else None
     model = (load(robot.source, base=base) if cut is None else recut(cut.kind, cut.robot, cut.legs, cut.body)).model
     motors = None if cut is None else {joint: len(turns) for joint, turns in cut.angles.items()}
     for name, value in varied.items():

@@ -42,7 +42,6 @@ def test_with_a_motor(capsys, tmp_path):
         (("hop", "--motor", "knee=nope"), "'nope'"),
         (("hop", "--motor", "toe=spear_ii_knee"), "'toe'"),
         (("hop", "--motor", "knee=ec_45"), "'ec_45'"),
-        (("trot", "--over", "stiffness"), "in the plane"),
         (("hop", "--efficiency", "0.9"), "--efficiency is 0.9; expected only with --bus"),
         (("hop", "--bus", "9"), "--bus is 9.0; expected only with --motor JOINT=MOTOR"),
         (("hop", "--out", "none"), "--out is 'none'; expected"),

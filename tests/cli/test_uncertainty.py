@@ -68,7 +68,6 @@ def test_with_a_motor(capsys, tmp_path):
         ),
         (("hop", "--sigma", "stiffness=1", "--monte-carlo", "1"), "--monte-carlo is 1"),
         (("hop", "--sigma", "stiffness=1", "--seed", "-1"), "--seed is -1"),
-        (("trot", "--sigma", "friction=0.1"), "in the plane"),
         (("hop", "--sigma", "stiffness=1", "--out", "none"), "--out is 'none'; expected"),
     ],
     ids=words,

@@ -31,11 +31,11 @@ def gait(name):
     return found.system, found.state
 
 
-SLOW = pytest.mark.slow
+RARELY = pytest.mark.slow
 
 
 @pytest.mark.parametrize(
-    "name", ["trot", "pronk", "long_stride", *(pytest.param(name, marks=SLOW) for name in ("turn_9", "gallop"))]
+    "name", ["trot", "pronk", "long_stride", *(pytest.param(name, marks=RARELY) for name in ("turn_9", "gallop"))]
 )
 def test_along_a_gait(name):
     system, state = gait(name)

@@ -127,14 +127,6 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "gaits/sensitivity/orbit",
-        ["gaits/sensitivity/test_sensitivity"],
-        {
-            "derivatives: a toe that a longer leg moves along the ground": ("@ drift\n", "@ (0.0 * drift)\n"),
-            "derivatives: a toe that a longer leg lifts": ("@ slopes.heights\n", "@ (0.0 * slopes.heights)\n"),
-        },
-    ),
-    *mistakes_in(
         "gaits/round_hopping",
         ["gaits/test_round_hopping"],
         {

@@ -26,7 +26,7 @@ MUTATIONS = [
         {
             "a sweep too few": ("range(SWEEPS)", "range(2)"),
             "sticking outside the cone": ("np.hypot(x, y) <= friction * z", "z >= 0.0"),
-            "what was received counts twice": ("impulse = total - earlier", "impulse = total"),
+            "what was received counts twice": ("impulse = (found.impulse - earlier)", "impulse = (found.impulse)"),
         },
     ),
     *mistakes_in(

@@ -56,6 +56,29 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/tangent/section",
+        ["gaits/sensitivity/test_sensitivity", "hybrid/tangent/test_in_space"],
+        {
+            "derivatives: a toe that a longer leg moves along the ground": ("@ drift\n", "@ (0.0 * drift)\n"),
+            "derivatives: a toe that a longer leg lifts": ("@ slopes.heights\n", "@ (0.0 * slopes.heights)\n"),
+            "derivatives in space: the lowest foot leaves the ground": ("dy[Z] -= slopes", "dy[Z] -= 0.0 * slopes"),
+            "derivatives in space: both feet land at once": ("    if xi is not None:\n", "    if False:\n"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/resets",
+        ["hybrid/tangent/test_impacts_in_space"],
+        {
+            "derivatives in space: the direction of a slide stays": ("turning = mu", "turning = 0.0 * mu"),
+            "derivatives in space: what was received stays": ("dimpulse = dtotal - dearlier", "dimpulse = dtotal"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/spatial_section",
+        ["hybrid/tangent/test_in_space"],
+        {"changes of ξ in a fixed heading": ("np.outer([aside, -ahead], dq[YAW])", "0.0")},
+    ),
+    *mistakes_in(
         "hybrid/tangent/collocation",
         ["hybrid/tangent/test_collocation"],
         {

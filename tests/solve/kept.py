@@ -9,7 +9,7 @@ import inspect
 import json
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -97,7 +97,8 @@ def solved(
 
 def shipped(name: str, columns: int = COLUMNS) -> None:
     """Registers a gait that ships, of which only the Jacobian is kept here."""
-    RECIPES[name] = Recipe(name, lambda: Gait.load(name), (name,), columns=columns)
+    RECIPES[name] = Recipe(name, lambda: Gait.load(name), (name,))
+    RECIPES[name] = replace(RECIPES[name], columns=columns)
 
 
 def jacobian(name: str) -> Array:

@@ -374,7 +374,6 @@ LINES = (
     "family bound --over stiffness --from 1 --to 2",
     "sensitivity",
     "sensitivity fly",
-    "sensitivity trot --over stiffness",
     "uncertainty",
     "uncertainty hop",
     "uncertainty fly --sigma stiffness=1",

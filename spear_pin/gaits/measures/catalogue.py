@@ -40,6 +40,7 @@ CATALOGUE: tuple[Named, ...] = (
     Named("JOINT_at_SECTION", "rad", "Angle of a joint where the cycle closes."),
     Named("stride", "m", "Distance covered in a cycle."),
     Named("mean_speed", "m/s", "Distance covered in a cycle, divided by its period."),
+    Named("turn", "rad", "Change of the heading in a cycle, to the left."),
     Named("work", "J", "Work of all motors on the joints in a cycle, braking counted as negative."),
     Named("positive_work", "J", "Work of all motors in a cycle where they drive: ∫ Σ max(u ω, 0) dt."),
     Named("absolute_work", "J", "Absolute work of all motors in a cycle: ∫ Σ |u ω| dt."),

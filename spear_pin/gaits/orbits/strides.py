@@ -10,6 +10,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.orbits.balance import unit_of
+from spear_pin.gaits.spatial.automaton import forward_speed
 from spear_pin.gaits.spatial.legs import SIDES
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -70,7 +71,7 @@ class Strides:
         if not run.cycles:
             raise NoGait(f"a stride does not close: {run.message}", np.inf)
         closes = self._chart.coordinates(run.state) - x[: self.n]
-        measured = [system.measures[name](run) for name in ("turn", "mean_speed")]
+        measured = [system.measures["turn"](run), forward_speed(run)]
         gaps = [footfall_gap(run, pair) / self._second for pair in LEGS]
         found = np.array([*closes, *measured, *gaps])
         if not np.isfinite(found).all():

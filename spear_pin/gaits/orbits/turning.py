@@ -12,6 +12,7 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.gaits.orbits.steering import STEERED_BY, turned
 from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.spatial.automaton import forward_speed
 from spear_pin.gaits.spatial.law import INPUTS
 from spear_pin.gaits.spatial.torques import ADJUSTED
 from spear_pin.hybrid.automaton import HybridSystem
@@ -63,7 +64,7 @@ def turning(
     system, state = _settled(led, first, rtol, on_stride)
     if first == turn:
         return gait_beside(system, state, TURNS_BY[:1], {"turn": turn}, rtol)
-    speed = gait.system.measures["mean_speed"](return_map(gait.system, gait.state, rtol))
+    speed = forward_speed(return_map(gait.system, gait.state, rtol))
     for angle in np.linspace(first, turn, 1 + math.ceil(abs(turn - first) / STEP)).tolist():
         system, state = turned(system, state, angle, speed, rtol)
         on_turn(angle)

@@ -7,9 +7,19 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from spear_pin.gaits.sensitivity.signals import Pieces
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.rules.footing import closed_toes
+from spear_pin.hybrid.symmetry import partner
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Stretch
 from spear_pin.model.robot import Robot
+
+
+def both(system: HybridSystem, name: str) -> list[tuple[str, float]]:
+    """Returns a joint or toe with its sign 1; if a cycle is half a stride also the one that does the same in the other.
+
+    In the other half of the stride a joint moves as its partner does in this one, up to the partner's sign.
+    """
+    return [(name, 1.0), *([partner(system.robot, name)] if system.mirrored_toes else [])]
 
 
 def powered(stretches: Sequence[Stretch], robot: Robot, joint: str) -> tuple[list[Pieces], list[Pieces]]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.measures.catalogue import LEAST_STRIDE, PRESSED
-from spear_pin.gaits.sensitivity.along_arcs import along, closed_in, coordinate, forces, guarded, long, powered
+from spear_pin.gaits.sensitivity.along_arcs import along, both, closed_in, coordinate, forces, guarded, long, powered
 from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, product, ratio, total
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.column_names import motors_at
@@ -20,7 +20,7 @@ from spear_pin.hybrid.tangent.heights import Heights, dual_heights
 
 All = Mapping[str, Measure]
 HEIGHT, DEFLECTION = "greatest_height_", "deflection_"
-TIMES, ADVANCE = ".*_time|period", "stride|mean_speed"
+TIMES, ADVANCE = ".*_time|period", "stride|mean_speed|turn"
 
 
 def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Group] = ()) -> Measures:
@@ -66,12 +66,17 @@ def _advance(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
     if not cycle.system.cyclic:
         return {}
     robot, period = cycle.system.robot, of["period"]
+    found = dict[str, Measure]()
+    if "yaw" in cycle.system.cyclic:
+        yaw = robot.index("yaw")
+        turn = float(cycle.y[yaw]) - float(cycle.stretches[0].arc.y[yaw])
+        found["turn"] = Measure(turn, cycle.dy[yaw] - start[yaw], "rad")
     along = [robot.index(name) for name in cycle.system.cyclic if name != "yaw"]
     way, ways = cycle.y[along] - cycle.stretches[0].arc.y[along], cycle.dy[along] - start[along]
     stride = float(way[0]) if len(way) == 1 else float(np.linalg.norm(way))
     change = (way / stride) @ ways if stride else ways[0]
     speed = stride / period.value
-    return {
+    return found | {
         "stride": Measure(stride, change, "m"),
         "mean_speed": Measure(speed, (change - speed * period.derivative) / period.value, "m/s"),
     }
@@ -101,8 +106,11 @@ def _torques(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
     squares = []
     for joint in robot.actuated:
         motors = motors_at(joint)
-        torque = [each.times(1.0 / motors) for each in powered(cycle.stretches, robot, joint)[0]]
+        halves = both(cycle.system, joint)
+        signals = [(powered(cycle.stretches, robot, name)[0], sign / motors) for name, sign in halves]
+        torque = [each.times(share) for signal, share in signals for each in signal]
         square, change = integral(_products(torque, torque))
+        square, change = square / len(halves), change / len(halves)
         squares.append(Measure(motors * square, motors * change, "N²·m²·s"))
         rms = float(np.sqrt(square / period.value))
         of_rms = 0.5 / max(rms, 1e-300) * (change / period.value - square / period.value**2 * period.derivative)
@@ -119,7 +127,7 @@ def _forces(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[s
     share = PRESSED / len(robot.toes)
     pressed = share * weight.value, share * weight.derivative
     for toe in robot.toes:
-        pairs = list(forces(cycle.stretches, toe, robot.toes))
+        pairs = [each for own, _ in both(cycle.system, toe) for each in forces(cycle.stretches, own, robot.toes)]
         if pairs:
             found[f"peak_force_{toe}"] = Measure(*peak([up for _, up in pairs]), "N")
             found[f"friction_used_{toe}"] = Measure(*largest_ratio(pairs, *pressed), "1")
@@ -130,9 +138,14 @@ def _toe_heights(cycle: Derivative, start: Array, weight: Measure, of: All) -> d
     toes, found = cycle.system.robot.toes, dict[str, Measure]()
     heights = dual_heights(cycle.system, cycle.numbers, np.pad(cycle.dnumbers, ((0, 0), (0, 1))))
     for toe in toes:
-        aloft = [each for each in long(cycle.stretches) if toe not in closed_in(each, toes)]
+        aloft = [
+            _height(heights, own, each)
+            for own, _ in both(cycle.system, toe)
+            for each in long(cycle.stretches)
+            if own not in closed_in(each, toes)
+        ]
         if aloft:
-            found[HEIGHT + toe] = Measure(*peak([_height(heights, toe, each) for each in aloft]), "m")
+            found[HEIGHT + toe] = Measure(*peak(aloft), "m")
     return found
 
 
@@ -149,10 +162,13 @@ def _ranges(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[s
     """Returns how fast joints turn, and the least and largest angles."""
     robot, found = cycle.system.robot, dict[str, Measure]()
     for joint in robot.actuated:
-        i = robot.index(joint)
-        angles = coordinate(cycle.stretches, i)
+        halves = [(robot.index(name), sign) for name, sign in both(cycle.system, joint)]
+        angles, speeds = (
+            [each.times(sign) for i, sign in halves for each in coordinate(cycle.stretches, part + i)]
+            for part in (0, robot.nv)
+        )
         least, change = peak([each.times(-1.0) for each in angles])
-        found[f"peak_speed_{joint}"] = Measure(*_largest(coordinate(cycle.stretches, robot.nv + i)), "rad/s")
+        found[f"peak_speed_{joint}"] = Measure(*_largest(speeds), "rad/s")
         found[f"least_{joint}"] = Measure(-least, -change, "rad")
         found[f"greatest_{joint}"] = Measure(*peak(angles), "rad")
     return found
@@ -169,9 +185,10 @@ def _springs(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
                 i, rest = robot.index(mount.joint), stretch.held[mount.rest]
                 change = stretch.dstate[i] + stretch.end.slopes[i] * stretch.tau - derivative_of(rest)
                 left = mount.side * (float(stretch.state[i]) - float(value_of(rest))) + 0.0
-                before = found.get(DEFLECTION + mount.joint)
-                if before is None or left < before.value:
-                    found[DEFLECTION + mount.joint] = Measure(left, mount.side * change, "rad")
+                for name, _ in both(cycle.system, mount.joint):
+                    before = found.get(DEFLECTION + name)
+                    if before is None or left < before.value:
+                        found[DEFLECTION + name] = Measure(left, mount.side * change, "rad")
     return found
 
 

@@ -22,12 +22,8 @@ from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart, chart
-from spear_pin.hybrid.spatial_section import SpatialCharts
-from spear_pin.hybrid.tangent.collocation import ENDS
-from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
-from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.section import aside, on_section
+from spear_pin.hybrid.tangent.section import columns, cycle_on_section, on_section
 from spear_pin.hybrid.tangent.seeds import seeds, weight_seeds
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 
@@ -78,22 +74,12 @@ class Orbit:
         Raises:
             NotDifferentiable: the cycle has no derivative; the text says why.
         """
-        y = np.concatenate(self.chart.state(np.zeros(self.dimension)))
-        return differentiated(self.system, Recorder(self.system), y, self.start, self.seeds)
+        return cycle_on_section(self.system, self.chart, self.seeds)
 
     @cached_property
     def columns(self) -> Array:
-        """Derivatives of ξ after the cycle, (d, d + m); see `hybrid.tangent.section` for symmetric gaits in space."""
-        found, xi, d = self.chart.changes(self.cycle.y, self.cycle.dy), aside(self.system, self.chart), self.dimension
-        if xi is not None:
-            y, still = np.concatenate(self.chart.state(xi)), np.zeros((len(self.seeds), d))
-            dy = on_section(self.system, self.chart, still, d, xi)
-            cycle = differentiated(self.system, Recorder(self.system), y, dy, still, ENDS)
-            assert isinstance(self.chart.lane, SpatialCharts)
-            even = self.chart.lane.even
-            odd = np.outer(~even, ~even)
-            found[:, :d] = np.where(odd, self.chart.changes(cycle.y, cycle.dy), found[:, :d] * np.outer(even, even))
-        return found
+        """Derivatives of ξ after the cycle, (d, d + m)."""
+        return columns(self.system, self.chart, self.cycle)
 
     @property
     def jacobian(self) -> Array:
@@ -177,6 +163,8 @@ def orbit_of_gait(
     """
     check_lanes(system)
     check_gears(system, motors)
+    if motors and system.mirrored_toes:
+        raise BadValue("motors", sorted(motors), "none for a gait whose cycle is half a stride")
     names = (*vary, *over)
     if len(set(names)) != len(names) or not over:
         raise BadValue("over", list(over), "one parameter or more, each once, none of them in vary")

@@ -278,15 +278,20 @@ def _passing(leg: Leg, others: Sequence[Leg]) -> Guard:
     return Guard("end_of_constraint", value, Reset(latch=lambda q, v, held, p: {past: 1.0 - held[past]}))
 
 
-def _forward(run: Run) -> float:
+def forward_speed(run: Run) -> float:
+    """Returns the mean speed of a cycle along the heading with which it begins, in m/s."""
     yaw = run.start[0][YAW]
     dx, dy = run.state[0][:2] - run.start[0][:2]
-    return float(math.cos(yaw) * dx + math.sin(yaw) * dy)
+    return float(math.cos(yaw) * dx + math.sin(yaw) * dy) / sum(run.durations.values())
+
+
+def _stride(run: Run) -> float:
+    return float(np.linalg.norm(run.state[0][:2] - run.start[0][:2]))
 
 
 MEASURES: Mapping[str, Any] = {
-    "mean_speed": lambda run: _forward(run) / sum(run.durations.values()),
+    "mean_speed": lambda run: _stride(run) / sum(run.durations.values()),
     "period": lambda run: sum(run.durations.values()),
-    "stride": _forward,
+    "stride": _stride,
     "turn": lambda run: float(run.state[0][YAW] - run.start[0][YAW]),
 }

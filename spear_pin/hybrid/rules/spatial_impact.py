@@ -68,7 +68,7 @@ def answered(A: Array, u: Array, friction: float, before: Array | None = None) -
     for earlier in (nothing if before is None else before, nothing):
         found = _together(A, u - A @ earlier.ravel(), friction)
         impulse = (found.impulse - earlier).ravel()
-        if loss(A, u, impulse) >= -GAINED * float(np.abs(impulse * u).sum()):
+        if loss(A, u, impulse) >= -GAINED * float(np.abs(impulse * u).sum()) or np.abs(u).max() <= ROUNDING:
             break
     return found._replace(earlier=earlier)
 

@@ -207,7 +207,7 @@ class _Whole:
         if reset.stop:
             grounded = [toe for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
             feet, slopes = self._feet(grounded, y, now)
-            rows = []
+            rows = list[int]()
             for i, toe in enumerate(grounded):
                 sticks = domain.contacts[robot.toes.index(toe)] == STICK
                 slow = math.hypot(*feet.speeds[3 * i : 3 * i + 2]) <= 2.0 * SLOW

@@ -179,7 +179,8 @@ class Derivative:
 
         An immediate event whose guard is far below zero coincides with none: it stays immediate near this cycle.
         """
-        met = [each.arc.event.name for each in self.stretches if each.late or each.meets]
+        begins = 1 if self.system.section_toes else 0  # there a toe always touches down as the cycle begins
+        met = [each.arc.event.name for each in self.stretches[begins:] if each.late or each.meets]
         return tuple(dict.fromkeys(met))
 
 

@@ -77,10 +77,13 @@ class ReferenceRunner:
         if not any(domain is each for each in self._system.domains):
             return f"toes alternate in {domain.phase}"
         event = _event(segment)
-        at_once = isinstance(event, Guard) and left_at_once(event, segment.pieces[-1].end)
-        if at_once and (self._system.robot.dimension == 2 or (event.reset is not None and event.reset.phase == before)):
+        if isinstance(event, Guard) and left_at_once(event, segment.pieces[-1].end) and self._turns_back(event, before):
             return f"{domain.name} ends as it begins: a toe bounces"
         return ""
+
+    def _turns_back(self, guard: Guard, before: str) -> bool:
+        """Tells whether an event that ends a phase as it begins may be chatter: in space if it leads back."""
+        return self._system.robot.dimension == 2 or (guard.reset is not None and guard.reset.phase == before)
 
     def _arc(self, segment: Segment, event: Any, switches: int) -> Arc:
         motion, begin, end = self._motion(segment), segment.pieces[0].begin, segment.pieces[-1].end

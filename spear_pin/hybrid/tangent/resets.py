@@ -180,8 +180,13 @@ def _check_modes(modes: Sequence[str], after: Array, total: Array, friction: flo
             margin = min(pz / push, math.hypot(x, y) / speed)
         else:
             margin = min(pz, friction * pz - math.hypot(px, py)) / push
-        if margin < DEGENERATE:
-            raise NotDifferentiable(BORDER)
+        _check_margin(margin)
+
+
+def _check_margin(margin: float) -> None:
+    """Checks that an impact is not on the border between two outcomes."""
+    if margin < DEGENERATE:
+        raise NotDifferentiable(BORDER)
 
 
 def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
@@ -222,8 +227,7 @@ def _check_set(slides: Any, leaves: Any, after: Array, impulse: Array, friction:
             margin = min(margin, abs(after[2 * i]) / speed)
         elif not leave:
             margin = min(margin, (friction * up - abs(along)) / push)
-        if margin < DEGENERATE:
-            raise NotDifferentiable(BORDER)
+        _check_margin(margin)
 
 
 def flat(held: Mapping[str, Any]) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Derivatives of states on the section, along its coordinates and along numbers of the system.
+"""Derivatives of the return map, and of states on its section, along ξ and along numbers of the system.
 
 In space a symmetric gait lands on two feet at once. Its return map has one derivative on either side, as either foot
 may be first. In symmetric and antisymmetric coordinates both sides differ only in how one kind depends on the other,
@@ -12,11 +12,16 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.structure import Structure
+from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.guards import ON_GROUND
-from spear_pin.hybrid.section import Chart, Charts, section, velocity_rows
+from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
 from spear_pin.hybrid.spatial_section import SpatialCharts
 from spear_pin.hybrid.symmetry import Z, asymmetry
+from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE, Fineness
+from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.fields import ToeNumbers, tangent_feet
+from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.seeds import numbers
 from spear_pin.model.equations import mechanism_of
 
@@ -84,3 +89,38 @@ def aside(system: HybridSystem, local: Chart) -> Array | None:
     change = np.where(lane.even[:split], 0.0, (feet[1][1][-1] - feet[0][1][-1]) @ local.q_basis)
     xi[:split] = APART * change / (change @ change)
     return xi
+
+
+def cycle_on_section(
+    system: HybridSystem, local: Chart, seeds: Array, fineness: Fineness = INSIDE, xi: Array | None = None
+) -> Derivative:
+    """Runs a cycle from a state on the section, and differentiates it along ξ and along numbers of the system.
+
+    See `on_section` for the arguments and `differentiated` for what is raised.
+    """
+    d = local.dimension
+    y = np.concatenate(local.state(np.zeros(d) if xi is None else xi))
+    return differentiated(system, Recorder(system), y, on_section(system, local, seeds, d, xi), seeds, fineness)
+
+
+def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:
+    """Returns derivatives of ξ after a cycle from a gait's state, (d, c); the first d columns are the Jacobian."""
+    found, d, xi = local.changes(cycle.y, cycle.dy), local.dimension, aside(system, local)
+    if xi is not None:
+        assert isinstance(local.lane, SpatialCharts)
+        even, still = local.lane.even, np.zeros((len(cycle.numbers), d))
+        other = cycle_on_section(system, local, still, ENDS, xi)
+        own = found[:, :d] * np.outer(even, even)
+        found[:, :d] = np.where(np.outer(~even, ~even), local.changes(other.y, other.dy), own)
+    return found
+
+
+def exact_jacobian(system: HybridSystem, state: State) -> Array:
+    """Returns the return map's Jacobian at a periodic orbit, in the section's chart, (d, d).
+
+    Raises:
+        NotDifferentiable: the cycle has no derivative; the text says why.
+    """
+    local = chart(system, state)
+    still = np.zeros((len(numbers(system)), local.dimension))
+    return columns(system, local, cycle_on_section(system, local, still, ENDS))

@@ -191,11 +191,6 @@ def test_a_toe_that_is_to_be_lifted_higher(hop):
     assert max(found.gait.system.robot.toe_position(q, "toe")[-1] for q in run.q) == pytest.approx(0.072, abs=1e-7)
 
 
-def test_gaits_in_space_are_refused():
-    with pytest.raises(BadValue, match="plane"):
-        optimize_design(Gait.load("trot"), "work", {"stiffness": (100.0, 120.0)})
-
-
 def test_keeps_away_from_where_no_gait_is(hop):
     """Without a margin the hop without flight kept would fall off the end of its family; each step has a gait."""
     end = best(hop, at_least={}, largest_multiplier=None, assuming=[])

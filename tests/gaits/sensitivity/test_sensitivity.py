@@ -128,11 +128,6 @@ def test_a_state_that_is_no_fixed_point_is_refused(hop):
         Gait(system, hop.state, {}, 0.0, hop.multipliers, hop.durations).sensitivity(["stiffness"])
 
 
-def test_gaits_in_space_are_refused():
-    with pytest.raises(BadValue, match="in the plane"):
-        Gait.load("turn_4").sensitivity(["stiffness"])
-
-
 @pytest.mark.slow
 def test_where_two_events_meet_each_has_its_own_time():
     # lift-off of long_stride is where its spring grows slack; gaits with a smaller angle have the same order of events

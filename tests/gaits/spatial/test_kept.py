@@ -37,11 +37,6 @@ def test_forces_in_space_as_an_xarray():
     assert data.axis.values.tolist() == ["x", "y", "z"] and data.force.shape[1:] == (4, 3)
 
 
-def test_derivatives_are_refused():
-    with pytest.raises(BadValue, match="in the plane: gaits in space have no derivatives yet"):
-        gait().sensitivity(["stiffness"])
-
-
 def test_what_was_replaced_in_the_plane_is_not_lost():
     plane = planar("long_stride")
     changed = replace(plane, system=replace(plane.system, shortest_flight=0.01))

@@ -84,8 +84,8 @@ def test_it_is_told_in_a_table():
         "           8  border: [stance: slip] comes in",
         "           9  flip: the period doubles (-1)",
         "         8.5  fold (1)",
-        "         8.5  end: border, where it ends: [stance: slip] no longer happens; beyond, the cycle misses its "
-        "start by 0.3",
+        "         8.5  end: border, where it ends: [stance: slip] no longer happens; beyond, the cycle does not "
+        "close: its end differs from its start by 0.3",
     ]
     assert repr(branch()) == "Branch(stance_torque 6 to 8.5: 6 points, 4 stable, 2 borders, 2 special points)"
 
