@@ -124,8 +124,9 @@ def lines(*functions: Callable[..., object]) -> int:
 def cells(name: str, found: list[Found], batch: float | None) -> tuple[str, ...]:
     """A column of the table, from above."""
     written = {"MuJoCo": mujoco_native.make, "Drake": drake_system.make}
-    spring = f"in the {lines(written[name])} lines of the hop" if name in written else f"`{Spring.__name__}`"
-    many = f"; {1e3 * batch:.1g} ms of {LANES} together" if batch is not None else ""
+    own = f"part of your own program ({lines(written[name])} lines for this hop)" if name in written else ""
+    spring = own or f"`{Spring.__name__}`"
+    many = f"; {1e3 * batch:.1g} ms each in a batch of {LANES}" if batch is not None else ""
     return (
         span([each.energy for each in found], " J"),
         span([each.touchdown for each in found], " s"),

@@ -11,18 +11,17 @@ from spear_pin.studies.audit.errata import ERRATA
 PAGE = Path(__file__).parent / "explanation" / "errata.md"
 WIDTH = 120
 HEAD = """\
-# Corrections of the source
+# Corrections of the thesis
 
-This page lists the errors that we found when we computed chapters 3 to 5 of the source again, with the tables they use.
+This page lists the errors that we found when we computed chapters 3 to 5 of the [thesis](source.md) again.
 To print the inertias, gravity torques, poles and averages of this page, run
 
 ```sh
 python -m benchmarks.errata
 ```
 
-`spear report` writes a page on which each correction links to the computed statements that show it. Listed are only
-corrections that matter for this package; everything else is used as printed. "Here" means this package. If the printed
-form is correct under another convention, the entry says so.
+The page of `spear report` links each correction to the computed statements that show it. Listed are only corrections
+that matter for this package; everything else is used as printed. "Here" means this package.
 """
 
 

@@ -28,8 +28,8 @@ EXTRAS = {
     'load("solo12"': "example-robot-data",
 }
 SLOW = {
-    *("gait_of_your_own.md-1", "describe_a_robot.md-5", "describe_a_robot.md-6", "play_a_motion.md-1", "bound.md-1"),
-    *("compare.md-1", "choose_spring_and_motor.md-1", "export.md-4", "first_hop.md-3"),
+    *("gait_of_your_own.md-1", "describe_a_robot.md-4", "describe_a_robot.md-5", "play_a_motion.md-1", "bound.md-1"),
+    *("compare.md-1", "choose_spring_and_motor.md-1", "export.md-3", "first_hop.md-3"),
     *("hardware.md-1", "hardware.md-2", "motors.md-2"),
     *("quadruped_in_space.md-2", "make_a_figure.md-1", "gait_of_your_own.md-2"),
 }

@@ -46,9 +46,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "Rotor inertias (3.12)-(3.13)",
             'These equations multiply the rotor inertia by N². But the "motor inertias" of Tables 2.4 and 5.1 are '
             "already multiplied; Table 5.1 calls them effective. Divided by N² they are 0.027 kg·m² / 15² = 1200 "
-            "g·cm² and 0.047 / 60² = 131 g·cm², sizes that such motors have. Multiplied again, 15² × 0.027 = 6 "
-            "kg·m² would be absurd. The URDF has the rotor's own inertia and the ratio. Table 3.1 exchanges the "
-            "descriptions of N_Knee and N_Hip, and the unit of rotor angles should be rad.",
+            "g·cm² and 0.047 / 60² = 131 g·cm², sizes that such motors have. The URDF has the rotor's own inertia "
+            "and the ratio. Table 3.1 exchanges the descriptions of N_Knee and N_Hip, and the unit of rotor angles "
+            "should be rad.",
             (
                 "rotor-energy",
                 "knee-rotor-spear-ii",
@@ -59,10 +59,10 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Rotor of the knee (3.13)",
-            "The motor's stator turns with the thigh. So its rotor has the energy ½ J (s θ̇₁ - N θ̇₂)², where s = "
-            "±1 is the sense in which it turns. The coupling term N J is 0.0018 kg·m², small against the hip-knee "
-            "entry of the mass matrix, 0.026. The source neglects this coupling and does not say which sense is "
-            "right, so it is neglected here too (s = 0).",
+            "The motor's stator turns with the thigh. So the rotor has the energy ½ J (s θ̇₁ - N θ̇₂)², where s = "
+            "±1 is the rotor's sense of turning. The coupling term N J is 0.0018 kg·m², small against the hip-knee "
+            "entry of the mass matrix, 0.026. The thesis neglects this coupling and does not say which sense is "
+            "right, so this package neglects the coupling too (s = 0).",
             ("stator-turns",),
         ),
         Erratum(
@@ -94,8 +94,8 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Spring (3.24)",
-            "On the coordinate θ₂, τ = +k (θ₂ - θ₂ᵗᵈ) pushes away from the rest angle. It would be correct with "
-            "torques counted positive in extension. But then (3.25), -b θ̇₂, would drive instead of damp. Here "
+            "On the coordinate θ₂, τ = +k (θ₂ - θ₂ᵗᵈ) pushes away from the rest angle. This sign would be correct "
+            "with torques counted positive in extension, but then (3.25), -b θ̇₂, would drive instead of damp. Here "
             "the torque is -k (θ₂ - θ₂ᵗᵈ), and zero below the latched angle, because the spring acts through a "
             "chain that only pulls.",
             ("spring-sign",),
@@ -104,14 +104,14 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
     "Control": (
         Erratum(
             "Flight law (4.9)-(4.10)",
-            "With K > 0 the term K (θ - θ_des) pushes away from the commanded angle. The printed K_D < 0 does "
-            "damp, as the source says. With the printed signs the poles in flight are 15.07, -23.80, 35.15 and "
-            "-51.15 rad/s, which is unstable. Here τ = K (θ_des - θ) - |K_D| θ̇.",
+            "With K > 0 the term K (θ - θ_des) pushes away from the commanded angle. The printed K_D < 0 does damp, "
+            "as the thesis says. With the printed signs the poles in flight are 15.07, -23.80, 35.15 and -51.15 "
+            "rad/s, which is unstable. Here τ = K (θ_des - θ) - |K_D| θ̇.",
             ("flight-law-sign",),
         ),
         Erratum(
             "Stance law (4.10)",
-            "The source describes a flexing torque that helps to compress the spring in the first half of stance, "
+            "The thesis describes a flexing torque that helps to compress the spring in the first half of stance, "
             "and an extending torque that pushes off in the second. In terms of θ₂, positive in flexion, this law "
             "is +τ̄ sign(sin(2πf(t - t_td))). The printed minus is the same law for torques counted positive in "
             "extension. One period 1/f after touchdown this square wave would flex the knee again, which ends "
@@ -121,10 +121,10 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         Erratum(
             "Gains",
             "With the printed gains and corrected signs, the poles of the leg in flight are -4.40 ± 18.52j and "
-            "-7.97 ± 41.42j rad/s. Their damping ratios are 0.23 and 0.19. So in 0.2 s they do not bring the "
-            "joints to rest, though the source says that they do. The source neglects the knee's damping in "
-            "flight; 1.3 N·m·s/rad there would raise the knee's damping ratio to 0.61. [Hopping](../how_to/hop.md) "
-            "has the rates at touchdown, and gains that do bring the joints to rest.",
+            "-7.97 ± 41.42j rad/s. Their damping ratios are 0.23 and 0.19. So in 0.2 s they do not bring the joints "
+            "to rest, though the thesis says that they do. The thesis neglects the knee's damping in flight; 1.3 "
+            "N·m·s/rad there would raise the knee's damping ratio to 0.61. [Hopping](../how_to/hop.md) has the "
+            "rates at touchdown, and gains that do bring the joints to rest.",
             (
                 "settles-in-flight",
                 "knee-flat-before-touchdown",
@@ -143,8 +143,8 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "| mean of Table 4.1 | 51.35 | 1.31 | 1.01 | 6.41 | 0.50 | 0.03 | 86.20 % |\n"
             "| printed, no motor | 47.99 | 1.04 | 1 | 5.47 | 0.41 | 0.03 | 87.62 % |\n"
             "| mean of Table 4.1 | 47.99 | 1.04 | 1.00 | 5.47 | 0.41 | 0.03 | 87.63 % |\n\n"
-            "The default here is the printed 48.84 N·m/rad and 1.3 N·m·s/rad. Each stiffness lies well within one "
-            "standard deviation of the other. [Hopping](../how_to/hop.md) shows what 51.35 changes.",
+            "The default here is the printed 48.84 N·m/rad and 1.3 N·m·s/rad. [Hopping](../how_to/hop.md) shows "
+            "what 51.35 changes.",
             (
                 "mean-stiffness-with-motor",
                 "mean-fit-with-motor",
@@ -176,9 +176,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Moving average",
-            "The source smooths the data over 100 samples. It does not say whether it smooths the model too. If "
-            "it does not, a centred average raises b by 9 % and leaves k. A causal one lowers k by 22 % and "
-            "raises b by 12 %. These numbers come from synthetic records. Here both are smoothed.",
+            "The thesis smooths the data over 100 samples, and does not say whether the model is smoothed too. If "
+            "only the data are, a centred average raises b by 9 % and leaves k, on synthetic records. A causal "
+            "average lowers k by 22 % and raises b by 12 %. Here both are smoothed.",
         ),
         Erratum(
             "Belt (4.5)-(4.7)",
@@ -186,8 +186,8 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "spring assumes a rotor that stands still. Without current the rotor floats, and the belt lies in "
             "series. The modulus of neoprene leaves out the belt's cords. A belt as soft as 0.73 to 1.09 N·m/rad "
             "would decouple the rotor instead of delaying the swing. In Table 4.2 the stiffnesses with and without "
-            "motor differ by 0.85 N·m/rad. This is in that range only by coincidence: with the means of Table "
-            "4.1's rows the difference is 3.4 N·m/rad. Both differences are below one standard deviation.",
+            "motor differ by 0.85 N·m/rad. That this is in the same range is a coincidence: with the means of Table "
+            "4.1's rows the difference is 3.4 N·m/rad.",
             (
                 "belt-stiffness",
                 "belt-explains-motor",
@@ -198,14 +198,14 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "Back-EMF (4.8)",
             "The printed 34.5 V belong to 20 rad/s of the joint: 0.115 × 15 × 20. The sentence speaks of a rotor "
             "that spins at 20 rad/s, which would give 2.3 V. On the battery of 24 V the knee can be driven up to "
-            "13.9 rad/s. Above 14.7 rad/s the diodes of a bridge conduct, even if all its switches are open. The "
-            "motor is then a generator with a load. In the push test the back-EMF stays far below.",
+            "13.9 rad/s. Above 14.7 rad/s the diodes of a bridge conduct, even if all its switches are open. In the "
+            "push test the back-EMF stays far below.",
             ("back-emf", "back-emf-of-rotor", "speed-on-24-volts", "open-is-no-load", "swing-below-threshold"),
         ),
         Erratum(
             "Shorted phases",
             "With the assumed 1.1 Ω, shorted phases would brake the knee by 2.7 N·m·s/rad. The motor raises b by "
-            "only 0.26, so its circuit was open, as the source concludes.",
+            "only 0.26, so its circuit was open, as the thesis concludes.",
             ("open-circuit",),
         ),
     ),
@@ -220,19 +220,19 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Output linearisation",
-            "The last term of (5.15) and (5.20) is L²_f h; the source prints L_g L_f h again. The text below "
-            "(5.10) means the outputs (5.9); their H should have the index of the phase. The text before (5.22) "
-            "has to say that x⁺ is *not* in Z. In (5.10) γ^td is the value at touchdown, and Δ is negative because "
-            "the leg sweeps back. The sentence under (5.3) exchanges g^sw and g^su. The state (q_s′, q̇_s′)′ is "
-            "x_s, without a dot.",
+            "The last term of (5.15) and (5.20) is L²_f h; the thesis prints L_g L_f h again. The text below (5.10) "
+            "means the outputs (5.9); their H should have the index of the phase. The text before (5.22) has to say "
+            "that x⁺ is *not* in Z. In (5.10) γ^td is the value at touchdown, and Δ is negative because the leg "
+            "sweeps back. The sentence under (5.3) exchanges g^sw and g^su. The state (q_s′, q̇_s′)′ is x_s, "
+            "without a dot.",
             ("output-linearisation",),
         ),
         Erratum(
             "Pairs",
             "The total of 43.76 kg in Table 5.1 is 35 kg with four legs. So a leg of the sagittal model is a pair "
             "of legs, with twice the mass, inertia, spring and torque. In Fig. 5.6 the motor's curve is flat at "
-            "k_rot = 200 N·m/rad. So k_p = k_a is 200 N·m/rad for one motor, and 400 for a pair. At 300 and 400 "
-            "the spring does more than the law asks for, and the motor has to take off the excess. Where ū is "
+            "k_rot = 200 N·m/rad. So k_p = k_a is 200 N·m/rad for one motor, and 400 for a pair. At 300 and 400 the "
+            "spring gives more than the law asks for, and the motor has to work against the spring. Where ū is "
             "small, the motor's torque is reversed.",
             (
                 "total-mass",
@@ -244,11 +244,11 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "120:1 at the hip",
             "Doubling the ratio multiplies the reflected 0.047 by four: 0.188 kg·m². The straight leg's inertia "
             "about the hip is 0.014 + 1.72 · 0.008² + 0.005 + 0.47 · 0.462² = 0.119 kg·m². So the rotor outweighs "
-            'the leg it moves, by 1.6 to 1. The source says that this is "not as much a concern" as at the knee. '
-            "That depends on the measure. At the knee 0.027 kg·m² move a shank of 0.015 about the knee, which is "
-            "1.8 to 1. But in absolute terms the rotor inertia at the hip, 0.188 kg·m², is seven times that at the "
-            'knee. The source also says that the hip\'s effort is "relatively small" and that its motor "would not '
-            'be able to provide the peak torques". These two statements contradict each other.',
+            'the leg it moves, by 1.6 to 1. The thesis says that this is "not as much a concern" as at the knee. At '
+            "the knee 0.027 kg·m² move a shank of 0.015 about the knee, 1.8 to 1. But the rotor inertia at the hip "
+            'is seven times that at the knee. The thesis also says that the hip\'s effort is "relatively small" and '
+            'that its motor "would not be able to provide the peak torques". These two statements contradict each '
+            "other.",
             (
                 "hip-inertia-no-concern",
                 "hip-effort-small",
