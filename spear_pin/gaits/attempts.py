@@ -216,7 +216,8 @@ class Search:
         guess, values = system.guess(), self._values(system)
         moment = Moment(*guess, *starting_phase(system, guess))
         for _ in range(SETTLE):
-            after = None if self.exact is None else self.exact.follow(moment, values)
+            exact = None if system.section_toes else self.exact
+            after = None if exact is None else exact.follow(moment, values)
             if after is None:
                 try:
                     result = run(system, moment, 1, SETTLING)

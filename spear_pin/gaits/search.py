@@ -33,9 +33,9 @@ def find_gait(
 ) -> Gait:
     """Solves x = P(x) of (4.12) together with the targets, by Newton's method on the return map.
 
-    Cycles come with exact derivatives where the fast engine runs them (in the plane, without hardware, with heyoka
-    installed, and with all targets as measures by name). Elsewhere the reference engine runs them, with derivatives by
-    differences. The reference engine confirms every gait: the residual is to `rtol`.
+    Cycles come with exact derivatives without hardware and with all targets as measures by name; in the plane this
+    needs heyoka. Elsewhere the reference engine runs them, with derivatives by differences. The reference engine
+    confirms every gait: the residual is to `rtol`.
 
     Where that fails, the function tries other starting values of the parameters. Then it carries the fixed point of
     each start to the targets step by step.

@@ -1,4 +1,4 @@
-"""Cycles of one lane by the fast engine, with exact derivatives, one after another as Newton's method needs them."""
+"""Cycles of one lane with exact derivatives, one after another as Newton's method needs them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures, of_ends
 from spear_pin.hybrid.automaton import HybridSystem
@@ -25,10 +24,9 @@ from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder, many
+from spear_pin.hybrid.tangent.resets import REFUSALS
 
 SAME = 1e-14  # relative: states that differ only by rounding, as from charts, have one cycle
-REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
-"""What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""
 
 
 class _Differentiated(NamedTuple):
@@ -116,16 +114,17 @@ class TangentCycles:
         found = self._at(q, v, values)
         return () if found is None else found.cycle.borders
 
-    def slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array]:
+    def slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array, Array]:
         """Returns derivatives of cycles; see `hybrid.shooting.Slopes`."""
         n, rows = len(lanes), q.shape[1] + v.shape[1]
         width = rows + len(self.vary)
+        after = np.full((n, rows), np.nan)
         ends, measured = np.full((n, rows, width), np.nan), np.full((n, len(self.measures), width), np.nan)
         for i in range(n):
             if (found := self._at(q[i], v[i], values[i])) is not None:
-                ends[i] = found.cycle.dy
+                after[i], ends[i] = found.cycle.y, found.cycle.dy
                 measured[i] = np.reshape([each.derivative for each in found.measured], (-1, width))
-        return ends, measured
+        return after, ends, measured
 
     def _at(self, q: Array, v: Array, values: Array) -> _Differentiated | None:
         """Returns the cycle from a state, along all directions of the state and the numbers."""

@@ -138,7 +138,7 @@ def check_lanes(system: HybridSystem) -> None:
         raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
     if any(PINNED in domain.contacts for domain in system.domains):
         raise BadValue("system", system.kind, "one without pinned toes")
-    if system.robot.added is not None:
+    if system.robot.added is not None or system.robot.post is not None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
 
 

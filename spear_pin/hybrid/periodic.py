@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import may_vary
 from spear_pin.hybrid.newton import STEP, Lanes, jacobian
 from spear_pin.hybrid.result import Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart as chart
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting
 from spear_pin.hybrid.spatial_section import seen
-from spear_pin.hybrid.tangent.resets import NotDifferentiable
+from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.section import exact_jacobian
 from spear_pin.hybrid.translation import translations, without
 
@@ -99,10 +100,10 @@ def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: f
     Raises:
         NoGait: a perturbed cycle does not close.
     """
-    if system.section_toes and system.hardware is None:
+    if system.section_toes and may_vary(system, ()):
         try:
             return eigenvalues(exact_jacobian(system, state))
-        except NotDifferentiable:
+        except REFUSALS:
             pass
     return eigenvalues(differentiate_return_map(system, state, rtol, step))
 

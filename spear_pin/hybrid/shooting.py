@@ -46,7 +46,7 @@ class Cycles:
 
 Cycle = Callable[[Lanes, Array, Array, Array], Cycles]
 """One cycle of some lanes, (n,), from states q and v with values of what varies, (n, k)."""
-Slopes = Callable[[Lanes, Array, Array, Array], tuple[Array, Array]]
+Slopes = Callable[[Lanes, Array, Array, Array], tuple[Array, Array, Array]]
 """Derivatives of such cycles' ends (q, v), (n, 2 nv, 2 nv + k), and of what is measured, (n, r, 2 nv + k), by the state
 and by what varies; NaN where they are not known."""
 
@@ -110,10 +110,9 @@ class Shooting:
         moves = differentiated(np.concatenate(beside, axis=1).reshape(n, 2 * width, -1))
         held = np.broadcast_to(np.eye(width - d, width, d), (n, width - d, width))
         q, v = charts.states(unknowns[:, :d])
-        after = self.cycle(lanes, q, v, unknowns[:, d:])
-        ends, measured = self.slopes(lanes, q, v, unknowns[:, d:])
-        along = np.concatenate([moves, held], axis=1)
-        moved = charts.changes(after.q, after.v, ends @ along) - charts.changes(q, v, moves)
+        after, ends, measured = self.slopes(lanes, q, v, unknowns[:, d:])
+        along, nq = np.concatenate([moves, held], axis=1), q.shape[1]
+        moved = charts.changes(after[:, :nq], after[:, nq:], ends @ along) - charts.changes(q, v, moves)
         return np.concatenate([moved, measured @ along], axis=1)
 
     def solve(

@@ -26,6 +26,7 @@ from spear_pin.hybrid.rules.impact import (
 )
 from spear_pin.hybrid.rules.sliding_impact import sliding_impact
 from spear_pin.hybrid.rules.spatial_impact import spatial_impact
+from spear_pin.model.robot import Robot
 
 
 class Strike(NamedTuple):
@@ -189,14 +190,19 @@ def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Arr
         if mode == OPEN:
             continue
         jacobian = system.ground.foot(robot, q, toe)[1]
-        rests = toe in reset.stop or mode == STICK or math.hypot(*(jacobian[:-1] @ v)) <= 2.0 * SLOW
-        rows.append(jacobian if rests else jacobian[-1:])
+        rows.append(jacobian if rests(robot, domain, reset, toe, jacobian @ v) else jacobian[-1:])
     jacobians = np.concatenate(rows)
     response = np.linalg.solve(robot.mass_matrix(q), jacobians.T)
     impulse = -np.linalg.lstsq(jacobians @ response, jacobians @ v, rcond=None)[0]
     after = v + response @ impulse
     work = 0.5 * float(impulse @ (jacobians @ (v + after)))
     return Strike(after, np.zeros((len(robot.toes), robot.dimension)), work, {})
+
+
+def rests(robot: Robot, domain: Domain, reset: Reset, toe: str, speed: Array) -> bool:
+    """Tells whether a toe in space, with a velocity of (3,) in m/s, rests after the end of sliding."""
+    sticks = domain.contacts[robot.toes.index(toe)] == STICK
+    return toe in reset.stop or sticks or math.hypot(*speed[:2]) <= 2.0 * SLOW
 
 
 def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Array, v: Array) -> Strike:

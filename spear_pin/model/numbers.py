@@ -77,7 +77,7 @@ def body_numbers(robot: Robot) -> dict[str, Number]:
 def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
     """Returns a robot with other numbers of its bodies; the given one is left unchanged.
 
-    A body keeps the shape of its inertia, a length its direction.
+    A body keeps the shape of its inertia unless a moment about one axis is given, a length its direction.
 
     Raises:
         UnknownName: the robot has no number of a name.

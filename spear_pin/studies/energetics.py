@@ -220,7 +220,8 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
     if parts is not None:
         energy |= {name: parts[0] - share * parts[1] for name, share in REGENERATION.items()}
     robot = system.robot
-    distance = Sampled(robot, trajectory, range(skip + 1, trajectory.cycles + 1)).stride if system.cyclic else 0.0
+    sampled = Sampled(robot, trajectory, range(skip + 1, trajectory.cycles + 1), bool(system.mirrored_toes))
+    distance = sampled.stride if system.cyclic else 0.0
     return Costs(energy, robot.mass, robot.weight, distance or 0.0, _rise(trajectory, skip))
 
 

@@ -14,11 +14,11 @@ from spear_pin.gaits.continuation import continue_gait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.gaits.search import gait_beside
-from spear_pin.gaits.tangent_cycles import REFUSALS
 from spear_pin.gaits.targets import FLIGHT
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.parameters import parameter, rebuilt, with_parameters
+from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.kinds import typed
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring

@@ -149,7 +149,8 @@ def _derived(
 def _of_motion(table: Table, path: Path, gait: Gait) -> None:
     """What was simulated, from its file, as it is exported and played."""
     run, robot = Trajectory.load(path), gait.system.robot
-    sampled = Sampled(robot, run, (1, 2) if gait.system.mirrored_toes else (1,))  # a whole stride, of each leg
+    halves = bool(gait.system.mirrored_toes)
+    sampled = Sampled(robot, run, (1, 2) if halves else (1,), halves)  # a whole stride, of each leg
     table.add("measures of samples", sampled.values())
     if robot.dimension == 2:
         finer = simulate(gait.system, gait.state, 1, samples=1000, progress=False)

@@ -8,7 +8,7 @@ import numpy as np
 
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
-from spear_pin.gaits.tangent_cycles import REFUSALS
+from spear_pin.hybrid.tangent.resets import REFUSALS
 
 CLOSED = 1e-10  # of coordinates and of what is kept
 MOST = 8  # cycles

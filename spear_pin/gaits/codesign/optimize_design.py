@@ -19,11 +19,11 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.electricity import check_gears
 from spear_pin.gaits.sensitivity.orbit import Orbit
-from spear_pin.gaits.tangent_cycles import REFUSALS
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 
@@ -74,7 +74,7 @@ def optimize_design(
         MissingExtra: heyoka is not installed.
         UnknownName: there is no parameter, measure or joint that has such a name.
         BadValue: a range is empty, the gait lies outside a range, `keep` and `vary` differ in length, a drive has
-            another ratio than the robot, or the gait moves in space or has hardware.
+            another ratio than the robot, or the gait has hardware.
         NoGait: no gait near the given one has the values to keep.
         NotDifferentiable: the gait has no derivative.
 

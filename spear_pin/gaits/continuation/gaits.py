@@ -107,7 +107,7 @@ class Gaits:
         (residual,), cycle = self._compared(charts, begins, values[None], cycle)
         if cycle.reason[0]:
             raise NoValue(cycle.reason[0], cycle.orders[0])
-        (ends,), (measured,) = exact.slopes(np.zeros(1, dtype=np.int64), q[None], v[None], numbers[None])
+        _, (ends,), (measured,) = exact.slopes(np.zeros(1, dtype=np.int64), q[None], v[None], numbers[None])
         moves, own = directions[: len(q) + len(v)], np.eye(len(values), d + len(values), d) * self.scale[:, None]
         along = np.concatenate([moves, self.numbers(own.T).T])
         rows = measured @ along

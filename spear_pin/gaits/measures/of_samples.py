@@ -26,11 +26,13 @@ class Sampled:
         trajectory: the robot's motion.
         cycles: numbers of whole cycles that follow each other; empty: all samples count as one cycle. If a gait closes
             in the mirror, two cycles make a stride, in which each leg does what the other does.
+        halves: whether a cycle is half a stride, which covers distance along the heading with which it begins.
     """
 
     robot: Robot
     trajectory: Trajectory
     cycles: Sequence[int] = (1,)
+    halves: bool = False
 
     @cached_property
     def curves(self) -> Curves:
@@ -61,7 +63,7 @@ class Sampled:
 
     @cached_property
     def stride(self) -> float | None:
-        """Distance of a cycle, in m: along x in the plane, straight from section to section in space; or None."""
+        """Distance of a cycle, in m: along x in the plane, else straight from section to section; None without x."""
         one, chosen = self.trajectory, self.curves.chosen
         x, y = (
             next((i for i, name in enumerate(one.coordinates) if name.endswith(axis)), None) for axis in ("_x", "_y")
@@ -72,7 +74,11 @@ class Sampled:
         if y is None:
             return float(one.q[rows[-1], x] - one.q[rows[0], x]) / self.count
         ends = [*(int(np.argmax(one.cycle == n)) for n in self.cycles or [one.cycle[rows[0]]]), int(rows[-1])]
-        return float(np.linalg.norm(np.diff(one.q[ends][:, [x, y]], axis=0), axis=1).sum()) / self.count
+        ways = np.diff(one.q[ends][:, [x, y]], axis=0)
+        if self.halves:
+            yaw = one.q[ends[:-1], one.coordinates.index("yaw")]
+            return float((np.cos(yaw) * ways[:, 0] + np.sin(yaw) * ways[:, 1]).sum()) / self.count
+        return float(np.linalg.norm(ways, axis=1).sum()) / self.count
 
     def works(self) -> dict[str, float]:
         """Returns the work of all motors, and the work per distance."""

@@ -21,6 +21,7 @@ from spear_pin.gaits.orbits.steering import SECOND
 from spear_pin.gaits.orbits.strides import Strides
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.law import INPUTS
+from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.symmetry import headed
 from spear_pin.kinds import typed
 from spear_pin.model.scale import scale_in_space
@@ -79,8 +80,9 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
                 raise NoGait(reason, failure.residual, remedy="smaller landing times") from None
             if done:
                 J = path.slopes(x, ONE_SIDED, path.values(x))
-    measures = {"mean_speed": float(begin[path.n + 1]), "turn": 0.0}
-    found = gait_beside(path.system(x), headed(*path.state(x)), KEPT_BY, measures, rtol)
+    system, state = path.system(x), path.state(x)
+    measures = {"mean_speed": system.measures["mean_speed"](return_map(system, state, rtol)), "turn": 0.0}
+    found = gait_beside(system, headed(*state), KEPT_BY, measures, rtol)
     q, v = found.state
     return found.with_law(nominal=(*q.tolist(), *v.tolist()))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
@@ -73,13 +74,23 @@ def _advance(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
         found["turn"] = Measure(turn, cycle.dy[yaw] - start[yaw], "rad")
     along = [robot.index(name) for name in cycle.system.cyclic if name != "yaw"]
     way, ways = cycle.y[along] - cycle.stretches[0].arc.y[along], cycle.dy[along] - start[along]
-    stride = float(way[0]) if len(way) == 1 else float(np.linalg.norm(way))
-    change = (way / stride) @ ways if stride else ways[0]
+    ahead = _ahead(cycle, way)
+    stride, change = float(ahead @ way), ahead @ ways
     speed = stride / period.value
     return found | {
         "stride": Measure(stride, change, "m"),
         "mean_speed": Measure(speed, (change - speed * period.derivative) / period.value, "m/s"),
     }
+
+
+def _ahead(cycle: Derivative, way: Array) -> Array:
+    """Returns the unit vector along which a cycle covers distance: its way, or for half a stride its first heading."""
+    if len(way) == 1:
+        return np.ones(1)
+    if cycle.system.mirrored_toes:
+        yaw = float(cycle.stretches[0].arc.y[cycle.system.robot.index("yaw")])
+        return np.array([math.cos(yaw), math.sin(yaw)])
+    return way / max(float(np.linalg.norm(way)), 1e-300)
 
 
 def _works(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:

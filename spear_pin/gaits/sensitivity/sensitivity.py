@@ -202,8 +202,8 @@ def sensitivity(
     Raises:
         UnknownName: there is no parameter, measure or joint with a motor that has such a name.
         BadValue: a name is given twice, `keep` and `vary` differ in length, a parameter is zero and with it part of the
-            equations, the state is not a fixed point, a motor's resistance or torque constant is not known, or the
-            system moves in space or has hardware.
+            equations, the state is not a fixed point, a motor's resistance or torque constant is not known, the
+            system has hardware, or in space a number tells left from right or is built into the law.
         NotDifferentiable: the cycle has no derivative.
     """
     orbit = orbit_of_gait(system, state, over, vary, keep, motors)

@@ -65,6 +65,7 @@ def in_groups(
     if not as_ground(contact).plain:
         raise BadValue("ground", contact, "level at height zero: in space there is no other yet")
     first, *second = (tuple(leg.toe for leg in group) for group in automaton.closing)
+    mirrored = len(set(automaton.sections)) < len(automaton.sections)
     return HybridSystem(
         kind=kind,
         robot=robot,
@@ -74,11 +75,11 @@ def in_groups(
         domains=tuple(automaton.domains(spring)),
         section=automaton.sections[0],
         section_toes=first,
-        mirrored_toes=second[0] if len(set(automaton.sections)) < len(automaton.sections) else (),
+        mirrored_toes=second[0] if mirrored else (),
         cyclic=("torso_x", "torso_y", "yaw"),
         build=build,
         guess=guess,
-        measures=MEASURES,
+        measures=OF_HALVES if mirrored else MEASURES,
         phase_limit=LONGEST * scale.time,
         overlap=OVERLAP * scale.time,
     )
@@ -295,3 +296,9 @@ MEASURES: Mapping[str, Any] = {
     "stride": _stride,
     "turn": lambda run: float(run.state[0][YAW] - run.start[0][YAW]),
 }
+OF_HALVES: Mapping[str, Any] = {
+    **MEASURES,
+    "mean_speed": forward_speed,
+    "stride": lambda run: forward_speed(run) * sum(run.durations.values()),
+}
+"""Of cycles that are half a stride: what they go aside, the other half undoes."""

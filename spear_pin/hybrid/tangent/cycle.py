@@ -18,13 +18,13 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import KELLER, HybridSystem
-from spear_pin.hybrid.contact import OPEN, SLIP, SLOW, STICK
+from spear_pin.hybrid.contact import OPEN, SLIP
 from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.strikes import Overlap, struck_toes_in_space
+from spear_pin.hybrid.strikes import Overlap, rests, struck_toes_in_space
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, SHORTEST, Derivative, Stretch, falling
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
@@ -34,6 +34,7 @@ from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, stopped, struck, struck_in_space
 
+SAME = 1e-7  # SI units: by how much the state after an event may differ from that of the engine
 GRAZING = 1e-6  # slope of a guard at zero, relative to its mean slope over the arc, below which it grazes
 
 
@@ -47,6 +48,8 @@ class _Now:
         bent: the previous arc, if it ended at a kink.
         past: total time of the earlier phases, in s.
         changes: derivatives of the impulses in `overlap`, (3, c) each.
+        after: state after the last event, (2 nv,); None where the motion goes on as it was.
+        together: whether several feet in space have landed in one instant.
     """
 
     dy: Array
@@ -57,6 +60,8 @@ class _Now:
     bent: Stretch | None = None
     past: float = 0.0
     changes: dict[str, Array] = field(default_factory=dict)
+    after: Array | None = None
+    together: bool = False
     durations: dict[str, Any] = field(default_factory=dict)
     steepness: float = math.inf
 
@@ -82,10 +87,14 @@ def differentiated(
     arcs = recorder.cycle(y)
     now, stretches = _Now(dy, held, np.zeros(dy.shape[1]), Overlap(system.overlap)), []
     for arc in arcs:
+        if now.after is not None and not np.allclose(arc.y, now.after, rtol=SAME, atol=SAME):
+            raise NotDifferentiable(f"{arc.domain.name} does not begin where the event before it leads by its rule")
         stretch = whole.carry(arc, now)
         stretches.append(stretch)
         whole.pass_event(stretch, now)
-    return Derivative(system, recorder.end, now.dy, now.durations, stretches, whole.raw, seeds, now.steepness)
+    return Derivative(
+        system, recorder.end, now.dy, now.durations, stretches, whole.raw, seeds, now.steepness, now.together
+    )
 
 
 class _Whole:
@@ -168,12 +177,13 @@ class _Whole:
     def pass_event(self, stretch: Stretch, now: _Now) -> None:
         """Applies an event to the derivatives, and records the duration of a phase that it ends."""
         arc, tau = stretch.arc, stretch.tau
-        now.dy, now.tau, now.behind = stretch.dstate, tau, False
+        now.dy, now.tau, now.behind, now.after = stretch.dstate, tau, False, None
         if arc.event is None or arc.event.reset is None:
             return  # the same motion continues
         reset = arc.event.reset
         now.dy = stretch.dstate + stretch.end.slopes[:, None] * tau
-        state = duals(self._strike(arc, reset, now), now.dy)
+        now.after = self._strike(arc, reset, now)
+        state = duals(now.after, now.dy)
         q, v = state[: self.nv], state[self.nv :]
         now.held = dict(latched(now.held, [reset], q, v, self.law))
         if reset.phase is not None:
@@ -207,12 +217,9 @@ class _Whole:
         if reset.stop:
             grounded = [toe for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
             feet, slopes = self._feet(grounded, y, now)
-            rows = list[int]()
-            for i, toe in enumerate(grounded):
-                sticks = domain.contacts[robot.toes.index(toe)] == STICK
-                slow = math.hypot(*feet.speeds[3 * i : 3 * i + 2]) <= 2.0 * SLOW
-                rows += range(3 * i if toe in reset.stop or sticks or slow else 3 * i + 2, 3 * i + 3)
-            return stopped(feet, slopes, rows)
+            speeds = zip(grounded, feet.speeds.reshape(-1, 3), strict=True)
+            firsts = [0 if rests(robot, domain, reset, toe, speed) else 2 for toe, speed in speeds]
+            return stopped(feet, slopes, [row for i, k in enumerate(firsts) for row in range(3 * i + k, 3 * i + 3)])
         every, _ = self._feet(robot.toes, y, now)
         normal = {
             toe: (float(height), float(speed))
@@ -223,10 +230,12 @@ class _Whole:
         time, before = now.past + arc.end, None
         if not (self.system.impact_law == KELLER and len(toes) == 1):
             received = now.overlap.received(toes, time)
-            still = np.zeros((3, self.c))
-            there = [now.changes[toe] if toe in now.overlap.recent else still for toe in toes]
+            nothing = np.zeros((3, self.c))
+            there = [now.changes[toe] if toe in now.overlap.recent else nothing for toe in toes]
             before = received, np.array(there)
-        found = struck_in_space(feet, slopes, toes, reset.impact, striking - {*reset.impact}, before)
+        falls = striking - {*reset.impact}
+        now.together = now.together or bool(falls)
+        found = struck_in_space(feet, slopes, toes, reset.impact, falls, before)
         counted = {toe for toe in toes if toe in now.overlap.recent}
         now.overlap.add(toes, striking, found.impulse, time)
         for toe, change in zip(toes, found.dimpulse, strict=True):

@@ -150,6 +150,7 @@ class Derivative:
         numbers: run-time parameters without the held values, (p,).
         dnumbers: their derivatives, (p, c).
         steepness: slope at zero of the guard that falls most slowly, relative to its mean slope over its arc.
+        together: whether several feet in space landed in one instant.
     """
 
     system: HybridSystem
@@ -160,6 +161,7 @@ class Derivative:
     numbers: Array
     dnumbers: Array
     steepness: float
+    together: bool = False
 
     @property
     def order(self) -> tuple[frozenset[str], ...]:
@@ -179,8 +181,9 @@ class Derivative:
 
         An immediate event whose guard is far below zero coincides with none: it stays immediate near this cycle.
         """
-        begins = 1 if self.system.section_toes else 0  # there a toe always touches down as the cycle begins
-        met = [each.arc.event.name for each in self.stretches[begins:] if each.late or each.meets]
+        begins = self.stretches[:1] if self.system.section_toes else []  # there a toe touches down in any case
+        late = [each for each in self.stretches if each.late and each not in begins]
+        met = [each.arc.event.name for each in self.stretches if each in late or each.meets]
         return tuple(dict.fromkeys(met))
 
 

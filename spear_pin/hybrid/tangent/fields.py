@@ -53,7 +53,7 @@ class Values(NamedTuple):
 
     @property
     def forces(self) -> Array:
-        """Ground force on each closed toe, along the ground and normal to it, in N, (2 closed, ...)."""
+        """Ground force on each closed toe, along the ground and normal to it, in N; 2 or 3 rows a toe."""
         return self.rows[self.ends[2] :]
 
 

@@ -88,6 +88,7 @@ class Recorder:
         self.numbers = np.array(self._numbers.constants(lane), dtype=float)
         self.end = np.empty(0)
         self.order: Order = ()
+        self._own = {domain.name: domain for domain in system.domains} if self._in_space else {}
         # the system keeps its domains, so that their ids stay the same
         self._fields = _fields.setdefault(self._numbers.compilation, {})
         self._feet = _feet.setdefault(self._numbers.compilation, {})
@@ -132,7 +133,9 @@ class Recorder:
 
     def field(self, domain: Domain, held: Held) -> TangentField:
         """Returns the tangent field that gives a domain's derivatives."""
-        key = domain.name if self._in_space else id(domain), shape_of(held)
+        if self._in_space:  # the runner's system may have other numbers, and domains of its own
+            domain = self._own[domain.name]
+        key = id(domain), shape_of(held)
         if key not in self._fields:
             self._fields[key] = tangent_field(Structure(self.system, domain, held, self.mechanism))
         return self._fields[key]

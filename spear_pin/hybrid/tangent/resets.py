@@ -29,6 +29,10 @@ class NotDifferentiable(SpearError):
     """Raised when a cycle has no derivative, or none that can be computed here; the text says why."""
 
 
+REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
+"""What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""
+
+
 def struck(
     feet: ToeNumbers, slopes: ToeNumbers, toes: Sequence[str], lands: Sequence[str]
 ) -> tuple[Array, Array, dict[str, Any]]:

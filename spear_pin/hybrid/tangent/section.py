@@ -16,16 +16,18 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
 from spear_pin.hybrid.spatial_section import SpatialCharts
-from spear_pin.hybrid.symmetry import Z, asymmetry
+from spear_pin.hybrid.symmetry import Z, asymmetry, partner
 from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE, Fineness
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.fields import ToeNumbers, tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.hybrid.tangent.seeds import numbers
 from spear_pin.model.equations import mechanism_of
 
 ALIKE = 1e-7  # in SI units: largest asymmetry of a gait that counts as symmetric
+ODD = 1e-5  # of the largest derivative: what is smaller is rounding of a symmetric one
 APART = 10.0 * ON_GROUND  # m: height of the second foot as the first one lands, beside a symmetric gait
 
 
@@ -77,16 +79,25 @@ def _feet(
 
 
 def aside(system: HybridSystem, local: Chart) -> Array | None:
-    """Returns coordinates ξ, (d,), of a state beside a symmetric gait, where one foot lands first; None for others."""
+    """Returns coordinates ξ, (d,), of a state beside a symmetric gait, where one foot lands first; None for others.
+
+    Raises:
+        NotDifferentiable: two feet land at once in a gait that is not symmetric.
+    """
     lane = local.lane
     if not isinstance(lane, SpatialCharts):
         return None
     state = local.state(np.zeros(local.dimension))
-    feet = sorted((system.ground.foot(system.robot, state[0], toe) for toe in system.section_toes), key=lambda f: f[0])
-    if len(feet) < 2 or feet[1][0] - feet[0][0] > ON_GROUND or asymmetry(system.robot, state) > ALIKE:
+    feet = {toe: system.ground.foot(system.robot, state[0], toe) for toe in system.section_toes}
+    first = min(feet, key=lambda toe: feet[toe][0])
+    down = [toe for toe, (height, _) in feet.items() if toe != first and height - feet[first][0] <= ON_GROUND]
+    if not down:
         return None
+    other = partner(system.robot, first)[0]
+    if other not in down or asymmetry(system.robot, state) > ALIKE:
+        raise NotDifferentiable(f"{first} and {down[0]} land at once, in a gait that is not symmetric")
     xi, split = np.zeros(local.dimension), local.q_basis.shape[1]
-    change = np.where(lane.even[:split], 0.0, (feet[1][1][-1] - feet[0][1][-1]) @ local.q_basis)
+    change = np.where(lane.even[:split], 0.0, (feet[other][1][-1] - feet[first][1][-1]) @ local.q_basis)
     xi[:split] = APART * change / (change @ change)
     return xi
 
@@ -104,12 +115,21 @@ def cycle_on_section(
 
 
 def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:
-    """Returns derivatives of ξ after a cycle from a gait's state, (d, c); the first d columns are the Jacobian."""
+    """Returns derivatives of ξ after a cycle from a gait's state, (d, c); the first d columns are the Jacobian.
+
+    Raises:
+        NotDifferentiable: feet of a symmetric gait land at once even if others did not, or a number tells left from
+            right in such a gait.
+    """
     found, d, xi = local.changes(cycle.y, cycle.dy), local.dimension, aside(system, local)
     if xi is not None:
         assert isinstance(local.lane, SpatialCharts)
         even, still = local.lane.even, np.zeros((len(cycle.numbers), d))
+        if (np.abs(found[~even, d:]) > ODD * np.abs(found[:, d:]).max(axis=0, initial=ODD)).any():
+            raise NotDifferentiable("two feet land at once, and one of the parameters would tell left from right")
         other = cycle_on_section(system, local, still, ENDS, xi)
+        if other.together:
+            raise NotDifferentiable("feet land at once, whichever foot lands first at the section")
         own = found[:, :d] * np.outer(even, even)
         found[:, :d] = np.where(np.outer(~even, ~even), local.changes(other.y, other.dy), own)
     return found

@@ -14,6 +14,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
+from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.numbers import body_numbers
@@ -100,7 +101,9 @@ def _change(system: HybridSystem, name: str, of: Callable[[HybridSystem], Array]
     ends = []
     for step in (h, -h):
         try:
-            ends.append((step, of(with_numbers(system, {name: value + step}))))
+            changed = with_numbers(system, {name: value + step})
+            _check_same(system, changed, name, value)
+            ends.append((step, of(changed)))
         except BadValue as error:
             refusal = error
     if not ends:
@@ -110,3 +113,19 @@ def _change(system: HybridSystem, name: str, of: Callable[[HybridSystem], Array]
     (one, more), (other, less) = ends
     change: Array = (more - less) / (one - other)
     return change
+
+
+def _check_same(system: HybridSystem, other: HybridSystem, name: str, value: float) -> None:
+    """Checks that a system in space with another number has the same laws, and halves of a stride if it had them.
+
+    Raises:
+        BadValue: it has not, so that derivatives by the numbers alone would be wrong.
+    """
+    if system.robot.dimension == 2 or other is system:
+        return
+    if other.mirrored_toes != system.mirrored_toes:
+        raise BadValue(name, value, "a number that keeps left and right alike: a half stride mirrors the other")
+    if name in body_numbers(system.robot):
+        pairs = ((system.domains[i].law, other.domains[i].law) for i in (0, -1))  # of legs that stand, and that swing
+        if not all(Reader().identity(own) == Reader().identity(its) for own, its in pairs):
+            raise BadValue(name, value, "a number that is not built into the law: compare gaits found with both")

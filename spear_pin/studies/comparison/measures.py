@@ -23,7 +23,7 @@ def of_side(side: Side) -> dict[str, Values]:
     """Returns the measures of a side, by group, without those that have no number."""
     found = {BODY: _body(side.robot)} | ({} if side.gait is None else {GAIT: _gait(side)})
     if side.run is not None:
-        found |= _motion(side.robot, side.run)
+        found |= _motion(side.robot, side.run, side.gait is not None and bool(side.gait.system.mirrored_toes))
     return {
         group: {key: value for key, value in values.items() if np.isfinite(value)} for group, values in found.items()
     }
@@ -39,10 +39,10 @@ def _gait(side: Side) -> Values:
     }
 
 
-def _motion(robot: Robot, run: Trajectory) -> dict[str, Values]:
+def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
     """Returns measures of whole cycles, where there are some; else of all samples, without measures of a cycle."""
     cycles = [number for number in np.unique(run.cycle).tolist() if number >= 1][: run.cycles]
-    sampled = Sampled(robot, run, cycles)
+    sampled = Sampled(robot, run, cycles, halves)
     curves, rows, found = sampled.curves, sampled.curves.chosen, sampled.values()
     t, normal = run.t[rows], run.force[rows][:, :, -1]
     upward = next((i for i, name in enumerate(run.coordinates) if name.endswith("_z")), None)

@@ -15,8 +15,8 @@ from spear_pin.errors import MissingExtra
 from spear_pin.gaits.codesign.optimize_design import optimize_design
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
-from spear_pin.gaits.tangent_cycles import REFUSALS
 from spear_pin.hybrid.parameters import changed, number
+from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.motor import NO_MOTORS
 from spear_pin.model.robot import Robot

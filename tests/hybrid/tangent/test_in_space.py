@@ -1,14 +1,17 @@
 """Cycles in space with their derivatives: against differences of cycles, gaits found again, and samples."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from spear_pin import Gait, find_gait, simulate
+from spear_pin import Contact, Gait, find_gait, load, simulate
 from spear_pin.errors import BadValue
 from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.gaits.round_hopping import RoundHoppingLaw, round_hopping
 from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
@@ -64,7 +67,7 @@ def test_measures_are_those_of_samples(name):
     one = orbit(name)
     halves = 2 if one.system.mirrored_toes else 1
     run = simulate(one.system, one.state, halves, progress=False)
-    sampled = Sampled(one.system.robot, run, range(1, halves + 1)).values()
+    sampled = Sampled(one.system.robot, run, range(1, halves + 1), halves == 2).values()
     found = {each: one.measures[each].value for each in sampled}
     for each, value in sampled.items():
         assert found[each] == pytest.approx(value, rel=1e-6, abs=1e-6), each
@@ -84,11 +87,37 @@ def test_a_gait_with_another_roll_inertia():
         assert table.derivatives[each][0] == pytest.approx(wanted, rel=1e-6), each
 
 
+def test_errors_of_its_numbers():
+    table = Gait.load("turn_4").sensitivity(["hip_spacing", "friction"])
+    found = table.uncertainty({"hip_spacing": 0.003})
+    wanted = 0.003 * abs(table.derivatives["period"][0])
+    assert found.deviation("period") == pytest.approx(wanted, rel=1e-9)
+
+
 class TestRefused:
     def test_bounces(self):
         gait = Gait.load("gallop")
         with pytest.raises(NotDifferentiable, match="a toe bounces"):
             exact_jacobian(gait.system, gait.state)
+
+    def test_a_number_that_tells_the_halves_of_a_stride_apart(self):
+        with pytest.raises(BadValue, match="left and right alike"):
+            Gait.load("trot").sensitivity(["posterior_left_knee_mass"])
+
+    def test_a_number_that_tells_left_from_right_in_a_symmetric_gait(self):
+        one = Gait.load(RECIPES["long_stride_upright"].path)
+        with pytest.raises(NotDifferentiable, match="tell left from right"):
+            one.sensitivity(["posterior_adduction"])
+
+    def test_lengths_for_which_the_law_is_made(self):
+        with pytest.raises(BadValue, match="built into the law"):
+            Gait.load("turn_4").sensitivity(["posterior_left_hip_to_posterior_left_knee"])
+
+    def test_a_robot_round_a_post(self):
+        hoppy = load("hoppy")
+        law = replace(RoundHoppingLaw.driven(hoppy), unlimited_friction=False)
+        with pytest.raises(BadValue, match="boom"):
+            check_lanes(round_hopping(hoppy, law, contact=Contact(friction=0.8)))
 
     def test_heat_in_half_a_stride(self):
         from spear_pin.model.catalogue import motor
