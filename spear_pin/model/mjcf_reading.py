@@ -253,11 +253,12 @@ def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -
     inner.set("name", name)  # what all its joints move
     add_mass(writing, body, inner, inherited)
     writing.geoms += [(name, writing.defaults.of(geom, inherited)) for geom in body.findall("geom")]
+    alone = body.find("body") is None
     for child in children:
         if child.tag in UNREAD:
             raise fault(path, child, f"body {name!r} has a <{child.tag}>, which is not read: {REMEDY}")
         if child.tag in ("site", "geom"):
-            add_point(writing, child, inner, inherited, alone=body.find("body") is None)
+            add_point(writing, child, inner, inherited, alone=alone)
         elif child.tag == "body":
             _add_body(writing, child, inner, inherited)
 
