@@ -1,12 +1,13 @@
-"""Add a robot: a biped of two SPEAR-II legs that runs, its automaton written here on the public interface.
+"""Add a robot: a running biped with two SPEAR-II legs. This file defines its automaton with the public interface.
 
-Objective: from a URDF to a periodic gait with its multipliers: left stance, flight, right stance, flight, the
-knees' springs latched at touchdown and let go at lift-off. The torso is an assumption, and so is every gain.
+Objective: find a periodic gait and its multipliers from a URDF. The phases are left stance, flight, right stance and
+flight. The knee springs engage at touchdown and release at lift-off. The torso and all gains are assumptions.
 
-What to notice: the law is three rules of Raibert's. The leg in the air is set where it has to land, further
-ahead the faster the hips; the hip of the leg on the ground keeps the torso upright; its knee leaves the
-compression to the spring and thrusts once that is over. Whatever a touchdown does not latch anew is not used
-after it, so a stride depends on its (q, v) alone. It is stable, and symmetric without being asked to be.
+What to notice: the control law consists of three of Raibert's rules. The leg in the air moves to the angle at which it
+has to land; this angle is further ahead if the hips move faster. The hip of the stance leg keeps the torso upright.
+The knee of the stance leg leaves compression to the spring, and thrusts when compression is over. After a touchdown the
+law uses only held values that this touchdown has latched anew. So a stride depends only on its initial state (q, v).
+The gait is stable. It is also symmetric, although nothing enforces symmetry.
 
 Run: python examples/biped.py [FOLDER]
 """
@@ -25,7 +26,7 @@ from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches
 from spear_pin.viz import plots
 from spear_pin.viz.player import record
 
-PITCH, HIPS, KNEES = 2, {"left": 3, "right": 5}, {"left": 4, "right": 6}  # among the coordinates
+PITCH, HIPS, KNEES = 2, {"left": 3, "right": 5}, {"left": 4, "right": 6}  # indices of coordinates
 
 
 @dataclass(frozen=True)
@@ -43,13 +44,13 @@ class RunningLaw:
     hip_damping: float = 2.0
     knee_gain: float = 34.0
     knee_damping: float = 3.0
-    torque_limit: float = 35.0  # of a leg in the air, approached smoothly
+    torque_limit: float = 35.0  # smooth limit for a leg in the air
 
 
 def swing(side, knee, q, v, p, ops):
     """Hip and knee torque of a leg in the air: to where it has to land, with its knee at an angle."""
     hip_row, knee_row = HIPS[side], KNEES[side]
-    angle, turning = (x[PITCH] + x[hip_row] - 0.5 * x[knee_row] for x in (q, v))  # thigh and shank are as long
+    angle, turning = (x[PITCH] + x[hip_row] - 0.5 * x[knee_row] for x in (q, v))  # thigh and shank are equally long
     hip = p.hip_gain * (p.placement * v[0] - p.set_back - angle) - p.hip_damping * turning
     torques = hip, p.knee_gain * (knee - q[knee_row]) - p.knee_damping * v[knee_row]
     return tuple(p.torque_limit * ops.tanh(torque / p.torque_limit) for torque in torques)
@@ -60,7 +61,7 @@ def step(robot, side, other, spring):
 
     def stance_law(t, q, v, held, p, dyn, ops):
         swung = swing(other, p.knee_retracted, q, v, p, ops)
-        upright = p.pitch_gain * q[PITCH] + p.pitch_damping * v[PITCH] - swung[0]  # the torso bears both hips
+        upright = p.pitch_gain * q[PITCH] + p.pitch_damping * v[PITCH] - swung[0]  # both hips act on the torso
         torques = {side: (upright, -p.thrust * held["thrusting"]), other: swung}
         return (*torques["left"], *torques["right"])
 
@@ -70,7 +71,7 @@ def step(robot, side, other, spring):
         return (*torques["left"], *torques["right"])
 
     def compressing(t, q, v, held, p, dyn, ops):
-        return v[KNEES[side]] * (1.0 - held["thrusting"]) + held["thrusting"]  # on zero it would go off again
+        return v[KNEES[side]] * (1.0 - held["thrusting"]) + held["thrusting"]  # at zero the guard would fire again
 
     def land(q, v, held, p):
         return {f"{other}_rest": q[KNEES[other]], f"{other}_taut": 1.0, "thrusting": 0.0}

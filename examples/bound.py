@@ -1,15 +1,17 @@
 """Play a shipped bounding gait of Q-SPEAR, and share its knee torque between motors and springs of any stiffness.
 
-Objective: from a name to a stride's figures, its page and its plots: Gait.load, simulate, summarize, record.
+Objective: load a gait by its name, and make the figures of its stride, a page and plots. The functions are Gait.load,
+simulate, summarize and record.
 
-What to notice: posterior and anterior legs bear in turn, with a flight after each; the torso pitches
-nose up as the posterior legs push off and nose down as the anterior ones do. A stance is short, so the
-normal force reaches several times the weight. The motors' net work is what the two impacts take, for
-nothing else is lost: springs let go empty, no toe slides. The law asks for a knee torque, and the motor
-gives what the spring does not; so the motion does not depend on the spring, only the motors' share
-does: with a spring as stiff as the virtual one, 200 N·m/rad a leg, it is constant, and with a stiffer
-one the motor works against it. The gait is this package's own, found by optimisation; the source prints
-none.
+What to notice: posterior and anterior legs carry the robot in turn, and a flight follows each stance. The torso pitches
+nose up as the posterior legs push off, and nose down as the anterior legs push off. A stance is short, so the normal
+force reaches several times the weight. The motors' net work equals the loss in the two impacts. Nothing else is lost,
+because the springs are empty when they release and no toe slides.
+
+The law prescribes the knee torque, and the motor supplies what the spring does not. So the motion does not depend on
+the spring; only the motors' share does. If the spring is as stiff as the virtual spring, 200 N·m/rad a leg, the motor's
+torque is constant. If the spring is stiffer, the motor works against it. The gait was found by this package's
+optimisation, because the source prints no gait.
 
 Run: python examples/bound.py [FOLDER]
 """
@@ -45,7 +47,7 @@ def main(folder: Path) -> None:
     print(f"multipliers      largest {np.abs(summary['multipliers']).max():.4f}")
 
     print("the same motion with other springs: largest torque of a knee motor in stance, N·m")
-    for stiffness in (0.0, 56.0, 112.0, 200.0, 300.0):  # of one leg, in N·m/rad
+    for stiffness in (0.0, 56.0, 112.0, 200.0, 300.0):  # per leg, in N·m/rad
         system = with_parameters(gait.system, {"stiffness": 2.0 * stiffness})
         figures = summarize(gait, simulate(system, gait.state))
         torques = [figures["peak_torque_stance"][f"{leg}_knee"] for leg in LEGS]

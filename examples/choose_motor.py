@@ -1,14 +1,15 @@
 """Choose motor and gear ratio of SPEAR-II's knee for the hop.
 
-Objective: a higher ratio gives the same torque at less current. But the rotor reflects N² J to the joint: the leg has
-more to swing, loses more when the toe stops, and the motor runs out of voltage. For two motors and some ratios the
-hop, 0.2 s in the air, is solved anew, and held against the motor's envelope on 24 V and its continuous torque.
+Objective: compare two motors, each with several gear ratios. A higher ratio gives the same torque at less current. But
+the joint feels the rotor's inertia N² J, so the leg has more inertia to swing and loses more energy when the toe stops.
+The motor also runs out of voltage. For each motor and ratio the program solves the hop, 0.2 s in the air, anew. It then
+compares the hop with the motor's envelope on 24 V and with its continuous torque.
 
-What to notice: heat falls with the ratio as long as the rotor is light beside the leg, and rises again when most of
-the torque goes into the rotor: at half the ratio with the heavier one. Voltage runs out earlier. With its own motor
-SPEAR-II would gain up to 18:1, where 24 V just suffice; its 15:1 costs a tenth more energy and leaves something to
-spare. No choice here is within what the motor stands for ever. Most of the motors' numbers are not the
-manufacturer's, see docs/explanation/motors.md.
+What to notice: heat falls as the ratio rises, as long as the rotor's inertia is small compared with the leg's. It rises
+again when most of the torque accelerates the rotor. With the heavier rotor this occurs at half the ratio. The voltage
+limit is reached earlier. With its own motor SPEAR-II would gain from ratios up to 18:1, where 24 V just suffice. Its
+own ratio of 15:1 needs a tenth more energy and leaves a margin. No choice here stays within the continuous torque. Most
+of the motors' numbers are not the manufacturer's; see docs/explanation/motors.md.
 
 Run: python examples/choose_motor.py [FOLDER]
 """
@@ -24,7 +25,7 @@ from spear_pin.viz.plots.drivetrain import drivetrain
 
 MOTORS = ("spear_ii_knee", "ec_90_flat_260w")
 RATIOS = (8.0, 11.0, 15.0, 18.0)
-LAW = HoppingLaw(knee_touchdown=0.8)  # rad: with less of a crouch stance ends the same way for every ratio
+LAW = HoppingLaw(knee_touchdown=0.8)  # rad; with this smaller crouch, stance ends in the same way for every ratio
 
 
 def main(folder: Path) -> None:

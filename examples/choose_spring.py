@@ -1,13 +1,15 @@
 """Choose the knee spring of the quadruped for a shipped bounding gait.
 
-Objective: the law asks for a knee torque, and the motor gives what the spring does not. The motion is the same
-with any spring, so the spring may be chosen after the gait. Sweep its stiffness, and see what is left for a motor.
+Objective: vary the spring's stiffness and compute the torque that remains for the motors. The law prescribes the knee
+torque, and the motor supplies what the spring does not. The motion is the same with any spring, so you may choose the
+spring after the gait.
 
-What to notice: with no spring the motors carry everything. A spring takes more of it the stiffer it is, up to the
-law's virtual stiffness, 200 N·m/rad a leg, where a motor is left with the constant preload. Beyond, the motor has
-its preload still to give at touchdown, when the spring is empty, so the peak stays; then it has to pull against
-the spring, and the peak rises, in the posterior knees first, which flex more. The root mean square over the whole
-stride, which heats the windings, goes on falling a while: its best spring is a stiffer one.
+What to notice: without a spring the motors supply the whole torque. A stiffer spring supplies more of it, up to the
+law's virtual stiffness, 200 N·m/rad a leg. There the motor supplies only the constant preload. With a stiffer spring
+the peak first stays the same: the spring is empty at touchdown, so the motor still supplies its preload there. Then the
+motor has to pull against the spring, and the peak rises. It rises in the posterior knees first, because they flex more.
+The root mean square over the whole stride heats the windings. It falls further beyond 200 N·m/rad, so its best spring
+is a stiffer one.
 
 Run: python examples/choose_spring.py [FOLDER]
 """
@@ -23,7 +25,7 @@ from spear_pin.studies.design import spring_sweep
 from spear_pin.viz.plots import save_figure, style
 
 LEGS = ("posterior", "anterior")
-STIFFNESSES = (0.0, 56.0, 100.0, 140.0, 180.0, 200.0, 220.0, 260.0, 300.0, 350.0, 400.0)  # of a leg, N·m/rad
+STIFFNESSES = (0.0, 56.0, 100.0, 140.0, 180.0, 200.0, 220.0, 260.0, 300.0, 350.0, 400.0)  # per leg, N·m/rad
 
 
 def main(folder: Path) -> None:
@@ -37,7 +39,7 @@ def main(folder: Path) -> None:
         print(f"   {mean[0]:6.1f} {mean[1]:6.1f}")
     for title, values in (("least peak", peak), ("least heat", rms)):
         worst = values.max(axis=1)
-        best = int(np.flatnonzero(worst < worst.min() + 0.1)[0])  # the softest of those that are as good
+        best = int(np.flatnonzero(worst < worst.min() + 0.1)[0])  # the softest among equally good ones
         print(f"{title}: {STIFFNESSES[best]:.0f} N·m/rad a leg, {worst[best]:.1f} N·m in the worse leg", end="")
         print(f" against {worst[0]:.1f} without a spring")
 

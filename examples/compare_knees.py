@@ -1,15 +1,21 @@
-"""What the switchable spring saves: the same hop with four knees.
+"""Show what the switchable spring saves: the same hop with four knees.
 
-Objective: SPEAR-II hops in place to the same height, with the same body, motors, gears and spring. The spring is one
-that a foot switch engages (Sw-PEA), one that is never let go (PEA), resting where the other latches, one in series
-between gears and knee (SEA), or there is none (rigid), the motor giving what the spring gave. Each gait is solved
-anew, then run on motors, gearboxes and a battery.
+Objective: let SPEAR-II hop in place to the same height with four knees. Body, motors, gears and spring are the same.
 
-What to notice: only in parallel does the spring carry the leg. In series it stores nearly as much, but the motor has to
-bear it, as it has to without a spring; it is spared two fifths of the power, not the torque, and the torque becomes
-heat in its winding. As its rotor turns slowly, higher gears would suit it. Between the two parallel springs there is
-next to nothing, if the fixed one rests just where the other latches, the law knows it, and it does not damp in flight:
-the leg is not drawn up in the air. It would be in running: to flex by 0.3 rad more the motor has to hold 15 N·m.
+- Sw-PEA: a foot switch engages the spring.
+- PEA: the spring is never released. It rests where the switchable spring latches.
+- SEA: the spring is in series between gears and knee.
+- rigid: there is no spring, and the motor supplies the spring's torque.
+
+The program solves each gait anew, and then simulates it with motors, gearboxes and a battery.
+
+What to notice: only a parallel spring carries the leg. A series spring stores nearly as much energy, but the motor has
+to bear its whole torque, as it does without a spring. The series spring saves the motor two fifths of the power, but
+none of the torque. The torque heats the winding. The rotor turns slowly there, so a higher gear ratio would suit it.
+
+The two parallel springs differ by next to nothing here, under three conditions. The fixed spring rests where the other
+latches, the law takes account of it, and it does not damp in flight. The reason is that this hop does not draw the leg
+up in the air. Running would: to flex the knee by 0.3 rad more, the motor has to hold 15 N·m.
 
 Run: python examples/compare_knees.py [FOLDER]
 """
@@ -27,7 +33,7 @@ from spear_pin.model.bridge import Battery
 from spear_pin.studies.hardware import Rig, on_rig
 from spear_pin.viz.plots import save_figure, style
 
-# gears without loss and no limits: what is compared is the knee, not the amplifier
+# gears have no loss and currents no limit, because this compares knees, not amplifiers
 RIG = Rig(hip_efficiency=1.0, knee_efficiency=1.0, battery=Battery(48.0), current_limit=1000.0)
 
 

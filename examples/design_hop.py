@@ -1,14 +1,18 @@
-"""Design spring, gears and crouch of the hop together, for the least energy, away from where there is no hop.
+"""Design spring, gears and crouch of the hop together, for the least energy, with a margin to where hops end.
 
-Objective: one optimisation over numbers of spring, robot and law, each step of it a gait: least energy, work and the
-heat of the knee's motor, for 0.2 s of flight, with the knee at least 20 mrad from the angle at which its spring would
-grow slack as the toe leaves, all multipliers within 0.6. Then what holds the design back, at what price, and what it
-rests on.
+Objective: optimise parameters of the spring, the robot and the law together; each step of the optimisation is a gait.
+The objective is the least energy: the work and the heat of the knee's motor. There are three constraints:
 
-What to notice: the hop that it begins with takes less than the design, but is 5.5 mrad from where its family ends: what
-is asked for has to be paid, and each mrad more costs 0.09 J. The price is known without another design, as is what
-other numbers would do: 1 % more damping takes 0.7 % more energy with the design chosen anew, and 1.1 % with the hop
-that it began with, see what_numbers_do.py.
+- The flight lasts 0.2 s.
+- At lift-off the knee is at least 20 mrad from the angle at which its spring would grow slack.
+- All multipliers have a modulus of at most 0.6.
+
+The program then prints which constraints limit the design, what they cost, and which parameters the energy depends on.
+
+What to notice: the initial hop needs less energy than the design, but is only 5.5 mrad from the end of its family. So
+the margin costs energy: each further mrad costs 0.09 J. This price is known without another design, and so are the
+effects of other parameters. With 1 % more damping an optimal design needs 0.7 % more energy, and the initial hop needs
+1.1 % more; see what_numbers_do.py.
 
 Needs heyoka: pip install '.[fast]'
 

@@ -1,11 +1,11 @@
 """Query the dynamics of SPEAR-II: D, C, G, B, J and the toe's drift at one state.
 
-Objective: see what `load` gives and that the pieces fit together, D v̇ + C v + G = B u + Jᵀ F.
+Objective: see what `load` returns, and check that the terms satisfy D v̇ + C v + G = B u + Jᵀ F.
 
-What to notice: the reflected rotor inertias sit on the diagonal of D (0.047 and 0.027 kg·m², of
-0.147 and 0.041 in all); the hip angle is absolute and the knee angle relative to the thigh, so a
-knee torque enters one row of B only; the ground carries the whole weight in standing. A bent knee brings
-the shank's mass nearer to the hip, so the hip's own inertia falls; the knee's does not change.
+What to notice: the reflected inertias of the rotors are on the diagonal of D. They are 0.047 and 0.027 kg·m², of 0.147
+and 0.041 kg·m² in total. The hip angle is absolute and the knee angle is relative to the thigh, so a knee torque enters
+only one row of B. When the robot stands, the ground carries the whole weight. A bent knee brings the shank's mass
+nearer to the hip, so the hip's own inertia falls; the knee's does not change.
 
 Run: python examples/dynamics_queries.py [FOLDER]
 """
@@ -37,18 +37,18 @@ def main(folder: Path) -> None:
     print(f"J̇ v [m/s²] = {drift}")
     print(f"reflected rotor inertias [kg·m²] = {robot.model.armature}")
 
-    # Ḋ - 2 C is skew-symmetric, so gravity aside only torques and forces change the kinetic energy
+    # Ḋ - 2 C is skew-symmetric, so only gravity, torques and forces change the kinetic energy
     step = 1e-6
     D_dot = (robot.mass_matrix(q + step * v) - robot.mass_matrix(q - step * v)) / (2 * step)
     skew = D_dot - 2 * C
     print(f"largest entry of S + Sᵀ, S = Ḋ - 2 C: {np.abs(skew + skew.T).max():.1e}")
 
-    # accelerations with the toe stuck to the ground, motors off
+    # compute accelerations while the toe sticks to the ground and the motors are off
     kkt = np.block([[D, -J.T], [J, np.zeros((2, 2))]])
     solution = np.linalg.solve(kkt, np.concatenate([-C @ v - G, -drift]))
     print(f"toe stuck, motors off: v̇ = {solution[:4]} m/s², rad/s²; F = {solution[4:]} N")
 
-    # standing still: the torques and the ground force that balance gravity, the hip above the toe
+    # compute the torques and the ground force that balance gravity while the robot stands with its hip above the toe
     u_and_force = np.linalg.solve(np.column_stack([B, J.T]), G)
     print(f"standing still: hip {u_and_force[0]:.3f} N·m, knee {u_and_force[1]:.3f} N·m,")
     print(f"  ground force {u_and_force[2:]} N, weight {9.81 * robot.mass:.2f} N")

@@ -1,12 +1,13 @@
-"""Follow both kinds of hop over the torque that drives them, as far as they go, and say why they end.
+"""Follow both kinds of hop over the torque that drives them, as far as they exist, and say why they end.
 
-Objective: a gait is a point of a branch. From one hop of each kind its branch is followed both ways by arc length,
-round folds and over borders between orders of events, with the multipliers at each point.
+Objective: follow the branches of gaits that two hops belong to, one of each kind. The program follows each branch in
+both directions by arc length. It passes folds, and borders where the order of events changes. It computes the
+multipliers at each point.
 
-What to notice: between 7.60 and 7.78 N·m there are two hops for one torque. With the one the toe leaves the ground
-before the torque switches, with the other as it does. Each branch ends where the order of its events would become the
-other's: at 7.60 N·m the spring grows slack just before the toe would leave, so that it does not. Nothing announces
-these ends: all multipliers are far inside of the unit circle.
+What to notice: between 7.60 and 7.78 N·m two hops exist for one torque. In one of them the toe leaves the ground before
+the torque switches; in the other it leaves as the torque switches. Each branch ends where the order of its events would
+become the order of the other branch. At 7.60 N·m the spring grows slack just before the toe would leave the ground, so
+the toe stays on it. The multipliers do not announce these ends: all are far inside the unit circle.
 
 Run: python examples/follow_family.py [FOLDER]
 """

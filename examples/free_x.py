@@ -1,13 +1,13 @@
 """Let the boom slide forward as well: the hop in place is unstable, and foot placement stabilises it.
 
-Objective: find the hop in place with boom_x free, see its multiplier outside the unit circle, choose
-the gain of a foot-placement term that moves every multiplier inside, and recover from a push.
+Objective: find the hop in place with boom_x free, and see its multiplier outside the unit circle. Then choose the gain
+of a foot-placement term that moves every multiplier inside, and recover from a push.
 
-What to notice: translation along the ground is left out of the Poincaré section, so "in place" has to
-be asked for: the hip angle is varied until a hop does not advance. Without feedback the multiplier is
-about 2.3: errors of the forward speed more than double from hop to hop. The law adds K (ẋ - ẋ*) to the
-commanded hip angle, ẋ being the speed at lift-off. With ẋ* set to the hop's own ẋ the fixed point is
-the same for every K, and only the multipliers move. Too much K overshoots: they leave through -1.
+What to notice: the Poincaré section leaves out translation along the ground, so the hop in place has to be a target of
+the search. The search varies the hip angle until the hop does not advance. Without feedback the multiplier is about
+2.3: errors of the forward speed more than double from hop to hop. The law adds K (ẋ - ẋ*) to the commanded hip angle,
+where ẋ is the speed at lift-off. If ẋ* is the hop's own ẋ, the fixed point is the same for every K; only the
+multipliers move. If K is too large, the feedback overshoots: a multiplier leaves the unit circle through -1.
 
 Run: python examples/free_x.py [FOLDER]
 """

@@ -1,11 +1,11 @@
 """Solve SPEAR-II's hop in place, simulate it, and write a page that plays it and a figure.
 
-Objective: the whole way from a robot to a gait: load, hopping, find_gait, simulate, record, plot.
+Objective: go the whole way from a robot to a gait: load, hopping, find_gait, simulate, record, plot.
 
-What to notice: every multiplier lies well inside the unit circle, so the hop needs no feedback from
-hop to hop; an error of 1 rad/s in the knee's rate is gone after a few hops. The spring does most of
-the push, and nearly all the motor's energy goes into the knee's damping. The knee is latched below the
-commanded angle because it still swings at touchdown.
+What to notice: every multiplier is well inside the unit circle, so the hop needs no feedback from hop to hop. An error
+of 1 rad/s in the knee's rate is gone after a few hops. The spring does most of the push. Nearly all of the motor's
+energy is lost in the knee's damping. The spring latches the knee at an angle below the commanded one, because the knee
+still swings at touchdown.
 
 Run: python examples/hop.py [FOLDER]
 """
@@ -35,7 +35,7 @@ def main(folder: Path) -> None:
     for flow, energy in summary["energy_flows"].items():
         print(f"  {flow:<17}{energy:+10.4f} J a hop")
 
-    # the same hop after a disturbance: at the apex the knee turns 1 rad/s faster than it should
+    # disturb the same hop: at the apex the knee turns 1 rad/s faster than in the gait
     apex = hops.named("apex")[0]
     disturbed = apex.v.copy()
     disturbed[robot.index("knee")] += 1.0

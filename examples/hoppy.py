@@ -1,14 +1,21 @@
-"""Let HOPPY, a leg that others have published, hop round the post that its boom turns and tilts about.
+"""Let HOPPY, a leg that others have published, hop round its post, about which the boom turns and tilts.
 
-Objective: the events of the published simulator from the published start, to nine digits; then the periodic hop by the
-published law, for motors of three kinds: without rotors and with the torque that is commanded, as the published events
-are; with rotors; and with rotors and back-EMF, as HOPPY's motors are; and that with Coulomb's friction of 0.8.
+Objective: reproduce the events of the published simulator from the published start, to nine digits. Then find the
+periodic hop under the published law, for three motor models:
 
-What to notice: reflected by gears of 26.9 and 28.8 the rotors have more inertia than thigh and shank. With them and
-ideal torques it falls from the published start; the back-EMF is a damper that catches it. Each has a periodic hop, a
-relative one: nothing depends on where round the post it is. Contact is the published one: rigid along the circle and
-vertically, free along the boom, with no limit of friction. What it uses is printed, and is more than rubber has; so
-are the torques, more than those of 12 A. With 0.8 the toe slips at both ends of a stance, and it hops on all the same.
+- Motors without rotors give the commanded torque, as in the published simulation.
+- Motors with rotors give the commanded torque.
+- Motors have rotors and back-EMF, as HOPPY's have.
+
+A fourth hop has the third model and Coulomb friction with a coefficient of 0.8.
+
+What to notice: behind gears of 26.9 and 28.8, the rotors have more reflected inertia than thigh and shank. With rotors
+and ideal torques HOPPY falls from the published start. Back-EMF acts as a damper and prevents the fall. Each model has
+a periodic hop. It is a relative periodic orbit, because nothing depends on the robot's place round the post.
+
+Contact is as published: rigid along the circle and vertically, free along the boom, and without a limit of friction.
+The program prints the friction that a hop uses, which is more than rubber has. It also prints the torques, which are
+larger than 12 A can give. With friction of 0.8 the toe slips at both ends of a stance, and HOPPY still hops.
 
 Run: python examples/hoppy.py [FOLDER]
 """
@@ -62,7 +69,7 @@ def kinds() -> dict[str, HybridSystem]:
     return {
         "no rotors, torque": round_hopping(without_rotors(hoppy), RoundHoppingLaw()),
         "rotors, torque": round_hopping(hoppy, RoundHoppingLaw()),
-        "rotors, voltage": round_hopping(hoppy, driven),  # which is the default
+        "rotors, voltage": round_hopping(hoppy, driven),  # the default
         "and slip": round_hopping(hoppy, replace(driven, unlimited_friction=False), contact=Contact(friction=0.8)),
     }
 

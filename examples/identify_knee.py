@@ -1,14 +1,16 @@
-"""Stiffness, damping and rest angle of the knee, from raw volts to a table with error bars.
+"""Identify stiffness, damping and rest angle of the knee: from raw volts to a table with error bars.
 
-Objective: go the way of Section 4.1: three depths, with the motor and without, five releases each; read a
-potentiometer's voltage, smooth it over 100 samples, fit the model, print a table like Table 4.1. The records are
-synthetic, for the source's are not public: put your own files in their place.
+Objective: follow Section 4.1 of the source. The tests have three depths, with the motor and without it, and five
+releases each. The program reads a potentiometer's voltage, smooths it over 100 samples, fits the model and prints a
+table like Table 4.1. The records are synthetic, because the source's are not public. Put your own files in their place.
 
-Notice that the estimates lie within two or three of their error bars of the truth, which those of a smoothed record
-do only if its residuals are known to be correlated; that RA is the spring's zero, 0.2 rad below where the leg rests;
-and what is said of a leg whose pinned toe would have left the ground.
+What to notice: the estimates are within two or three error bars of the truth. For a smoothed record this holds only if
+the fit knows that the residuals are correlated. RA is the spring's zero, 0.2 rad below the angle at which the leg
+rests. Remarks below a row say when a leg's pinned toe would have left the ground.
 
-Writes one CSV file per row and identify_knee.svg into the current folder, or the one given: python identify_knee.py OUT
+The program writes one CSV file per row and identify_knee.svg into FOLDER, or into the current folder.
+
+Run: python examples/identify_knee.py [FOLDER]
 """
 
 import sys
@@ -21,7 +23,7 @@ from spear_pin.viz.plots import save_figure
 from spear_pin.viz.plots.identification import fit_summary
 
 POTENTIOMETER = Calibration(volts_per_rad=1.06, offset=0.4)
-SMOOTHING = MovingAverage(window=100)  # at 1 kHz, as the source's
+SMOOTHING = MovingAverage(window=100)  # at 1 kHz, as in the source
 
 
 def main(out: Path) -> None:

@@ -1,15 +1,18 @@
-"""Hop legs that others have published with parallel springs, and ask what the springs are worth.
+"""Let published legs with parallel springs hop, and ask what the springs are worth.
 
-Objective: HOPPY's leg, MUPS v2 and a leg of Delft's E-Go (a Go1 with springs) hop in place, each with its knee spring
-as published, and one table says how hard its knee motor works and what its motors draw, with the spring and without.
+Objective: let three legs hop in place, each with its knee spring as published. They are HOPPY's leg, MUPS v2 and a leg
+of Delft's E-Go, which is a Go1 with springs. A table shows how hard the knee motor works and how much the motors draw,
+with the spring and without it.
 
-What to notice: the springs are never switched, unlike SPEAR-II's: a knee that the spring extends in stance has to be
-held against it in flight. Without the spring means the same motion, the motor giving what the spring gave. MUPS's
-spring alone bears its weight; HOPPY's bears less than a twentieth of it, and E-Go's is soft: what is missing, the motor
-imitates by a spring of the law, "imitated". MUPS's torque falls where its linkage passes its best lever, as a table
-can. Where the source has no motors, there is positive mechanical work in the place of electrical energy.
+What to notice: unlike SPEAR-II's spring, these springs never switch. If a spring extends the knee in stance, the motor
+has to work against it in flight. "Without" means the same motion, in which the motor supplies the spring's torque.
+MUPS's spring carries the leg's weight alone. HOPPY's carries less than a twentieth of the torque in stance, and E-Go's
+is soft.
+For these two the law makes the motor imitate a spring of the missing stiffness, "imitated" in the table. MUPS's torque
+falls where its linkage passes its best lever; a spring given as a table can do this. If the source has no motor data,
+the table gives positive mechanical work instead of electrical energy.
 
-E-Go needs example-robot-data, the extra 'robots', and is left out without it.
+E-Go needs example-robot-data, the extra 'robots'. Without it the program leaves E-Go out.
 
 Run: python examples/published_legs.py [FOLDER]
 """
@@ -30,8 +33,8 @@ from spear_pin.model.robot import Robot
 from spear_pin.studies.energetics import Costs, costs
 from spear_pin.viz.plots import save_figure, style
 
-BUS = 24.0  # V, of SPEAR-II; it limits what motors can do, not what they draw
-WORK, DRAWN = "mechanical_positive", "electrical_0"  # costs that nothing is given back of
+BUS = 24.0  # V, as in SPEAR-II; it limits what the motors can do, not what they draw
+WORK, DRAWN = "mechanical_positive", "electrical_0"  # costs without recuperation: negative power gives nothing back
 
 
 @dataclass(frozen=True)
@@ -57,8 +60,8 @@ class Published:
     law: dict[str, float] = field(default_factory=dict)
 
 
-# 150 N/m and 5 N·s/m at the toe, as HOPPY's makers have them, about hip and knee at 0.217 and 0.163 m from it; 70 % of
-# it, with which the motors keep within their torques
+# HOPPY's makers use 150 N/m and 5 N·s/m at the toe, which is 0.217 m from the hip and 0.163 m from the knee. This uses
+# 70 % of both, with which the motors stay within their torque limits.
 TOE = 0.7 * np.array([150.0, 5.0])
 HOPPY_GAINS = dict(
     zip(("hip_gain", "hip_damping", "knee_gain", "knee_damping"), [*TOE * 0.217**2, *TOE * 0.163**2], strict=True)

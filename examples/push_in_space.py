@@ -1,14 +1,15 @@
-"""Push it: a bound in three dimensions, kept upright by one number a stride, hit from the side.
+"""Push it: a bound in 3-D, which one number a stride keeps upright, is hit from the side.
 
-Objective: whether the quadruped's gait survives a sideways push, which the plane cannot say; with feedback and without.
+Objective: see whether the quadruped's gait survives a sideways push, with feedback and without. A planar model cannot
+answer this.
 
-What to notice: in space the gait of the plane is the same orbit, but it falls sideways, by a factor of about 1.6 a
-stride. Where both posterior legs land to the side, decided once a stride from the state at touchdown, turns that into
-0.3. The sideways speed of the push is gone after some strides; the heading stays where the push has turned it, for
-nothing in the world tells one heading from another. Without feedback the feet slip as it goes down, and after five
-strides the run ends in Painlevé's paradox.
+What to notice: in 3-D the planar gait is still a periodic orbit. But the robot falls sideways: an error grows by a
+factor of about 1.6 a stride. The feedback moves the place where both posterior legs land to the side. It does so once a
+stride, from the state at touchdown, and reduces this factor to 0.3. The sideways speed of the push is gone after some
+strides. The heading stays where the push has turned it, because no heading differs from another for the robot. Without
+feedback the feet slip as the robot falls, and after five strides the run ends in Painlevé's paradox.
 
-upright.json was found by `spear bound long_stride --space --save upright.json`, which takes a minute.
+The command `spear bound long_stride --space --save upright.json` found upright.json; it takes a minute.
 
 Run: python examples/push_in_space.py [FOLDER]
 """

@@ -1,14 +1,13 @@
-"""Search for a bounding gait from nothing but what is asked of it.
+"""Search for a bounding gait from a request alone, without a gait as initial guess.
 
-Objective: from a request to a gait: search, save, draw. Asked is what was asked of the shipped gait
-`long_stride_2.75`, except that the hips' squared torques count tenfold, as if the hips' motors were too small.
+Objective: go from a request to a gait: search, save, draw. The request is that of the shipped gait `long_stride_2.75`,
+with one change. The hips' squared torques count tenfold, as if the hips' motors were too small.
 
-What to notice: the optimiser begins with legs that merely sweep, on a coarse mesh, and goes on from there on a
-finer one. It sees the motion on its mesh only, so what it finds is then solved as a fixed point of the
-event-exact simulation, and that is the gait.
-The largest hip torque falls by a third; the largest knee torque rises by as much, and so does the cost
-of transport. Either gait is a local optimum, which does not prove that there is no better one. Stability is
-not asked for, and not had.
+What to notice: the optimiser starts on a coarse mesh from legs that merely sweep, and continues on a finer mesh. It
+sees the motion only on its mesh. So the program then solves its result as a fixed point of the event-exact simulation,
+and this fixed point is the gait. The largest hip torque falls by a third. The largest knee torque rises by as much, and
+so does the cost of transport. Both gaits are local optima, so a better gait may exist. The request does not ask for
+stability, and the gait is not stable.
 
 Needs casadi: pip install '.[optimize]'
 

@@ -1,13 +1,13 @@
 """Stabilise a bounding gait by event feedback, and push it.
 
-Objective: the shipped gaits are periodic but unstable. Give one the two kinds of event feedback, compare
-their multipliers, push the robot in mid-flight and follow its distance from the fixed point.
+Objective: the shipped gaits are periodic but unstable. Add two kinds of event feedback to one of them and compare the
+multipliers. Then push the robot in mid-flight and follow its distance from the fixed point.
 
-What to notice: feedback adjusts parameters of the law, once a stride or at each touchdown, and adjusts
-nothing on the orbit, which stays the same. Without it the distance grows by the largest multiplier a stride,
-7 %. On the logarithmic axis a recovery is a straight line whose slope is again the largest multiplier: a
-single gain on the forward speed recovers in 17 strides, the linear-quadratic feedback of the whole section state to
-six parameters in 4.
+What to notice: event feedback adjusts parameters of the law, once a stride or at each touchdown. It adjusts nothing on
+the periodic orbit, so the orbit stays the same. Without feedback the distance grows by 7 % a stride, as the largest
+multiplier says. On a logarithmic axis a recovery is a straight line, and the largest multiplier again gives its slope.
+A single gain on the forward speed recovers in 17 strides. The linear-quadratic feedback, from the whole section state
+to six parameters, recovers in 4 strides.
 
 Run: python examples/stabilise_gait.py [FOLDER]
 """
@@ -23,7 +23,7 @@ from spear_pin.gaits.feedback import regulated, speed_regulated
 from spear_pin.studies.basin import midway, pushed, recover
 from spear_pin.viz.plots import save_figure, style
 
-GAIN = 54.0  # N·s: about the best, which speed_regulated(bare) takes some seconds to find
+GAIN = 54.0  # N·s; near the best gain, which speed_regulated(bare) finds in some seconds
 PUSH = {"torso_x": 0.1, "pitch": 0.1}  # m/s and rad/s, in the middle of the first flight
 
 

@@ -1,12 +1,13 @@
-"""Map the hop over its spring and the torque that drives it: where is there one, and is it stable?
+"""Map the hop over its spring and the torque that drives it: where does a hop exist, and is it stable?
 
-Objective: a sweep over two parameters, hundreds of gaits at once, each with its fixed point and its Floquet
-multipliers; a file that a later session goes on with; what a design map shows and a single gait does not.
+Objective: sweep two parameters and solve hundreds of gaits, each with its fixed point and its Floquet multipliers. The
+program stores the gaits in a file with which a later session continues. A design map shows what a single gait does not.
 
-What to notice: every point is a gait of its own, solved to 1e-10 in some milliseconds. Flight times jump: with
-little torque the toe leaves the ground as the motor's torque switches, at 0.39 s, and flies for 0.12 to 0.17 s; with
-more it leaves earlier and flies for 0.19 s and longer, so that at 50 N·m/rad no torque gives 0.17 s. Where a map is
-hatched no hop of one bounce was found. Run it twice: the second time everything is read.
+What to notice: every point is a gait of its own, solved to 1e-10 in some milliseconds. Flight times jump. With little
+torque the toe leaves the ground as the motor's torque switches, at 0.39 s, and the flight lasts 0.12 to 0.17 s. With
+more torque the toe leaves earlier, and the flight lasts 0.19 s or longer. So at 50 N·m/rad no torque gives a flight of
+0.17 s. In the hatched areas of a map the solver found no hop with a single flight. Run the program twice: the second
+time it reads all gaits from the file.
 
 Needs heyoka, joblib, xarray and zarr: pip install '.[sweep]'
 

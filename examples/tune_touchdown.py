@@ -1,17 +1,17 @@
 """Tune the flight gains so that the joints are at rest when the toe touches down.
 
-Objective: the source wants its flight controller to reach the touchdown angles, nearly at rest, within
-0.2 s. With its printed gains both joints still swing at about 1 rad/s. Here `find_gait` solves for
-gains and stance torque together with the fixed point, several targets at once.
+Objective: the source requires that its flight controller reaches the touchdown angles within 0.2 s, nearly at rest.
+With the printed gains both joints still swing at about 1 rad/s. Here `find_gait` solves for gains, stance torque and
+fixed point together, with several targets at once.
 
-What to notice: with the printed gains the modes of the leg have damping ratios of 0.23 and 0.19. The
-knee comes to rest by its own K_D. The hip does not at the printed K_hip, whatever its K_D: its
-reflected rotor makes it too slow for 0.2 s. So K_hip is set to 100 N·m/rad here, a choice of ours; then
-both rates can be zero, the leg lands within 7 mrad of where it was told to, and the largest multiplier
-nearly halves. The price is the impact: a knee that already flexes would yield.
+What to notice: with the printed gains the modes of the leg have damping ratios of 0.23 and 0.19. The knee comes to rest
+if its own K_D is tuned. With the printed K_hip no K_D brings the hip to rest: its reflected rotor makes it too slow for
+0.2 s. So this program sets K_hip to 100 N·m/rad, which is our choice. Then both rates can be zero, and the leg lands
+within 7 mrad of the commanded angles. The largest multiplier nearly halves. The price is a harder impact, because a
+knee that already flexes would yield.
 
-The commanded knee angle is 0.95 rad, not the 1.0 rad of the other examples: there the search finds no
-such hop, for the chain would go slack before the toe is unloaded (see docs/how_to/hop.md).
+The commanded knee angle is 0.95 rad, not the 1.0 rad of the other examples. At 1.0 rad the search finds no such hop,
+because the chain would go slack before the toe is unloaded (see docs/how_to/hop.md).
 
 Run: python examples/tune_touchdown.py [FOLDER]
 """
@@ -29,7 +29,7 @@ from spear_pin.viz.plots import joint_angles, save_figure
 def poles(robot, q, law):
     """Poles in flight of the mode in which mostly the hip swings, and of the knee's, in rad/s."""
     D = robot.mass_matrix(q)
-    inertia = np.linalg.inv(np.linalg.inv(D)[1:, 1:])  # of hip and knee, while the boom rises and falls freely
+    inertia = np.linalg.inv(np.linalg.inv(D)[1:, 1:])  # of hip and knee, while the boom moves freely up and down
     stiffness = np.linalg.solve(inertia, np.diag([law.hip_gain, law.knee_gain]))
     damping = np.linalg.solve(inertia, np.diag([law.hip_damping, law.knee_damping]))
     eigenvalues = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-stiffness, -damping]]))

@@ -1,12 +1,15 @@
-"""Turn it: a gait that turns by 4° a stride, its circle, and what turning takes of the adductions.
+"""Turn it: a gait that turns by 4° a stride, its circle, and the torques and angles that its adductions need.
 
-Objective: a relative periodic orbit of the event-exact simulation, whose heading advances by as much each stride.
+Objective: find a relative periodic orbit of the event-exact simulation, whose heading turns by the same angle each
+stride.
 
-What to notice: nothing steers here. Adductions land at angles that stay the same, are free in stance, and the stride
-repeats itself but for being moved and turned. Its feet push inward by speed² / radius, and it hardly leans: it runs
-askew, some degrees off its heading. Seen in a mirror it turns to the right.
+What to notice: the law does not steer. The adductions land at angles that stay the same, and are free in stance. Each
+stride repeats the last one, apart from a shift and a turn. The feet push inward with speed² / radius per unit mass, and
+the robot hardly leans. It does not run exactly along its heading: the two directions differ by some degrees. The mirror
+image of the gait turns to the right.
 
-turn.json was found by `spear turn --angle 4`, which takes some two minutes; here its residual is computed anew.
+The command `spear turn --angle 4` found turn.json; it takes some two minutes. This program only computes the residual
+anew.
 
 Run: python examples/turn.py [FOLDER]
 """

@@ -1,13 +1,15 @@
-"""What one more per cent of each number does to the hop, by exact derivatives.
+"""Compute what 1 % more of each parameter does to the hop, by exact derivatives.
 
-Objective: which numbers of spring, gears, ground and body matter for what. The hop keeps its 0.2 s of flight, the
-stance torque being solved for. Derivatives of its measures are those of the equations, through touchdown, latch and
-slip, from one cycle. Then a prediction is held against a gait that is found anew.
+Objective: find which parameters of spring, gears, ground and body matter, and for what. The hop keeps its 0.2 s of
+flight, because the program solves for the stance torque. The derivatives of its measures come from one cycle. They are
+derivatives of the equations themselves, through touchdown, latch and slip. Then the program compares a prediction with
+a gait that it finds anew.
 
-What to notice: damping is the number to know. One more per cent of it takes 1.1 % more energy, for nearly all that the
-motor gives ends there; of the spring's stiffness it takes 0.6 % less. Of the gears' ratio it takes 0.8 % less heat, but
-the knee has a peak torque higher by 1.7 %. Friction of the ground matters for nothing but the |F_x| / F_z that is used,
-which is all there is, as the toe slips at touchdown. What 5 % more damping does is foretold to 0.1 % of the energy.
+What to notice: damping is the parameter to know well. With 1 % more damping the hop needs 1.1 % more energy, because
+nearly all of the motor's energy is lost there. With 1 % more spring stiffness it needs 0.6 % less. With a gear ratio
+1 % higher it makes 0.8 % less heat, but the knee's peak torque is 1.7 % higher. Ground friction affects only the ratio
+|F_x| / F_z that the hop uses. The hop uses all available friction, because the toe slips at touchdown. The derivatives
+predict the energy with 5 % more damping to 0.1 %.
 
 Run: python examples/what_numbers_do.py [FOLDER]
 """

@@ -1,12 +1,12 @@
 """Bring your own robot: a URDF with <transmission> elements, its dynamics, its hop.
 
-Objective: load a monopod that does not ship with the package, query its dynamics, see what an error
-says, and hop it. This one is SPEAR-II made smaller: lengths times 0.6, masses times 0.4.
+Objective: load a monopod that does not ship with the package, query its dynamics, read an error message, and let the
+monopod hop. It is SPEAR-II made smaller: lengths times 0.6, masses times 0.4.
 
-What to notice: toes are named when loading, motors come from the <transmission> elements, and the
-rotor inertia enters D multiplied by the square of the gear ratio. `hopping` asks for joints boom_z, hip
-and knee and a toe named "toe". Torques, gains and times scaled by the same rule (dynamic similarity)
-give the same hop in other units: its multipliers are SPEAR-II's.
+What to notice: you name the toes when you load the robot. Motors come from the <transmission> elements. The rotor
+inertia enters D multiplied by the square of the gear ratio. `hopping` requires joints boom_z, hip and knee and a toe
+named "toe". If torques, gains and times are scaled by the same rule (dynamic similarity), the hop is the same in other
+units. So its multipliers are SPEAR-II's.
 
 Run: python examples/your_own_urdf.py [FOLDER]
 """

@@ -164,7 +164,7 @@ def orbit_of_gait(
     check_lanes(system)
     check_gears(system, motors)
     if motors and system.mirrored_toes:
-        raise BadValue("motors", sorted(motors), "none for a gait whose cycle is half a stride")
+        raise BadValue("motors", sorted(motors), "none for a gait whose cycle is half a stride; leave it out")
     names = (*vary, *over)
     if len(set(names)) != len(names) or not over:
         raise BadValue("over", list(over), "one parameter or more, each once, none of them in vary")

@@ -119,7 +119,7 @@ def struck_in_space(
     impulse = total - earlier
     after = (u + A @ impulse.ravel()).reshape(-1, 3)
     if before is None and "slip" in modes:
-        raise NotDifferentiable("a toe slides in an impact by Keller's law")
+        raise NotDifferentiable("a toe slides in an impact by Keller's law; use the law of Moreau")
     _check_modes(modes, after, total, mu)
     # w = u + A (T - E), so dw = given + A dT
     given = slopes.speeds + np.einsum("ijc,j->ic", slopes.inverse_inertia, impulse.ravel())

@@ -126,7 +126,7 @@ def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:
         assert isinstance(local.lane, SpatialCharts)
         even, still = local.lane.even, np.zeros((len(cycle.numbers), d))
         if (np.abs(found[~even, d:]) > ODD * np.abs(found[:, d:]).max(axis=0, initial=ODD)).any():
-            raise NotDifferentiable("two feet land at once, and one of the parameters would tell left from right")
+            raise NotDifferentiable("two feet land at once, and a parameter would tell left from right: leave it out")
         other = cycle_on_section(system, local, still, ENDS, xi)
         if other.together:
             raise NotDifferentiable("feet land at once, whichever foot lands first at the section")
