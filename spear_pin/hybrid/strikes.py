@@ -190,7 +190,7 @@ def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Arr
         if mode == OPEN:
             continue
         jacobian = system.ground.foot(robot, q, toe)[1]
-        rows.append(jacobian if rests(robot, domain, reset, toe, jacobian @ v) else jacobian[-1:])
+        rows.append(jacobian if comes_to_rest(robot, domain, reset, toe, jacobian @ v) else jacobian[-1:])
     jacobians = np.concatenate(rows)
     response = np.linalg.solve(robot.mass_matrix(q), jacobians.T)
     impulse = -np.linalg.lstsq(jacobians @ response, jacobians @ v, rcond=None)[0]
@@ -199,7 +199,7 @@ def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Arr
     return Strike(after, np.zeros((len(robot.toes), robot.dimension)), work, {})
 
 
-def rests(robot: Robot, domain: Domain, reset: Reset, toe: str, speed: Array) -> bool:
+def comes_to_rest(robot: Robot, domain: Domain, reset: Reset, toe: str, speed: Array) -> bool:
     """Tells whether a toe in space, with a velocity of (3,) in m/s, rests after the end of sliding."""
     sticks = domain.contacts[robot.toes.index(toe)] == STICK
     return toe in reset.stop or sticks or math.hypot(*speed[:2]) <= 2.0 * SLOW

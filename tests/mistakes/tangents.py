@@ -74,6 +74,11 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/tangent/overlap",
+        ["hybrid/tangent/test_impacts_in_space"],
+        {"derivatives in space: the last impulse alone": ("self.changes[toe] + own if toe in counted else own", "own")},
+    ),
+    *mistakes_in(
         "hybrid/spatial_section",
         ["hybrid/tangent/test_in_space"],
         {"changes of ξ in a fixed heading": ("np.outer([aside, -ahead], dq[YAW])", "0.0")},

@@ -14,7 +14,7 @@ from spear_pin.hybrid.tangent.derivative import BEGIN, END, Stretch
 from spear_pin.model.robot import Robot
 
 
-def both(system: HybridSystem, name: str) -> list[tuple[str, float]]:
+def with_partner(system: HybridSystem, name: str) -> list[tuple[str, float]]:
     """Returns a joint or toe with its sign 1; if a cycle is half a stride also the one that does the same in the other.
 
     In the other half of the stride a joint moves as its partner does in this one, up to the partner's sign.

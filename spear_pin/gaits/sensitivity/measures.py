@@ -11,7 +11,16 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.measures.catalogue import LEAST_STRIDE, PRESSED
-from spear_pin.gaits.sensitivity.along_arcs import along, both, closed_in, coordinate, forces, guarded, long, powered
+from spear_pin.gaits.sensitivity.along_arcs import (
+    along,
+    closed_in,
+    coordinate,
+    forces,
+    guarded,
+    long,
+    powered,
+    with_partner,
+)
 from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, product, ratio, total
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.column_names import motors_at
@@ -117,7 +126,7 @@ def _torques(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
     squares = []
     for joint in robot.actuated:
         motors = motors_at(joint)
-        halves = both(cycle.system, joint)
+        halves = with_partner(cycle.system, joint)
         signals = [(powered(cycle.stretches, robot, name)[0], sign / motors) for name, sign in halves]
         torque = [each.times(share) for signal, share in signals for each in signal]
         square, change = integral(_products(torque, torque))
@@ -138,7 +147,9 @@ def _forces(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[s
     share = PRESSED / len(robot.toes)
     pressed = share * weight.value, share * weight.derivative
     for toe in robot.toes:
-        pairs = [each for own, _ in both(cycle.system, toe) for each in forces(cycle.stretches, own, robot.toes)]
+        pairs = [
+            each for own, _ in with_partner(cycle.system, toe) for each in forces(cycle.stretches, own, robot.toes)
+        ]
         if pairs:
             found[f"peak_force_{toe}"] = Measure(*peak([up for _, up in pairs]), "N")
             found[f"friction_used_{toe}"] = Measure(*largest_ratio(pairs, *pressed), "1")
@@ -151,7 +162,7 @@ def _toe_heights(cycle: Derivative, start: Array, weight: Measure, of: All) -> d
     for toe in toes:
         aloft = [
             _height(heights, own, each)
-            for own, _ in both(cycle.system, toe)
+            for own, _ in with_partner(cycle.system, toe)
             for each in long(cycle.stretches)
             if own not in closed_in(each, toes)
         ]
@@ -173,7 +184,7 @@ def _ranges(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[s
     """Returns how fast joints turn, and the least and largest angles."""
     robot, found = cycle.system.robot, dict[str, Measure]()
     for joint in robot.actuated:
-        halves = [(robot.index(name), sign) for name, sign in both(cycle.system, joint)]
+        halves = [(robot.index(name), sign) for name, sign in with_partner(cycle.system, joint)]
         angles, speeds = (
             [each.times(sign) for i, sign in halves for each in coordinate(cycle.stretches, part + i)]
             for part in (0, robot.nv)
@@ -196,7 +207,7 @@ def _springs(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
                 i, rest = robot.index(mount.joint), stretch.held[mount.rest]
                 change = stretch.dstate[i] + stretch.end.slopes[i] * stretch.tau - derivative_of(rest)
                 left = mount.side * (float(stretch.state[i]) - float(value_of(rest))) + 0.0
-                for name, _ in both(cycle.system, mount.joint):
+                for name, _ in with_partner(cycle.system, mount.joint):
                     before = found.get(DEFLECTION + name)
                     if before is None or left < before.value:
                         found[DEFLECTION + name] = Measure(left, mount.side * change, "rad")

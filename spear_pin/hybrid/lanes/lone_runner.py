@@ -28,7 +28,7 @@ from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.modes import in_place
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.rules.cycles import crowded, due, left_at_once, retouches, whole
+from spear_pin.hybrid.rules.cycles import crowded, due, retouches, turns_back, whole
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
@@ -171,7 +171,7 @@ class LoneRunner:
         domain = ready.domain
         if end == UNCLEAR:
             raise _Unclear(f"two events crowd in an instant as {domain.name} begins")
-        if end >= 0 and left_at_once(domain.guards[end], now.t) and self._turns_back(now, domain.guards[end]):
+        if end >= 0 and turns_back(self._system, domain.guards[end], now.t, now.before):
             raise _Unclear(f"{domain.name} ends as it begins: a toe bounces")
         at = due(domain, now.switches, self._law)
         until = min(at, self._system.phase_limit)
@@ -187,10 +187,6 @@ class LoneRunner:
             now.observed[event.name] = now.y
             return domain, None
         return domain, event
-
-    def _turns_back(self, now: _Now, guard: Guard) -> bool:
-        """Tells whether an event leads back to the phase before, which may be chatter."""
-        return not self._in_space or (guard.reset is not None and guard.reset.phase == now.before)
 
     def _event(self, now: _Now, domain: Domain, end: int, due_now: bool) -> Guard | Switch | None:
         """Returns the event that ended an arc, None for a kink."""

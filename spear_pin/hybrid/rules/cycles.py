@@ -71,6 +71,16 @@ def left_at_once(guard: Guard, t: Any) -> Any:
     return (t <= AT_ONCE) & (guard.reset is not None and guard.reset.phase is not None)
 
 
+def turns_back(system: HybridSystem, guard: Guard, t: float, before: str) -> bool:
+    """Tells whether an event ends a phase as it begins, t seconds ago, and may be chatter.
+
+    In space it may be only if it leads to the phase before: feet that land at once lead on through phases without a
+    duration.
+    """
+    returns = system.robot.dimension == 2 or (guard.reset is not None and guard.reset.phase == before)
+    return returns and bool(left_at_once(guard, t))
+
+
 def whole(seconds: Any) -> Any:
     """Tells whether crossings of the section, so many seconds apart, bound a cycle; two in one instant do not."""
     return seconds >= INSTANT

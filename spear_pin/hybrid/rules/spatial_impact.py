@@ -49,13 +49,13 @@ def spatial_impact(D: Array, J: Array, v: Array, friction: float, before: Array 
     """
     response = np.linalg.solve(D, J.T)
     A, u = J @ response, J @ v
-    answer = answered(A, u, friction, before)
+    answer = find_impulses(A, u, friction, before)
     impulse = (answer.impulse - answer.earlier).ravel()
     slides, leaves = (tuple(mode == which for mode in answer.modes) for which in ("slip", "open"))
     return JointImpact(v + response @ impulse, impulse.reshape(-1, 3), loss(A, u, impulse), slides, leaves)
 
 
-def answered(A: Array, u: Array, friction: float, before: Array | None = None) -> Answer:
+def find_impulses(A: Array, u: Array, friction: float, before: Array | None = None) -> Answer:
     """Finds the impulses of `spatial_impact`.
 
     Args:

@@ -24,12 +24,13 @@ from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.strikes import Overlap, rests, struck_toes_in_space
+from spear_pin.hybrid.strikes import Overlap, comes_to_rest, struck_toes_in_space
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, SHORTEST, Derivative, Stretch, falling
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.kinks import later, of_the_inside
+from spear_pin.hybrid.tangent.overlap import DualOverlap
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, stopped, struck, struck_in_space
@@ -47,7 +48,6 @@ class _Now:
         behind: whether the state's derivatives are still at the last event, not yet at a fixed time.
         bent: the previous arc, if it ended at a kink.
         past: total time of the earlier phases, in s.
-        changes: derivatives of the impulses in `overlap`, (3, c) each.
         after: state after the last event, (2 nv,); None where the motion goes on as it was.
         together: whether several feet in space have landed in one instant.
     """
@@ -55,11 +55,10 @@ class _Now:
     dy: Array
     held: dict[str, Any]
     tau: Array
-    overlap: Overlap
+    overlap: DualOverlap
     behind: bool = False
     bent: Stretch | None = None
     past: float = 0.0
-    changes: dict[str, Array] = field(default_factory=dict)
     after: Array | None = None
     together: bool = False
     durations: dict[str, Any] = field(default_factory=dict)
@@ -85,7 +84,7 @@ def differentiated(
     whole = _Whole(system, recorder, seeds, fineness)
     held = whole.begun(y, dy)
     arcs = recorder.cycle(y)
-    now, stretches = _Now(dy, held, np.zeros(dy.shape[1]), Overlap(system.overlap)), []
+    now, stretches = _Now(dy, held, np.zeros(dy.shape[1]), DualOverlap(Overlap(system.overlap), dy.shape[1])), []
     for arc in arcs:
         if now.after is not None and not np.allclose(arc.y, now.after, rtol=SAME, atol=SAME):
             raise NotDifferentiable(f"{arc.domain.name} does not begin where the event before it leads by its rule")
@@ -218,7 +217,7 @@ class _Whole:
             grounded = [toe for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
             feet, slopes = self._feet(grounded, y, now)
             speeds = zip(grounded, feet.speeds.reshape(-1, 3), strict=True)
-            firsts = [0 if rests(robot, domain, reset, toe, speed) else 2 for toe, speed in speeds]
+            firsts = [0 if comes_to_rest(robot, domain, reset, toe, speed) else 2 for toe, speed in speeds]
             return stopped(feet, slopes, [row for i, k in enumerate(firsts) for row in range(3 * i + k, 3 * i + 3)])
         every, _ = self._feet(robot.toes, y, now)
         normal = {
@@ -227,20 +226,12 @@ class _Whole:
         }
         toes, striking = struck_toes_in_space(self.system, domain, reset, normal)
         feet, slopes = self._feet(toes, y, now)
-        time, before = now.past + arc.end, None
-        if not (self.system.impact_law == KELLER and len(toes) == 1):
-            received = now.overlap.received(toes, time)
-            nothing = np.zeros((3, self.c))
-            there = [now.changes[toe] if toe in now.overlap.recent else nothing for toe in toes]
-            before = received, np.array(there)
+        time, separate = now.past + arc.end, self.system.impact_law == KELLER and len(toes) == 1
+        before = None if separate else now.overlap.received(toes, time)
         falls = striking - {*reset.impact}
         now.together = now.together or bool(falls)
         found = struck_in_space(feet, slopes, toes, reset.impact, falls, before)
-        counted = {toe for toe in toes if toe in now.overlap.recent}
-        now.overlap.add(toes, striking, found.impulse, time)
-        for toe, change in zip(toes, found.dimpulse, strict=True):
-            if toe in now.overlap.recent:
-                now.changes[toe] = now.changes[toe] + change if toe in counted else change
+        now.overlap.add(toes, striking, found.impulse, found.dimpulse, time)
         now.held = {**now.held, **found.held}
         return found.v, found.dv
 

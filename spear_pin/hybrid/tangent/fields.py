@@ -79,7 +79,7 @@ class TangentField:
             dnumbers: derivatives of the parameters, (p, c).
         """
         rows, n, c = len(y), len(t), dy.shape[2]
-        if not self._compiles:
+        if not compiles(self.structure):
             return self._interpreted(t, y, numbers, dt, dy, dnumbers)
         inputs = np.empty((2 * (1 + rows + len(numbers)), n, c))
         half = len(inputs) // 2
@@ -94,11 +94,6 @@ class TangentField:
         inputs = np.concatenate([t[None], y, numbers])
         found = self._function(np.concatenate([inputs, np.zeros_like(inputs)]))
         return Values(found[: len(found) // 2], self._ends)
-
-    @property
-    def _compiles(self) -> bool:
-        """Tells whether the function is compiled: in space that takes longer than thousands of cycles."""
-        return taylor.available() and self.structure.system.robot.dimension == 2
 
     @cached_property
     def _ends(self) -> tuple[int, int, int]:
@@ -158,7 +153,7 @@ class TangentFeet:
             dnumbers: derivatives of the parameters, (p, c).
         """
         x, d = np.concatenate([y, numbers]), np.concatenate([dy, dnumbers])
-        if not taylor.available() or self.structure.system.robot.dimension == 3:
+        if not compiles(self.structure):
             outputs = self._of([Dual(value, slopes) for value, slopes in zip(x.tolist(), d, strict=True)], ARRAYS)
             values = np.array([value_of(each) for each in outputs])
             return self._named(values), self._named(derivatives(outputs, d.shape[1]))
@@ -231,6 +226,11 @@ def compiled(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, n
     outputs, zero = of(duals, operations(taylor.operations([]), hy.relup)), hy.expression(0.0)
     rows = [zero + part(each) for part in (value_of, derivative_of) for each in outputs]
     return hy.cfunc(rows, variables, compact_mode=nv > taylor.UNROLLED)
+
+
+def compiles(structure: Structure) -> bool:
+    """Tells whether derivatives of a structure are compiled: not in space, where that takes longer than many cycles."""
+    return taylor.available() and structure.system.robot.dimension == 2
 
 
 @lru_cache(taylor.MOST)

@@ -14,7 +14,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard, Held, Switch
 from spear_pin.hybrid.orders import Order, order_of
 from spear_pin.hybrid.result import FINEST, Moment, Options, Segment
-from spear_pin.hybrid.rules.cycles import RETOUCH, left_at_once
+from spear_pin.hybrid.rules.cycles import RETOUCH, turns_back
 from spear_pin.hybrid.run import run
 
 
@@ -77,13 +77,9 @@ class ReferenceRunner:
         if not any(domain is each for each in self._system.domains):
             return f"toes alternate in {domain.phase}"
         event = _event(segment)
-        if isinstance(event, Guard) and left_at_once(event, segment.pieces[-1].end) and self._turns_back(event, before):
+        if isinstance(event, Guard) and turns_back(self._system, event, segment.pieces[-1].end, before):
             return f"{domain.name} ends as it begins: a toe bounces"
         return ""
-
-    def _turns_back(self, guard: Guard, before: str) -> bool:
-        """Tells whether an event that ends a phase as it begins may be chatter: in space if it leads back."""
-        return self._system.robot.dimension == 2 or (guard.reset is not None and guard.reset.phase == before)
 
     def _arc(self, segment: Segment, event: Any, switches: int) -> Arc:
         motion, begin, end = self._motion(segment), segment.pieces[0].begin, segment.pieces[-1].end

@@ -15,7 +15,7 @@ from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.guards import struck as told
 from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
-from spear_pin.hybrid.rules.spatial_impact import answered
+from spear_pin.hybrid.rules.spatial_impact import find_impulses
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
@@ -113,7 +113,7 @@ def struck_in_space(
         raise NotDifferentiable("a toe rises as it lands, as at the end of bounces")
     if not np.linalg.cond(A) < SINGULAR:
         raise NotDifferentiable("toes in an impact cannot move independently, so their impulses are not unique")
-    total, modes, earlier = answered(A, u, mu, None if before is None else before[0])
+    total, modes, earlier = find_impulses(A, u, mu, None if before is None else before[0])
     counted = before is not None and (earlier == before[0]).all()  # else the impact obeys the law alone
     dearlier = before[1] if before is not None and counted else np.zeros((m, 3, c))
     impulse = total - earlier

@@ -78,7 +78,7 @@ def _feet(
     return tangent_feet(structure, toes).at(y, numbers(system), dy, seeds)
 
 
-def aside(system: HybridSystem, local: Chart) -> Array | None:
+def tell_feet_apart(system: HybridSystem, local: Chart) -> Array | None:
     """Returns coordinates ξ, (d,), of a state beside a symmetric gait, where one foot lands first; None for others.
 
     Raises:
@@ -121,7 +121,7 @@ def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:
         NotDifferentiable: feet of a symmetric gait land at once even if others did not, or a number tells left from
             right in such a gait.
     """
-    found, d, xi = local.changes(cycle.y, cycle.dy), local.dimension, aside(system, local)
+    found, d, xi = local.changes(cycle.y, cycle.dy), local.dimension, tell_feet_apart(system, local)
     if xi is not None:
         assert isinstance(local.lane, SpatialCharts)
         even, still = local.lane.even, np.zeros((len(cycle.numbers), d))

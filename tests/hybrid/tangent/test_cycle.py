@@ -7,8 +7,10 @@ from spear_pin import Gait
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.engines.structure import Structure
 from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.fields import tangent_field
 from spear_pin.hybrid.tangent.record import Recorder
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.hybrid.tangent.seeds import numbers, seeds
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -58,3 +60,20 @@ def test_compiled_and_interpreted_say_the_same(hop):
         for one, other in zip(field.at(*given), field._interpreted(*given), strict=True):
             for a, b in zip(one, other, strict=True):
                 assert a == pytest.approx(b, rel=1e-11, abs=1e-10)
+
+
+def test_an_engine_that_goes_on_elsewhere_is_noticed(hop):
+    """Where the engine's impact is not the one that is differentiated, there is no derivative."""
+
+    class Elsewhere(Recorder):
+        def cycle(self, y):
+            first, *others = super().cycle(y)
+            lasting = next(i for i, arc in enumerate(others) if others[i - 1].event is not None and i)
+            others[lasting] = others[lasting]._replace(y=others[lasting].y + 1e-5)
+            return [first, *others]
+
+    y = np.concatenate(hop.state)
+    still = np.zeros((len(numbers(hop.system)), 1))
+    assert differentiated(hop.system, Recorder(hop.system), y, np.zeros((len(y), 1)), still).y.shape == y.shape
+    with pytest.raises(NotDifferentiable, match="by its rule"):
+        differentiated(hop.system, Elsewhere(hop.system), y, np.zeros((len(y), 1)), still)

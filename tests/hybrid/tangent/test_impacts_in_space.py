@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from spear_pin.hybrid.rules.guards import rise, struck
-from spear_pin.hybrid.rules.spatial_impact import answered, spatial_impact
+from spear_pin.hybrid.rules.spatial_impact import find_impulses, spatial_impact
+from spear_pin.hybrid.strikes import Overlap
 from spear_pin.hybrid.tangent.fields import ToeNumbers
+from spear_pin.hybrid.tangent.overlap import DualOverlap
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, stopped, struck_in_space
 
 NV, H = 9, 1e-6
@@ -66,7 +68,7 @@ def test_against_differences(friction, overlaps):
         wanted = slope(lambda s: impact(s).impulse)
         np.testing.assert_allclose(found.dimpulse[..., 0], wanted, rtol=0, atol=2e-6 * max(1.0, np.abs(wanted).max()))
         assert (found.held[struck("left")], found.held[struck("right")]) == (0.0, 1.0)
-        answer = answered(feet.inverse_inertia, feet.speeds, friction, received[0])
+        answer = find_impulses(feet.inverse_inertia, feet.speeds, friction, received[0])
         modes |= {*answer.modes}
         for toe, mode, leaves in zip(TOES, answer.modes, impact(0.0).leaves, strict=True):
             assert leaves == (mode == "open") and (leaves or found.held[rise(toe)] == 0.0)
@@ -106,11 +108,26 @@ def test_the_end_of_sliding_against_differences():
     np.testing.assert_allclose(slope_of_it[:, 0], slope(after), rtol=0, atol=1e-6)
 
 
+def test_what_toes_receive_until_their_impact_is_over():
+    """Values and derivatives are added up alike: a derivative is the difference of what is added up."""
+    rng = np.random.default_rng(5)
+    impulses, changes = rng.normal(size=(3, 2, 3)), rng.normal(size=(3, 2, 3))
+    found, moved = DualOverlap(Overlap(0.01), 1), Overlap(0.01)
+    times, striking = (0.0, 0.004, 0.012), ({"left"}, {"right"}, set())
+    for time, hit, impulse, change in zip(times, striking, impulses, changes, strict=True):
+        found.add(TOES, hit, impulse, change[..., None], time)
+        moved.add(TOES, hit, impulse + H * change, time)
+        for now in (time, time + 0.005):
+            values, slopes = found.received(TOES, now)
+            np.testing.assert_allclose((moved.received(TOES, now) - values) / H, slopes[..., 0], rtol=0, atol=1e-9)
+    assert not found.received(TOES, 1.0)[1].any()
+
+
 class TestRefused:
     def test_an_impact_on_the_border(self):
         for seed in range(40):
             feet, slopes = toes(randomly(seed, 5.0))
-            impulse, modes, _ = answered(feet.inverse_inertia, feet.speeds, 5.0)
+            impulse, modes, _ = find_impulses(feet.inverse_inertia, feet.speeds, 5.0)
             if modes == ("stick", "stick"):
                 break
         friction = max(np.hypot(x, y) / z for x, y, z in impulse)
