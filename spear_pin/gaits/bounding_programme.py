@@ -24,7 +24,7 @@ from spear_pin.gaits.request import (
     STEEPEST,
     Request,
 )
-from spear_pin.gaits.virtual_constraints import Evolution, desired, dot, drift, gradient, resume, value
+from spear_pin.gaits.virtual_constraints import Evolution, accelerations, jet, resume, value
 from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
@@ -207,7 +207,7 @@ class _Writer:
         programme.require(
             f"clearance in {label}", terms[other.toe][0][1], request.clearance, scale=0.1 * scale.length, wish="m"
         )
-        rate = dot(gradient(phase.outputs.phase, node.q, ca), node.v)
+        rate = jet(phase.outputs.phase, node.q, node.v, ca).rate
         programme.require(f"sweep of the leg in {label}", rate, -30.0, -0.3, unit=1.0 / scale.time)
 
     def friction(self, v: Any) -> Any:
@@ -358,13 +358,6 @@ def _knee(programme: Programme, name: str, leg: Leg) -> Any:
 
 def _follow(programme: Programme, label: str, phase: Phase, begun: Evolution, node: Node, scale: Scale) -> None:
     """Requires ÿ = 0."""
-    ca, measured = casadi(), phase.outputs.phase
-    ahead, unit = gradient(measured, node.q, ca), 1.0 / scale.time**2
-    rate = dot(ahead, node.v) / begun.span
-    second = (dot(ahead, node.a) + drift(measured, node.q, node.v, ca)) / begun.span
-    for variable, (_, slope, curvature) in zip(
-        phase.outputs.rows, desired(phase.outputs, begun, node.q, ca), strict=True
-    ):
-        own = dot(gradient(variable, node.q, ca), node.a) + drift(variable, node.q, node.v, ca)
-        missed = own - slope * second - curvature * rate * rate
+    unit = 1.0 / scale.time**2
+    for missed in accelerations(phase.outputs, begun, node.q, node.v, node.a, casadi()):
         programme.require(f"motion in {label}", missed, 0.0, 0.0, scale=50.0, unit=unit)

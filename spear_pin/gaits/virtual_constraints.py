@@ -8,13 +8,13 @@ bends.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from math import comb
 from operator import mul
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -130,27 +130,41 @@ def value(variable: Variable, q: Sequence[Any], ops: Any = np) -> Any:
     return dot(variable, q)
 
 
-def gradient(variable: Variable, q: Sequence[Any], ops: Any = np) -> Row:
-    """Returns the row that, times v, is the rate of a variable."""
-    if isinstance(variable, Sum):
-        parts = ((weight, gradient(term, q, ops)) for weight, term in variable.terms)
-        return tuple((index, weight * slope) for weight, row in parts for index, slope in row)
-    if isinstance(variable, Shifted):
-        return gradient(variable.variable, q, ops)
-    if isinstance(variable, Leaning):
-        return (*variable.row, (variable.knee, -variable.lean(q, ops)[1]))
-    return variable
+class Jet(NamedTuple):
+    """A variable at a state, and what it does there.
+
+    Attributes:
+        value: its value.
+        row: its gradient, which times v̇ and plus the drift is its second derivative in time.
+        rate: its rate.
+        drift: its second derivative in time at v̇ = 0.
+    """
+
+    value: Any
+    row: Row
+    rate: Any
+    drift: Any
 
 
-def drift(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np) -> Any:
-    """Returns the second derivative of a variable in time at v̇ = 0."""
+def jet(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np) -> Jet:
+    """Returns a variable at a state, its gradient, rate and drift."""
     if isinstance(variable, Sum):
-        return sum(weight * drift(term, q, v, ops) for weight, term in variable.terms)
+        terms = [(weight, jet(term, q, v, ops)) for weight, term in variable.terms]
+        return Jet(
+            sum(weight * term.value for weight, term in terms),
+            tuple((index, weight * slope) for weight, term in terms for index, slope in term.row),
+            sum(weight * term.rate for weight, term in terms),
+            sum(weight * term.drift for weight, term in terms),
+        )
     if isinstance(variable, Shifted):
-        return drift(variable.variable, q, v, ops)
+        moved = jet(variable.variable, q, v, ops)
+        return moved._replace(value=moved.value + variable.by)
     if isinstance(variable, Leaning):
-        return -variable.lean(q, ops)[2] * (v[variable.knee] * v[variable.knee])
-    return 0.0
+        leans, slope, curvature = variable.lean(q, ops)
+        knee, rate = variable.knee, v[variable.knee]
+        row = (*variable.row, (knee, -slope))
+        return Jet(dot(variable.row, q) - leans, row, dot(row, v), -curvature * (rate * rate))
+    return Jet(dot(variable, q), variable, dot(variable, v), 0.0)
 
 
 def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:
@@ -192,9 +206,8 @@ def progress(outputs: Outputs, evolution: Evolution, q: Sequence[Any], ops: Any 
     return (value(outputs.phase, q, ops) - evolution.origin) / evolution.span
 
 
-def desired(outputs: Outputs, evolution: Evolution, q: Sequence[Any], ops: Any = np) -> list[tuple[Any, Any, Any]]:
-    """Returns h, dh/ds and d²h/ds² of each output."""
-    s = progress(outputs, evolution, q, ops)
+def desired(evolution: Evolution, s: Any) -> list[tuple[Any, Any, Any]]:
+    """Returns h, dh/ds and d²h/ds² of each output where the phase variable is s."""
     inside = s + evolution.past * (1.0 - s)
     bases = {n: _bases(n - 1, inside) for n in dict.fromkeys(map(len, evolution.alpha))}
     evolutions = []
@@ -209,18 +222,30 @@ def errors(
     outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], ops: Any = np
 ) -> tuple[list[Any], list[Any]]:
     """Returns the outputs y of (5.9) and their rates."""
-    rate = dot(gradient(outputs.phase, q, ops), v) / evolution.span
-    return _missed(outputs, desired(outputs, evolution, q, ops), rate, q, v, ops)
+    found = [(y, dy) for y, dy, _, _ in _outputs(outputs, evolution, q, v, ops)]
+    return [y for y, _ in found], [dy for _, dy in found]
 
 
-def _missed(
-    outputs: Outputs, wanted: Sequence[tuple[Any, Any, Any]], rate: Any, q: Sequence[Any], v: Sequence[Any], ops: Any
-) -> tuple[list[Any], list[Any]]:
-    y, dy = [], []
-    for variable, (height, slope, _) in zip(outputs.rows, wanted, strict=True):
-        y.append(value(variable, q, ops) - height)
-        dy.append(dot(gradient(variable, q, ops), v) - slope * rate)
-    return y, dy
+def _outputs(
+    outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], ops: Any
+) -> Iterator[tuple[Any, Any, Row, Any]]:
+    """Yields y and ẏ of each output, the row that times v̇ is part of ÿ, and the rest of ÿ, of (5.9)."""
+    phase = jet(outputs.phase, q, v, ops)
+    rate = phase.rate / evolution.span
+    wanted = desired(evolution, (phase.value - evolution.origin) / evolution.span)
+    for variable, (height, slope, curvature) in zip(outputs.rows, wanted, strict=True):
+        own = jet(variable, q, v, ops)
+        tilt = slope / evolution.span  # H - h' ds/dq is the output's gradient
+        row = (*own.row, *((index, -tilt * weight) for index, weight in phase.row))
+        rest = own.drift - tilt * phase.drift - curvature * (rate * rate)
+        yield own.value - height, own.rate - slope * rate, row, rest
+
+
+def accelerations(
+    outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any = np
+) -> list[Any]:
+    """Returns ÿ of the outputs of (5.9) at an acceleration."""
+    return [dot(row, a) + rest for _, _, row, rest in _outputs(outputs, evolution, q, v, ops)]
 
 
 def zeroing(
@@ -254,18 +279,11 @@ def demanded(
     outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], epsilon: Any, ops: Any = np
 ) -> tuple[list[Row], list[Any]]:
     """Returns rows and the values of rows times v̇ that give ÿ = -y/ε² - 2ẏ/ε; see `zeroing` for the arguments."""
-    evolutions = desired(outputs, evolution, q, ops)
-    ahead = gradient(outputs.phase, q, ops)
-    rate = dot(ahead, v) / evolution.span
-    y, dy = _missed(outputs, evolutions, rate, q, v, ops)
-    phase_drift = drift(outputs.phase, q, v, ops) / evolution.span
     rows: list[Row] = []
     wanted = []
-    for i, (_, slope, curvature) in enumerate(evolutions):
-        tilt = slope / evolution.span  # H - h' ds/dq is the output's gradient
-        rows.append((*gradient(outputs.rows[i], q, ops), *((index, -tilt * weight) for index, weight in ahead)))
-        own = slope * phase_drift - drift(outputs.rows[i], q, v, ops)
-        wanted.append(curvature * (rate * rate) + own - (y[i] / epsilon + 2.0 * dy[i]) / epsilon)
+    for y, dy, row, rest in _outputs(outputs, evolution, q, v, ops):
+        rows.append(row)
+        wanted.append(-(y / epsilon + 2.0 * dy) / epsilon - rest)
     return rows, wanted
 
 
@@ -287,12 +305,13 @@ def resume(
         span: change of the phase's coordinate up to s = 1.
         ops: elementary functions for the type of q and v.
     """
-    rate = dot(gradient(outputs.phase, q, ops), v) / span
+    phase = jet(outputs.phase, q, v, ops)
     alpha = []
     for variable, shape in zip(outputs.rows, shapes, strict=True):
-        begin = value(variable, q, ops)
-        alpha.append((begin, begin + dot(gradient(variable, q, ops), v) / rate / (len(shape) + 1), *shape))
-    return Evolution(tuple(alpha), value(outputs.phase, q, ops), span)
+        begin = jet(variable, q, v, ops)
+        slope = begin.rate / (phase.rate / span)
+        alpha.append((begin.value, begin.value + slope / (len(shape) + 1), *shape))
+    return Evolution(tuple(alpha), phase.value, span)
 
 
 def begun(
@@ -304,5 +323,5 @@ def begun(
     evolution is continuous in the state.
     """
     whole = resume(outputs, shapes, q, v, span)
-    within = np.minimum(abs(dot(gradient(outputs.phase, q), v) / span) / SLOWEST, 1.0) ** 2
+    within = np.minimum(abs(jet(outputs.phase, q, v).rate / span) / SLOWEST, 1.0) ** 2
     return replace(whole, alpha=tuple((a, a + within * (b - a), *rest) for a, b, *rest in whole.alpha))

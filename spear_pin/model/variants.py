@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from math import copysign
 from numbers import Real
 from types import MappingProxyType
@@ -150,7 +151,10 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     """Returns the robot's original model with changes made before its joints are locked, which merges links."""
     cut = robot.cut
     base: Literal["chain"] | None = "chain" if robot.coordinates[: len(CHAIN)] == CHAIN else None
-    model = (load(robot.source, base=base) if cut is None else recut(cut.kind, cut.robot, cut.legs, cut.body)).model
+    if cut is None:
+        model = _shipped(str(robot.source), base).copy()
+    else:
+        model = recut(cut.kind, cut.robot, cut.legs, cut.body).model
     motors = None if cut is None else {joint: len(turns) for joint, turns in cut.angles.items()}
     for name, value in varied.items():
         if _kind(name) is None:
@@ -158,6 +162,12 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
         else:
             _set_gears(model, name, value, motors)
     return hold(model, robot.locked)
+
+
+@cache
+def _shipped(source: str, base: Literal["chain"] | None) -> pin.Model:
+    """Returns the model of a shipped robot, whose file is read once."""
+    return load(source, base=base).model
 
 
 def _change(model: pin.Model, name: str, value: float) -> None:

@@ -168,19 +168,19 @@ MUTATIONS = [
         ["gaits/test_virtual_constraints"],
         {
             "virtual constraints: curvature left out": (
-                "curvature * (rate * rate) + own - (y[i]",
-                "0.0 * curvature * (rate * rate) + own - (y[i]",
+                "- curvature * (rate * rate)",
+                "- 0.0 * curvature * (rate * rate)",
             ),
-            "virtual constraints: damped by half": ("+ 2.0 * dy[i]) / epsilon", "+ dy[i]) / epsilon"),
+            "virtual constraints: damped by half": ("+ 2.0 * dy) / epsilon", "+ dy) / epsilon"),
             "virtual constraints: other motors forgotten": ("outputs.motors, others)", "outputs.motors, others[:0])"),
-            "virtual constraints: slope at the beginning": ("/ rate / (len(shape) + 1)", "/ rate / (len(shape) + 2)"),
+            "virtual constraints: slope at the beginning": ("slope / (len(shape) + 1)", "slope / (len(shape) + 2)"),
             "virtual constraints: held beyond the end": ("height + slope * (s - inside)", "height"),
             "virtual constraints: curved beyond the end": ("curvature - evolution.past * curvature", "curvature"),
             "virtual constraints: a leaning leg's drift left out": (
-                "own = slope * phase_drift - drift(outputs.rows[i], q, v, ops)",
-                "own = slope * phase_drift",
+                "rest = own.drift - tilt * phase.drift",
+                "rest = -tilt * phase.drift",
             ),
-            "virtual constraints: a leaning phase's drift left out": ("own = slope * phase_drift -", "own = -"),
+            "virtual constraints: a leaning phase's drift left out": ("own.drift - tilt * phase.drift", "own.drift"),
         },
     ),
     *mistakes_in(

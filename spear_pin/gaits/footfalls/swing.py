@@ -18,11 +18,9 @@ from spear_pin.gaits.virtual_constraints import (
     Outputs,
     Sum,
     Variable,
+    accelerations,
     bezier,
-    desired,
-    dot,
-    drift,
-    gradient,
+    jet,
     resume,
     value,
 )
@@ -81,7 +79,7 @@ class Swings:
         if bears:
             programme.require(f"sweep of the legs in {air.label}", span, *SWEEP)
             for node in air.nodes:
-                rate = dot(gradient(phase, node.q, ca), node.v)
+                rate = jet(phase, node.q, node.v, ca).rate
                 programme.require(f"sweep of the legs in {air.label}", rate, -FASTEST, -SLOWEST, unit=1.0 / time)
         found = {}
         for name, limb in self.limbs.items():
@@ -98,13 +96,8 @@ class Swings:
 
     def _follow(self, label: str, outputs: Outputs, begun: Evolution, node: Node) -> None:
         """Requires ÿ = 0."""
-        ca, ahead, unit = casadi(), gradient(outputs.phase, node.q, casadi()), 1.0 / self.scale.time**2
-        rate = dot(ahead, node.v) / begun.span
-        second = (dot(ahead, node.a) + drift(outputs.phase, node.q, node.v, ca)) / begun.span
-        wanted = desired(outputs, begun, node.q, ca)
-        for variable, (_, slope, curvature) in zip(outputs.rows, wanted, strict=True):
-            own = dot(gradient(variable, node.q, ca), node.a) + drift(variable, node.q, node.v, ca)
-            missed = own - slope * second - curvature * rate * rate
+        unit = 1.0 / self.scale.time**2
+        for missed in accelerations(outputs, begun, node.q, node.v, node.a, casadi()):
             self.programme.require(f"law in {label}", missed, 0.0, 0.0, scale=50.0, unit=unit)
 
     def _bring(self, label: str, limb: Leg, node: Node, angle: Any) -> None:

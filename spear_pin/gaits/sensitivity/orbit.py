@@ -24,7 +24,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart, chart
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.section import columns, cycle_on_section, on_section
-from spear_pin.hybrid.tangent.seeds import seeds, weight_seeds
+from spear_pin.hybrid.tangent.seeds import Seeds, seeds
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 
 CLOSED = 1e-6  # largest displacement of the return map at a fixed point
@@ -62,9 +62,13 @@ class Orbit:
         return on_section(self.system, self.chart, self.seeds, self.dimension)
 
     @cached_property
+    def _seeds(self) -> Seeds:
+        return seeds(self.system, self.names)
+
+    @cached_property
     def seeds(self) -> Array:
         """Derivatives of the system's numbers by ξ, which are zero, and by the parameters, (p, d + m)."""
-        own = seeds(self.system, self.names)
+        own = self._seeds.numbers
         return np.concatenate([np.zeros((len(own), self.dimension)), own], axis=1)
 
     @cached_property
@@ -110,8 +114,8 @@ class Orbit:
     @property
     def weight(self) -> Measure:
         """The robot's weight."""
-        own = weight_seeds(self.system, self.names)
-        return Measure(self.system.robot.weight, np.concatenate([np.zeros(self.dimension), own]), "N")
+        derivative = np.concatenate([np.zeros(self.dimension), self._seeds.weight])
+        return Measure(self.system.robot.weight, derivative, "N")
 
     @cached_property
     def margins(self) -> dict[str, Measure]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,15 +33,28 @@ def numbers(system: HybridSystem, held: Mapping[str, Any] | None = None) -> Arra
     return found
 
 
-def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
-    """Returns the derivatives of `numbers` with respect to parameters, (p, m).
+class Seeds(NamedTuple):
+    """Derivatives with respect to parameters.
+
+    Attributes:
+        numbers: of `numbers`, (p, m).
+        weight: of the robot's weight, in N, (m,).
+    """
+
+    numbers: Array
+    weight: Array
+
+
+def seeds(system: HybridSystem, names: Sequence[str]) -> Seeds:
+    """Differentiates `numbers`, and the robot's weight, with respect to parameters.
 
     Raises:
         UnknownName: there is no parameter of a name.
         BadValue: a parameter is zero, so that part of the equations vanishes, or is none of the numbers.
     """
-    whole, of_robot = changes(system, names, _everything), {*parameters_of(system.robot), *body_numbers(system.robot)}
-    kept = _kept(system)
+    *rows, weight = changes(system, names, lambda other: np.append(_everything(other), other.robot.weight))
+    whole, kept = np.array(rows), _kept(system)
+    of_robot = {*parameters_of(system.robot), *body_numbers(system.robot)}
     for name, column in zip(names, whole[~kept].T, strict=True):
         if (np.abs(column) > ROUNDING).any():
             expected = "a parameter that changes no number that is zero now, as the equations leave zeros out"
@@ -50,7 +63,7 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Array:
     for name, column in zip(names, found.T, strict=True):
         if not column.any() and name not in of_robot:  # a gear ratio without a rotor is a number of motors alone
             raise BadValue(name, number(system, name), "a number of the equations: this one is built into the events")
-    return found
+    return Seeds(found, weight)
 
 
 def _everything(system: HybridSystem) -> Array:
@@ -68,12 +81,6 @@ def _kept(system: HybridSystem) -> NDArray[np.bool_]:
     of_law = len(structure.parameters(system.law, [], [], {}, 1))
     beside = [value != 0.0 or name == "friction" for name, value in others.items()]
     return np.array([*of_law * [True], *beside, *(value != 0.0 for value in robot)])
-
-
-def weight_seeds(system: HybridSystem, names: Sequence[str]) -> Array:
-    """Returns the derivatives of the robot's weight, in N, with respect to parameters, (m,)."""
-    found: Array = changes(system, names, lambda other: np.array([other.robot.weight]))[0]
-    return found
 
 
 def changes(system: HybridSystem, names: Sequence[str], of: Callable[[HybridSystem], Array]) -> Array:

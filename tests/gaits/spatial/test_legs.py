@@ -10,7 +10,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.orbits.embedding import embedded, whole
 from spear_pin.gaits.spatial.automaton import Automaton
 from spear_pin.gaits.spatial.legs import Group, diagonals_of, moving, pairs_of, placed, together
-from spear_pin.gaits.virtual_constraints import drift, gradient, value
+from spear_pin.gaits.virtual_constraints import jet, value
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.symmetry import asymmetry, mirror_of
 from spear_pin.model.loading import path_of
@@ -74,9 +74,10 @@ class TestConvention:
             for leg in pair:
                 for variable in leg.controlled:
                     before, now, after = (value(variable, q + x * step * v) for x in (-1.0, 0.0, 1.0))
-                    rate = sum(weight * v[index] for index, weight in gradient(variable, q))
-                    assert rate == pytest.approx((after - before) / (2.0 * step), abs=1e-7)
-                    assert drift(variable, q, v) == pytest.approx((after - 2.0 * now + before) / step**2, abs=1e-6)
+                    found, rate = jet(variable, q, v), (after - before) / (2.0 * step)
+                    assert (found.value, found.rate) == pytest.approx((now, rate), abs=1e-7)
+                    assert sum(weight * v[index] for index, weight in found.row) == pytest.approx(rate, abs=1e-7)
+                    assert found.drift == pytest.approx((after - 2.0 * now + before) / step**2, abs=1e-6)
 
     def test_the_mirror_leaves_the_toes_mirrored(self, of_leg, tmp_path):
         _, robot = made(tmp_path, **of_leg)

@@ -39,7 +39,7 @@ def derivative(system: HybridSystem, y: Array, names: tuple[str, ...] = ()) -> t
     """Derivatives of a cycle by coordinates of the section, then by parameters."""
     nv, recorder = system.robot.nv, Recorder(system)
     around = chart(system, (y[:nv], y[nv:]))
-    columns, numbers = tangents(around, nv), seeds(system, names)
+    columns, numbers = tangents(around, nv), seeds(system, names).numbers
     dy = np.concatenate([columns, np.zeros((2 * nv, len(names)))], axis=1)
     along = np.concatenate([np.zeros((len(numbers), columns.shape[1])), numbers], axis=1)
     return differentiated(system, recorder, y, dy, along), around, recorder

@@ -28,7 +28,7 @@ def test_against_pinocchio(kind):
     system, names = system_of(kind)
     robot, rng = system.robot, np.random.default_rng(5)
     q = rng.uniform(-1.0, 1.0, (robot.nv, COUNT))
-    own = np.concatenate([np.zeros((len(numbers(system)), robot.nv)), seeds(system, names)], axis=1)
+    own = np.concatenate([np.zeros((len(numbers(system)), robot.nv)), seeds(system, names).numbers], axis=1)
     dq = np.tile(np.eye(robot.nv, robot.nv + len(names))[:, None], (1, COUNT, 1))
     heights = dual_heights(system, numbers(system), own)
     for toe in robot.toes:

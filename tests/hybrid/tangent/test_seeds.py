@@ -48,7 +48,7 @@ def names_of(system):
 
 def test_are_as_long_as_the_numbers(system):
     names = names_of(system)
-    found, step = seeds(system, names), 2.0**-20
+    found, step = seeds(system, names).numbers, 2.0**-20
     assert found.shape == (len(numbers(system)), len(names))
     for name, column in zip(names, found.T, strict=True):
         value = number(system, name)

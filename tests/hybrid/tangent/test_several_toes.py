@@ -68,7 +68,7 @@ def test_against_differences(case):
     still = null_space(system.robot.toe_jacobian(y[:7], "posterior_toe"))
     along = np.concatenate([np.zeros((7, 2)), still @ np.random.default_rng(0).normal(size=(still.shape[1], 2))])
     dy = np.concatenate([along, np.zeros((14, len(OVER)))], axis=1)
-    raw = np.concatenate([np.zeros((len(recorder.numbers), 2)), seeds(system, OVER)], axis=1)
+    raw = np.concatenate([np.zeros((len(recorder.numbers), 2)), seeds(system, OVER).numbers], axis=1)
     found = differentiated(system, recorder, y, dy, raw)
     events = [(each.arc.domain.phase, each.arc.event.name) for each in found.stretches]
     assert ("posterior", "anterior_touchdown") in events
