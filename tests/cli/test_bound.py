@@ -66,6 +66,7 @@ def test_files_of_an_earlier_call_are_named(capsys, tmp_path, command):
 
 
 class TestBound:
+    @pytest.mark.slow
     def test_figures(self, bound_run):
         status, out, err, _ = bound_run
         assert (status, err) == (0, "") and out.count("\n") == 1
@@ -97,6 +98,7 @@ class TestBound:
         assert (result["cycles"], result["reason"]) == (2, "complete")
         assert "text" not in result
 
+    @pytest.mark.slow
     def test_files(self, bound_run):
         _, out, _, folder = bound_run
         assert sorted(path.name for path in folder.iterdir()) == ["bound.html", "bound.npz", "bound.svg"]

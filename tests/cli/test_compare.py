@@ -7,6 +7,7 @@ from spear_pin.errors import BadValue
 from tests.cli.calls import printed, refused, run
 
 
+@pytest.mark.slow
 def test_gaits_as_a_table(capsys, tmp_path):
     status, out, err = run(capsys, "compare", "long_stride", "long_stride_3.00", "--cycles", 1, "--out", tmp_path)
     assert (status, err) == (0, "")

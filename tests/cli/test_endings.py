@@ -63,6 +63,7 @@ SHORT = (
 
 
 @pytest.mark.parametrize("words", SHORT)
+@pytest.mark.slow
 def test_status_of_a_motion_that_is_lost(capsys, tmp_path, monkeypatch, words):
     """Print, status and page; its files are there to look at."""
     cut_short(monkeypatch, "fall", 1)

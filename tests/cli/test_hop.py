@@ -24,6 +24,7 @@ def hop_run(tmp_path_factory):
 
 
 class TestHop:
+    @pytest.mark.slow
     def test_figures(self, hop_run):
         status, out, err, _ = hop_run
         assert (status, err) == (0, "") and out.count("\n") == 1

@@ -8,6 +8,7 @@ from spear_pin import Gait, Trajectory
 from tests.cli.calls import printed, refused, run
 
 
+@pytest.mark.slow
 def test_hops_round_its_post(capsys, tmp_path):
     result = printed(capsys, "hop", "--robot", "hoppy", "--cycles", 2, "--save", "--out", tmp_path)
     assert (result["reason"], result["cycles"], result["stable"]) == ("complete", 2, True)

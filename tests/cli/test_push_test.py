@@ -96,6 +96,7 @@ def test_interrupted_while_pictures_are_drawn(capsys, tmp_path, monkeypatch, opt
     assert sorted(path.name for path in tmp_path.iterdir()) == left
 
 
+@pytest.mark.slow
 def test_the_page_is_opened_once_it_is_there(capsys, tmp_path, monkeypatch):
     opened, page = [], tmp_path / "push_test.html"
     monkeypatch.setattr("webbrowser.open", lambda address: opened.append((address, page.is_file())))

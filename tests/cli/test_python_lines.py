@@ -107,6 +107,7 @@ HOPS = (
 
 
 @pytest.mark.parametrize("options", HOPS, ids=joined)
+@pytest.mark.slow
 def test_hops(capsys, tmp_path, options):
     found, space = lines_of(capsys, "hop", *options, *SHORT, "--out", tmp_path)
     gait, trajectory = space["gait"], space["trajectory"]

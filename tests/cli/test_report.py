@@ -47,6 +47,7 @@ def test_text(capsys, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", ["svg", "pdf", "png"])
+@pytest.mark.slow
 def test_figures(capsys, tmp_path, suffix):
     shown = printed(capsys, "report", "--only", "fig-2.9", "--figures", suffix, "--out", tmp_path)
     assert (tmp_path / "report_figures" / f"fig-2.9.{suffix}").is_file() and len(shown["files"]) == 2

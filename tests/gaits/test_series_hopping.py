@@ -105,6 +105,7 @@ def test_with_its_spring_held_it_is_spear_ii(robot):
 
 class TestAgainstTheClosedLoopByHand:
     @pytest.mark.parametrize("offset", [0.0, 0.01, -0.01])
+    @pytest.mark.slow
     def test_one_hop(self, gait, offset):
         """On the gait and beside it."""
         begin = chart(gait.system, gait.state).state(np.full(5, offset))
@@ -130,6 +131,7 @@ class TestAgainstTheClosedLoopByHand:
 
 
 class TestGait:
+    @pytest.mark.slow
     def test_periodic_stable_and_as_high(self, gait, hops):
         assert gait.residual < 1e-9 and gait.stable
         run = simulate(gait.system, gait.state, 2)

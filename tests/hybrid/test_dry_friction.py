@@ -155,6 +155,7 @@ class TestHeld:
         result = run(with_dry_friction(in_the_air(STIFF), {"boom_z": factor * WEIGHT}), state, 1, Options())
         assert result.domain.name == ("air boom_z held" if held else "air")
 
+    @pytest.mark.slow
     def test_let_go_and_caught(self):
         """A knee that kicks tears the slider from friction that bears the weight; it comes to rest again."""
         friction, start = 80.0, np.array([1.2, 0.6, 1.3, 0.0, 0.0, 0.0])

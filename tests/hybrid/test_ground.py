@@ -61,6 +61,7 @@ def uneven(request):
 
 
 class TestStep:
+    @pytest.mark.slow
     def test_is_run_over(self, uneven):
         """Every foot lands on its tread, and the biped goes on at its pace."""
         system, trajectory, rise = uneven
@@ -94,6 +95,7 @@ class TestStep:
         with pytest.raises(NotSymbolic, match="ground does not take symbols"):
             simulate_many(system, hop.state[0][None], hop.state[1][None])
 
+    @pytest.mark.slow
     def test_of_another_shape_is_compiled_anew(self, uneven):
         """Its own numbers are compiled in, and so is what it says."""
         system, _, _ = uneven

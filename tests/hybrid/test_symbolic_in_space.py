@@ -37,6 +37,7 @@ RARELY = pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["trot", "pronk", "long_stride", *(pytest.param(name, marks=RARELY) for name in ("turn_9", "gallop"))]
 )
+@pytest.mark.slow
 def test_along_a_gait(name):
     system, state = gait(name)
     mechanism, seen = mechanism_of(system.robot), set()

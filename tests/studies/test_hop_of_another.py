@@ -50,6 +50,7 @@ def test_none(whole):
     assert caught.value.remedy.startswith("stance_torque=2.26, with which it flies as long")
 
 
+@pytest.mark.slow
 def test_none_with_any_torque(whole):
     with pytest.raises(NoGait, match="the frequency of 8 Hz is 2.5 times"):
         hop_of(made(whole, frequency=8.0), 0.16)

@@ -93,12 +93,14 @@ class TestPage:
                         sides.append(base[1])
                     assert sides == pytest.approx([0.16, -0.16][: len(sides)])
 
+    @pytest.mark.slow
     def test_the_legend_gives_the_force_on_a_foot(self, strides: Trajectory, recording: Recording) -> None:
         peak = 0.5 * np.linalg.norm(strides.force, axis=2).max()
         (text,) = (text for text, _ in recording.data["legend"] if "force" in text)
         found = re.fullmatch(r"ground force on each foot, arrows up to (\d+) N", text)
         assert found and float(found[1]) == pytest.approx(peak, rel=0.01)
 
+    @pytest.mark.slow
     def test_each_foot_has_its_path(self, recording: Recording) -> None:
         trails = [path for path in recording.paths if "path of" in path]
         assert sorted(trails) == [

@@ -87,6 +87,7 @@ def test_spring_and_force_show_in_stance_only(browser: chromium.Browser, page: P
 
 
 @pytest.mark.parametrize("sample", [40, 200, 400])
+@pytest.mark.slow
 def test_the_viewer_puts_the_toe_where_kinematics_does(browser: chromium.Browser, page: Path, sample: int) -> None:
     robot, time = load("spear_ii"), float(HOP.t[sample])
     show(browser, page, time)
@@ -102,6 +103,7 @@ def test_the_viewer_puts_the_toe_where_kinematics_does(browser: chromium.Browser
     assert toe[[0, 2]] == pytest.approx(robot.toe_position(HOP.q[sample], "toe"), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_scrubbing_moves_the_robot(browser: chromium.Browser, page: Path) -> None:
     show(browser, page, FLIGHT)
     scrub = "(s => (s.value = 0.11, s.dispatchEvent(new Event('input')), player.time))"

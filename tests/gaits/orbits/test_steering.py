@@ -45,6 +45,7 @@ class TestShipped:
         turn = gait.system.measures["turn"](stride(name))
         assert right.measures["turn"](return_map(right, state)) == pytest.approx(-turn, abs=1e-9)
 
+    @pytest.mark.slow
     def test_feet_of_a_pair_land_soon_after_each_other(self, name):
         assert all(abs(footfall_gap(stride(name), pair)) < GAP + 1e-5 for pair in ("posterior", "anterior"))
 

@@ -149,6 +149,7 @@ def test_what_is_refused(hop, drives, error, text):
         hop.sensitivity(["stiffness"], motors=drives)
 
 
+@pytest.mark.slow
 def test_what_is_built_into_events_is_refused(hop):
     """A fixed spring's angle of rest is no number of the equations: its derivatives would all be zero."""
     system = hop.system.build(hop.system.robot, hop.system.law, replace(hop.system.spring, rest=1.0))

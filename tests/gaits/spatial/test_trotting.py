@@ -57,6 +57,7 @@ class TestOrbit:
             np.testing.assert_allclose(part, own, rtol=0, atol=1e-7)
         assert stride().state[0][3] - trot().state[0][3] == pytest.approx(0.0, abs=1e-8)
 
+    @pytest.mark.slow
     def test_ledger(self):
         for change, work in zip(stride().change, stride().work, strict=True):
             assert abs(change - work.sum()) <= 1e-8

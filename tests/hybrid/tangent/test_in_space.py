@@ -73,6 +73,18 @@ def test_measures_are_those_of_samples(name):
         assert found[each] == pytest.approx(value, rel=1e-6, abs=1e-6), each
 
 
+def test_a_half_stride_with_another_roll_inertia():
+    """It ends elsewhere, as its derivatives say."""
+    gait, name, h = Gait.load("trot"), "roll_inertia_xx", 1e-3
+    found, local = Orbit(gait.system, gait.state, (name,)).columns[:, -1], chart(gait.system, gait.state)
+    value, ends = number(gait.system, name), []
+    for side in (1.0, -1.0):
+        other = with_numbers(gait.system, {name: value * (1.0 + side * h)})
+        ends.append(local.coordinates(return_map(other, gait.state, 1e-12).state))
+    wanted = (ends[0] - ends[1]) / (2.0 * h * value)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * np.abs(wanted).max())
+
+
 def test_a_gait_with_another_roll_inertia():
     """The whole gait moves as its derivatives say."""
     gait, name = Gait.load("trot"), "roll_inertia_xx"

@@ -50,6 +50,7 @@ class TestBound:
 
 
 class TestHop:
+    @pytest.mark.slow
     def test_gait(self):
         assert hop.flight_time() == pytest.approx(0.2, abs=1e-9)
         assert hop.largest_multiplier() == pytest.approx(-hop.leading_multiplier())

@@ -13,6 +13,7 @@ compiles = pytest.mark.extra("heyoka")
 HEIGHTS, KNEES = np.linspace(0.005, 0.6, 317), np.linspace(0.1, 2.4, 317)
 
 
+@pytest.mark.slow
 def test_dropped(hop):
     q, v = dropped(hop, [0.1, 0.2], [0.5, 1.0, 1.5])
     assert q.shape == (6, 3) and not v.any()

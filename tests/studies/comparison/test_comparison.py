@@ -27,6 +27,7 @@ def row(rows, name):
     return next(each for each in rows if each.name == name)
 
 
+@pytest.mark.slow
 def test_measures_are_those_of_the_study_of_bounds(sides):
     rows = measures(sides)
     for i, side in enumerate(sides):

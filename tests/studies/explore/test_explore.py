@@ -138,6 +138,7 @@ class TestSettled:
         landings = [hops.start[0], *(event.q for event in hops.trajectory.named("touchdown"))]
         assert min(np.abs(landing - hops.start[0]).max() for landing in landings[1:]) > NEAR / 10
 
+    @pytest.mark.slow
     def test_a_fall_is_shown_with_the_hops_before_it(self, engine):
         hops = settled(FALLING, engine)
         whole = simulate(FALLING.system, spear_ii_hop().start, 12)
@@ -152,6 +153,7 @@ class TestSettled:
         assert hops.trajectory.reason == "no_event" and hops.start is spear_ii_hop().start
 
 
+@pytest.mark.slow
 def test_the_default_hop_is_the_one_of_the_documents():
     """The table of docs/results/hop.md."""
     hops = settled(knobs_of(), REFERENCE)

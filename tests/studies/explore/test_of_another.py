@@ -48,6 +48,7 @@ def test_it_begins_at_a_hop_whose_torque_was_solved_for(subject):
     assert known["rotor_torque_knee"] is None and known["apex_height"] > 0
 
 
+@pytest.mark.slow
 def test_the_toe_stays_below_the_hip(subject, leg):
     knobs = subject.at(knee_touchdown=1.1)
     assert knobs.system.law.hip_touchdown == pytest.approx(leg.legs[0].lean(1.1))

@@ -25,6 +25,7 @@ def found():
 
 
 class TestFigures:
+    @pytest.mark.slow
     def test_cost_is_what_both_motors_of_each_joint_draw(self, found):
         """By i² R + e i with the current of each instant, summed over intervals of the samples."""
         stride, drive = trajectory(NAME), DRIVES["knee"]

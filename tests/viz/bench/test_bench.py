@@ -76,6 +76,7 @@ def state(browser: chromium.Browser, name: str) -> Any:
 
 
 @pytest.mark.parametrize("size", [(360, 740), (320, 568), (1280, 800)])
+@pytest.mark.slow
 def test_the_title_is_seen_whole(tmp_path: Path, size: tuple[int, int]) -> None:
     """A long one, on a telephone too: nothing lies over it, with the legend open and sentences in it."""
     title, notes = (
@@ -123,6 +124,7 @@ def test_what_nobody_touched_leaves_the_address_alone(browser: chromium.Browser,
     assert browser.run("location.hash") == "" and state(browser, "playing") is True
 
 
+@pytest.mark.slow
 def test_keys(browser: chromium.Browser, page: Path) -> None:
     browser.open(page, "#t=3.1")
     frame = 1 / 120

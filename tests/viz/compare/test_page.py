@@ -53,6 +53,7 @@ def test_the_page_is_small_and_asks_for_nothing(bounds: Comparison) -> None:
     assert "fast &lt;b&gt;" in text and "<b>" not in text.partition('<script id="data"')[0].partition("<main>")[2]
 
 
+@pytest.mark.slow
 def test_the_page_tells_measures_parameters_and_multipliers(bounds: Comparison) -> None:
     text = bounds.page
     assert "mean speed" in text and "+20.0" in text
@@ -64,6 +65,7 @@ def test_the_page_tells_measures_parameters_and_multipliers(bounds: Comparison) 
 
 @pytest.mark.browser
 @pytest.mark.skipif(chromium.find() is None, reason="no Chromium here")
+@pytest.mark.slow
 def test_tables_that_scroll_show_that_they_do(path: Path) -> None:
     """On a telephone the page does not scroll sideways, its tables do, with shadows that stay where they are."""
     with chromium.Browser(360, 740) as browser:
@@ -77,6 +79,7 @@ def test_tables_that_scroll_show_that_they_do(path: Path) -> None:
     assert all(rest == ["auto", "local, local, scroll, scroll"] for _, *rest in found)
 
 
+@pytest.mark.slow
 def test_regions_have_names_of_their_own(bounds: Comparison) -> None:
     names = re.findall(r'role="region"[^>]*aria-label="([^"]*)"', bounds.page)
     assert len(names) >= 3 and len(set(names)) == len(names)

@@ -130,6 +130,7 @@ def test_nonsense_is_answered(explorer, capfd):
 
 
 @pytest.mark.parametrize("said", [[], [b"GET /hop HT"], [b"GET / HTTP/1.1\r\n", b"A: b\r\n"], [b"x"] * 20], ids=len)
+@pytest.mark.slow
 def test_a_client_that_takes_too_long_is_told_so(explorer, said):
     with served(explorer, patience=0.1) as server:
         status, body = status_of(talk(server, *said, pause=0.01))
@@ -154,6 +155,7 @@ def test_one_that_reads_nothing_is_left(explorer):
 
 
 @pytest.mark.parametrize("named", [True, False])
+@pytest.mark.slow
 def test_many_clients_at_once_have_answers_soon(explorer, named):
     """Each asks three times; without names they are one client, whose newest question is computed alone."""
     said, begin = [], threading.Barrier(150)

@@ -42,6 +42,7 @@ def drawn(axes: object, label: str) -> np.ndarray:
     return np.column_stack((line.get_xdata(), line.get_ydata()))
 
 
+@pytest.mark.slow
 def test_units(figure: Figure) -> None:
     way, falls, *others = figure.axes
     assert (way.get_xlabel(), way.get_ylabel()) == ("x (m)", "y (m)")
@@ -50,6 +51,7 @@ def test_units(figure: Figure) -> None:
     assert falls.get_xlim() == others[-1].get_xlim()
 
 
+@pytest.mark.slow
 def test_way_and_footprints(figure: Figure, motion: Trajectory) -> None:
     way, robot = figure.axes[0], motion.load_robot()
     np.testing.assert_array_equal(drawn(way, "torso"), motion.q[:, :2])

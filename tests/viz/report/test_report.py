@@ -80,6 +80,7 @@ class TestSelection:
 
 
 class TestMaking:
+    @pytest.mark.slow
     def test_each_part_is_made(self, report):
         assert report.failures == {}
         assert set(report.pictures) == {"fig-2.1", "fig-2.4", "fig-3.2"} and set(report.rows) == {"table-3.1"}
