@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,11 +13,15 @@ from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.tangent_cycles import tangent_cycles
+from spear_pin.hybrid.batch import may_vary
 from spear_pin.hybrid.newton import jacobian
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, eigenvalues, one_by_one, return_map
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.shooting import Shooting
+from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.section import exact_map
+from spear_pin.hybrid.tangent.seeds import seeds
 from spear_pin.kinds import typed
 
 SCALES = {name: 0.05 if name.endswith("touchdown") else 50.0 for name in INPUTS}  # rad and N·m: what counts as one
@@ -25,31 +29,49 @@ GAINS, GAIN_STEP = (-150.0, 150.0), 20.0  # N·s: range of the search, and step 
 
 
 @typed
-def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
+def linearized(
+    gait: Gait,
+    inputs: Sequence[str],
+    rtol: float = 1e-10,
+    *,
+    scales: Mapping[str, float] = SCALES,
+    end: Callable[[Run], State] | None = None,
+) -> tuple[Array, Array]:
     """Returns A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
 
-    They are exact where the fast engine runs the gait and no events meet in it, because each side of a meeting has its
-    own derivatives. Else they are central differences of the reference engine's cycles, the mean of both sides.
+    In the plane they are exact where the fast engine runs the gait and no events meet in it, because each side of a
+    meeting has its own derivatives. In space they are exact for every cycle that has derivatives, with a last row of A
+    and B for the change of heading. Else they are central differences of the reference engine's cycles, the mean of
+    both sides, without that row.
 
     Args:
         gait: the gait.
         inputs: names of parameters, each constant through a stride.
         rtol: relative tolerance of the integrator.
+        scales: change of each parameter that counts as one, by name; 1 for others.
+        end: returns the state after a cycle, if it is not the cycle's last one; then there are differences alone.
 
     Raises:
         NoGait: a perturbed cycle does not close.
     """
     system = gait.system
     local = chart(system, gait.state)
-    nominal = np.array([parameter(system, name) for name in inputs])
-    scales = np.array([SCALES.get(name, 1.0) for name in inputs])
-    n = local.dimension
+    nominal, n = np.array([parameter(system, name) for name in inputs]), local.dimension
 
     def cycle(begun: State, values: Array) -> tuple[Run, Array]:
         trial = with_parameters(system, dict(zip(inputs, values.tolist(), strict=True)))
-        return return_map(trial, begun, rtol), np.empty(0)
+        run = return_map(trial, begun, rtol)
+        if end is not None and run.cycles:
+            run.state = end(run)
+        return run, np.empty(0)
 
-    exact = tangent_cycles(system, inputs, ())
+    if system.section_toes and end is None and may_vary(system, ()):
+        try:
+            found = exact_map(system, gait.state, seeds(system, inputs).numbers)
+            return found[:, :n], found[:, n:]
+        except REFUSALS:
+            pass
+    exact = None if system.section_toes else tangent_cycles(system, inputs, ())
     slopes = None if exact is None else exact.slopes
     shooting = Shooting(local.lane, one_by_one(cycle), tuple(inputs), slopes=slopes)
     if exact is not None and not exact.borders(*gait.state, nominal):
@@ -57,11 +79,12 @@ def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[
         found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
         if np.isfinite(found).all():
             return found[:, :n] + np.eye(n), found[:, n:]
-    centre, sizes = np.concatenate([np.zeros(n), nominal]), np.concatenate([np.ones(n), scales])
+    sizes = np.array([*np.ones(n), *(scales.get(name, 1.0) for name in inputs)])
+    centre = np.concatenate([np.zeros(n), nominal])
     found, why = jacobian(lambda lanes, z: shooting.mapped(lanes, centre + sizes * z), np.zeros(len(centre)))
     if why:
         raise NoGait("a perturbed cycle does not close", gait.residual)
-    return found[:, :n], found[:, n:] / scales
+    return found[:, :n], found[:, n:] / sizes[n:]
 
 
 @typed
@@ -91,9 +114,7 @@ def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, r
     require("weight", weight, lambda w: w > 0, "a number > 0")
     system = gait.system
     A, B = linearized(gait, inputs, rtol)
-    R = weight * np.diag([SCALES[name] ** -2 for name in inputs])
-    P = scipy.linalg.solve_discrete_are(A, B, np.eye(len(A)), R)
-    K = np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A)
+    K = quadratic_gains(A, B, [SCALES[name] for name in inputs], weight)
     local = chart(system, gait.state)
     q, v = gait.state
     # ξ of a state less the fixed point's: the cyclic torso_x has no part in it
@@ -105,6 +126,13 @@ def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, r
     feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
     closed = gait.with_law(feedback=feedback, nominal=(*q[1:].tolist(), *v.tolist()))
     return replace(closed, multipliers=eigenvalues(A - B @ K))
+
+
+def quadratic_gains(A: Array, B: Array, scales: Sequence[float], weight: float, Q: Array | None = None) -> Array:
+    """Returns the gains K of w = -K ξ that minimise Σ ξᵀQ ξ + weight Σ (w / scale)², (k, n); Q is 1 by default."""
+    R = weight * np.diag([scale**-2 for scale in scales])
+    P = scipy.linalg.solve_discrete_are(A, B, np.eye(len(A)) if Q is None else Q, R)
+    return np.asarray(np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A), np.float64)
 
 
 @typed

@@ -12,20 +12,17 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, UnknownName, require
+from spear_pin.gaits.feedback import linearized, quadratic_gains
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.orbits.parity import Multipliers, merged, parted
 from spear_pin.gaits.spatial.law import ACROSS, INPUTS, is_angle
 from spear_pin.gaits.spatial.trot_law import TROT_INPUTS, TrotLaw
 from spear_pin.gaits.spatial.trotting import halfway
-from spear_pin.hybrid.newton import STEP
-from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, return_map
-from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.spatial_section import SpatialCharts
 from spear_pin.hybrid.symmetry import YAW, asymmetry
@@ -85,10 +82,10 @@ class Balance:
 
 @typed
 def across(gait: Gait, inputs: Sequence[str] = ACROSS, *, heading: bool = False, rtol: float = 1e-10) -> Linear:
-    """Returns A and B of antisymmetric motion from one stride per column; P(M x) = M P(x) gives the other side.
+    """Returns A and B of antisymmetric motion, exact where the gait has derivatives, else by central differences.
 
     Args:
-        gait: a symmetric gait in space, or a nearly symmetric one, which takes two strides per column.
+        gait: a symmetric gait in space, or a nearly symmetric one.
         inputs: names among `spear_pin.gaits.spatial.law.ACROSS`.
         heading: whether the yaw is a coordinate.
         rtol: relative tolerance of the integrator.
@@ -96,23 +93,20 @@ def across(gait: Gait, inputs: Sequence[str] = ACROSS, *, heading: bool = False,
     Raises:
         UnknownName: an input is not among those names.
         BadValue: the gait is not in space, or not symmetric.
-        NoGait: a perturbed stride does not close.
+        NoGait: a perturbed stride does not close, or the heading is asked for and the gait has no derivatives.
     """
-    found = _linear(gait, inputs, ACROSS, False, rtol)
-    if heading:
-        return found
-    return replace(found, A=found.A[:-1, :-1], B=found.B[:-1], coordinates=found.coordinates[:-1])
+    return _linear(gait, inputs, ACROSS, False, rtol, heading)
 
 
 @typed
 def along(gait: Gait, inputs: Sequence[str] = INPUTS[len(ACROSS) :], *, rtol: float = 1e-10) -> Linear:
-    """Returns A and B of symmetric motion, which is planar, by central differences; see `across` for the arguments."""
+    """Returns A and B of symmetric motion, which is planar; see `across` for the arguments."""
     return _linear(gait, inputs, INPUTS[len(ACROSS) :], True, rtol)
 
 
 @typed
 def entire(gait: Gait, inputs: Sequence[str], *, rtol: float = 1e-10) -> Linear:
-    """Returns A and B of all motion without the heading, by central differences; see `across` for the arguments.
+    """Returns A and B of all motion without the heading; see `across` for the arguments.
 
     For a trot they describe half a stride, seen in the mirror, and inputs are among `TROT_INPUTS`. For other gaits
     inputs are among `spear_pin.gaits.spatial.law.INPUTS`.
@@ -202,7 +196,8 @@ def balance(
         if linear.inputs:
             Q = np.eye(len(linear.A))
             Q[-1, -1] = heading if lateral and turns else 1.0
-            gains, held[lateral] = regulated(linear, Q, weight)
+            gains = quadratic_gains(linear.A, linear.B, linear.scales, weight, Q)
+            held[lateral] = eigenvalues(linear.A - linear.B @ gains)
             rows |= dict(zip(linear.inputs, (-gains @ linear.coordinates).tolist(), strict=True))
     nominal = np.concatenate(local.state(np.zeros(local.dimension)))
     zero = [0.0] * len(nominal)
@@ -247,58 +242,34 @@ def unit_of(name: str, robot: Robot) -> float:
     return one if is_angle(name) else one * scale_in_space(robot).torque
 
 
-def regulated(linear: Linear, Q: Array | None = None, weight: float = 0.2) -> tuple[Array, NDArray[np.complex128]]:
-    """Returns gains K of w = -K a, (k, n), and multipliers of the closed loop; Q is 1 by default; see `balanced`."""
-    R = weight * np.diag([scale**-2 for scale in linear.scales])
-    P = scipy.linalg.solve_discrete_are(linear.A, linear.B, np.eye(len(linear.A)) if Q is None else Q, R)
-    K = np.linalg.solve(R + linear.B.T @ P @ linear.B, linear.B.T @ P @ linear.A)
-    return np.asarray(K, np.float64), eigenvalues(linear.A - linear.B @ K)
-
-
-def _linear(gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool | None, rtol: float) -> Linear:
-    """Returns A and B over coordinates of one parity, with the heading if antisymmetric; None: over all, without it."""
+def _linear(
+    gait: Gait, inputs: Sequence[str], valid: Sequence[str], even: bool | None, rtol: float, heading: bool = False
+) -> Linear:
+    """Returns A and B over coordinates of one parity, with the heading if wanted; None: over all, without it."""
     for name in inputs:
         if name not in valid:
             raise UnknownName("input", name, valid)
     local, symmetric = _chart(gait)
     robot = gait.system.robot
-    off = asymmetry(robot, local.state(np.zeros(local.dimension)))
     trots = isinstance(gait.system.law, TrotLaw)
     if trots and even is not None:
         raise BadValue("gait", gait, "a bound or a gallop: strides of a trot consist of two mirrored halves")
-    if off > NEARLY and even is not None:
+    if even is not None and asymmetry(robot, local.state(np.zeros(local.dimension))) > NEARLY:
         raise BadValue("gait", gait, "a gait whose left and right are mirror images, or nearly so")
-    scales = tuple(unit_of(name, robot) for name in inputs)
-    own = np.arange(local.dimension) if even is None else np.flatnonzero(symmetric == even)
-
-    def after(state: State, values: dict[str, float]) -> Array:
-        run = return_map(with_parameters(gait.system, values), state, rtol)
-        if not run.cycles:
-            raise NoGait(f"a perturbed stride does not close: {run.message}", gait.residual)
-        turn = [] if even is not False else [run.state[0][YAW] - state[0][YAW]]
-        end = halfway(gait.system, run) if trots else run.state
-        return np.append(local.coordinates(end)[own], turn)
-
-    def by_state(i: int, step: float) -> Array:
-        return after(local.state(step * np.eye(local.dimension)[i]), {})
-
-    def by_input(name: str, step: float) -> Array:
-        return after(local.state(np.zeros(local.dimension)), {name: parameter(gait.system, name) + step})
-
-    def slope(function: object, of: int | str, step: float) -> Array:
-        ahead: Array = function(of, step)  # type: ignore[operator]
-        if even is False and off <= SYMMETRIC:
-            return ahead / step
-        return (ahead - function(of, -step)) / (2.0 * step)  # type: ignore[operator,no-any-return]
-
-    columns = [slope(by_state, int(i), STEP) for i in own]
-    columns += [slope(by_input, name, STEP * scale) for name, scale in zip(inputs, scales, strict=True)]
-    whole, n = np.array(columns).T, len(own)
-    size = len(whole)
-    A = np.zeros((size, size))
-    A[:, :n] = whole[:, :n]
-    A[n:, n:] = 1.0  # nothing depends on the heading
-    return Linear(A, whole[:, n:], tuple(inputs), scales, _rows(local, own, size))
+    scales = {name: unit_of(name, robot) for name in inputs}
+    end = partial(halfway, gait.system) if trots and not gait.system.mirrored_toes else None
+    A, B = linearized(gait, inputs, rtol, scales=scales, end=end)
+    d = local.dimension
+    if heading and len(A) == d:
+        raise NoGait(
+            "the gait has no exact derivatives, so its heading cannot be regulated: use heading=0", gait.residual
+        )
+    own = np.arange(d) if even is None else np.flatnonzero(symmetric == even)
+    rows = np.append(own, [d] if heading else []).astype(np.int64)
+    free = np.zeros((len(rows), len(rows)))
+    free[:, : len(own)] = A[np.ix_(rows, own)]
+    free[len(own) :, len(own) :] = 1.0  # nothing depends on the heading
+    return Linear(free, B[rows], tuple(inputs), tuple(scales.values()), _rows(local, own, len(rows)))
 
 
 def _rows(local: Chart, own: NDArray[np.int64], size: int) -> Array:

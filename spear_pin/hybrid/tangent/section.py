@@ -16,7 +16,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
 from spear_pin.hybrid.spatial_section import SpatialCharts
-from spear_pin.hybrid.symmetry import Z, asymmetry, partner
+from spear_pin.hybrid.symmetry import YAW, Z, asymmetry, partner
 from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE, Fineness
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
@@ -114,24 +114,39 @@ def cycle_on_section(
     return differentiated(system, Recorder(system), y, on_section(system, local, seeds, d, xi), seeds, fineness)
 
 
-def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:
+def columns(system: HybridSystem, local: Chart, cycle: Derivative, seeds: Array, *, mean: bool = False) -> Array:
     """Returns derivatives of ξ after a cycle from a gait's state, (d, c); the first d columns are the Jacobian.
+
+    Args:
+        system: the system.
+        local: the chart about the gait's state.
+        cycle: the cycle from there.
+        seeds: derivatives of the system's numbers with which the cycle was differentiated, (p, c).
+        mean: whether numbers may tell left from right in a symmetric gait, whose derivatives are then the mean of those
+            on either side, and whether a row of the heading, in space, comes last.
 
     Raises:
         NotDifferentiable: feet of a symmetric gait land at once even if others did not, or a number tells left from
             right in such a gait.
     """
-    found, d, xi = local.changes(cycle.y, cycle.dy), local.dimension, tell_feet_apart(system, local)
+
+    def rows(of: Derivative) -> Array:
+        return np.concatenate([local.changes(of.y, of.dy), of.dy[YAW : YAW + 1] if mean else of.dy[:0]])
+
+    found, d, xi = rows(cycle), local.dimension, tell_feet_apart(system, local)
     if xi is not None:
         assert isinstance(local.lane, SpatialCharts)
-        even, still = local.lane.even, np.zeros((len(cycle.numbers), d))
-        if (np.abs(found[~even, d:]) > ODD * np.abs(found[:, d:]).max(axis=0, initial=ODD)).any():
+        even = local.lane.even
+        odd = np.concatenate([~even, np.ones(int(mean), bool)])
+        if not mean and (np.abs(found[odd, d:]) > ODD * np.abs(found[:, d:]).max(axis=0, initial=ODD)).any():
             raise NotDifferentiable("two feet land at once, and a parameter would tell left from right: leave it out")
-        other = cycle_on_section(system, local, still, ENDS, xi)
+        other = cycle_on_section(system, local, seeds if mean else seeds[:, :d], ENDS, xi)
         if other.together:
             raise NotDifferentiable("feet land at once, whichever foot lands first at the section")
-        own = found[:, :d] * np.outer(even, even)
-        found[:, :d] = np.where(np.outer(~even, ~even), local.changes(other.y, other.dy), own)
+        apart = rows(other)
+        found[:, :d] = np.where(np.outer(odd, ~even), apart[:, :d], found[:, :d] * np.outer(~odd, even))
+        if mean:
+            found[odd, d:] = apart[odd, d:]
     return found
 
 
@@ -143,4 +158,20 @@ def exact_jacobian(system: HybridSystem, state: State) -> Array:
     """
     local = chart(system, state)
     still = np.zeros((len(numbers(system)), local.dimension))
-    return columns(system, local, cycle_on_section(system, local, still, ENDS))
+    return columns(system, local, cycle_on_section(system, local, still, ENDS), still)
+
+
+def exact_map(system: HybridSystem, state: State, seeds: Array) -> Array:
+    """Returns the derivatives of ξ and of the heading after a cycle in space by ξ and by numbers, (d + 1, d + m).
+
+    Args:
+        system: the system.
+        state: the state of a gait.
+        seeds: derivatives of the system's numbers by those of which the derivatives are asked for, (p, m).
+
+    Raises:
+        NotDifferentiable: the cycle has no derivative; the text says why.
+    """
+    local = chart(system, state)
+    whole = np.concatenate([np.zeros((len(seeds), local.dimension)), seeds], axis=1)
+    return columns(system, local, cycle_on_section(system, local, whole, ENDS), whole, mean=True)

@@ -11,7 +11,9 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.orbits.balance import across, along, balance, balanced
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.orbits.parity import ALONG, LATERAL
-from spear_pin.hybrid.periodic import eigenvalues
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import chart, eigenvalues, return_map
+from spear_pin.hybrid.symmetry import YAW
 from tests.gaits.orbits.test_embedding import planar, spatial
 from tests.solve.gaits import fastest_upright, least_effort_upright
 
@@ -36,6 +38,22 @@ class TestLinear:
         found = eigenvalues(along(gait(), ()).A)
         wanted = planar("long_stride").multipliers
         np.testing.assert_allclose(np.abs(found[:4]), np.abs(wanted[:4]), rtol=0, atol=1e-5)
+
+    @pytest.mark.slow
+    def test_what_an_input_does_is_what_differences_say(self):
+        """An input that tells left from right, where two feet land at once: the mean of both sides, heading and all."""
+        system, state, name = gait().system, gait().state, "posterior_adduction"
+        local = chart(system, state)
+
+        def after(change):
+            q, v = return_map(with_parameters(system, {name: parameter(system, name) + change}), state, 1e-12).state
+            return np.append(local.coordinates((q, v))[~local.lane.even], q[YAW])
+
+        wide, narrow = (
+            (after(h) - after(-h)) / (2.0 * h) for h in (2e-4, 1e-4)
+        )  # errors fall by two, as another foot lands first
+        found = across(gait(), (name,), heading=True).B[:, 0]
+        np.testing.assert_allclose(found, 2.0 * narrow - wide, rtol=0, atol=2e-6 * np.abs(found).max())
 
 
 class TestBalanced:
