@@ -41,13 +41,14 @@ from spear_pin.files import check_target, together
 
 # the commands, by the heading of their group, as help, completion and docs list them
 COMMANDS: dict[str, tuple[Callable[[Commands], None], ...]] = {
-    "robot: inspect one that ships, or yours (URDF, MJCF, TOML)": (robots.add, dynamics.add),
-    "gait: find a gait and simulate it": (hop.add, bound.add, trot.add, turn.add, search.add),
+    "robot: list and inspect robots, or yours (URDF, MJCF, TOML)": (robots.add, dynamics.add),
+    "gait: find a gait, tell whether it is stable, simulate it": (hop.add, bound.add, trot.add, turn.add, search.add),
     "study: vary, optimise and compare gaits": (
         *(compare.add, sweep.add, family.add, sensitivity.add, uncertainty.add, design.add, payoff.add),
     ),
-    "lab: push a leg, real or simulated": (push_test.add, identify.add),
-    "look: pages, films, tables; set-up": (explore.add, export.add, report.add, doctor.add, completion.add),
+    "lab: push tests of a leg, real or simulated": (push_test.add, identify.add),
+    "look: web pages, films, tables, figures": (explore.add, export.add, report.add),
+    "set-up: after the installation": (doctor.add, completion.add),
 }
 
 NOISE = (
@@ -110,8 +111,8 @@ def _run(argv: Sequence[str] | None) -> int:
 
 
 def _parser() -> Parser:
-    about = "Simulate robots with switchable springs in their legs."
-    parser = Parser(prog="spear", description=f"{about}\n`spear COMMAND --help` explains a command with an example.")
+    about = "Simulate switchable springs in legs. `spear COMMAND --help` gives an example."
+    parser = Parser(prog="spear", description=about)
     parser.add_argument("--version", action="version", version=f"spear {__version__}", help="show the version and exit")
     parser.set_defaults(run=None, refuse=parser.refuse_unknown, every=parser)
     parser.add_subparsers(

@@ -24,7 +24,7 @@ def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear bound least_effort --open", "simulate a gait that ships, and open a page that plays it")
     parser = add_command(
-        commands, "bound", run, "find and simulate a quadruped's bound in 2-D or 3-D, push it", example
+        commands, "bound", run, "find and simulate a quadruped's 2-D or 3-D bound, with pushes", example
     )
     parser.add_argument(
         "gait", nargs="?", default=argparse.SUPPRESS, metavar="GAIT", help=f"a gait by name or path (default: {BOUND})"

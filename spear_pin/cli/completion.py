@@ -19,7 +19,7 @@ ROBOTS, GAITS = ("ROBOT", "WHAT"), ("GAIT", "A B")
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ('eval "$(spear completion bash)"', "complete commands in this shell; put it into ~/.bashrc to keep it")
-    summary = "print a script that completes commands in your shell"
+    summary = "print a script for Tab completion in your shell"
     parser = add_command(commands, "completion", run, summary, example)
     parser.add_argument("shell", choices=SHELLS, help="your shell")
 

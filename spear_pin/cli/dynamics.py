@@ -18,7 +18,7 @@ def add(commands: Commands) -> None:
         "spear dynamics spear_ii --q 0 0.5 0.5 1",
         "print SPEAR-II's mass matrix and the rest with its knee bent",
     )
-    parser = add_command(commands, "dynamics", run, "print mass matrix, bias and gravity force at a state", example)
+    parser = add_command(commands, "dynamics", run, "load a robot, print its mass matrix, bias and gravity", example)
     add_robot(parser)
     parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
     parser.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")

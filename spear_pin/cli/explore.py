@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear explore --open", "change SPEAR-II's spring and gains, and watch it hop")
-    parser = add_command(commands, "explore", run, "change parameters with sliders in a local web page", example)
+    parser = add_command(commands, "explore", run, "change a gait with sliders in a local web page", example)
     parser.add_argument(
         "motion", nargs="?", choices=("hop", "bound"), default="hop", help="motion to change (default: hop)"
     )

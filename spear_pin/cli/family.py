@@ -32,7 +32,7 @@ def add(commands: Commands) -> None:
         "spear family hop --over stance_torque=6:10",
         "follow the hop from 6 to 10 N·m, and list folds, flips and why the branch ends",
     )
-    parser = add_command(commands, "family", run, "follow a gait as its speed or another parameter changes", example)
+    parser = add_command(commands, "family", run, "follow a gait and its stability as a parameter changes", example)
     add_gait(parser)
     parser.add_argument(
         "--over", type=one_range, required=True, metavar=RANGE, help="the parameter, or a measure such as mean_speed"

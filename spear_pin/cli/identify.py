@@ -31,7 +31,7 @@ def add(commands: Commands) -> None:
         "estimate stiffness, damping and rest angle from lab.csv, which `spear push-test --write-csv lab` writes",
     )
     parser = add_command(
-        commands, "identify", run, "estimate a knee's spring and friction from push-test logs", example
+        commands, "identify", run, "estimate a knee's spring, damping, friction from push-test logs", example
     )
     parser.add_argument("files", nargs="+", metavar="FILE", help="CSV or .mat: time, and voltage or angle of the knee")
     data = parser.add_argument_group("records")

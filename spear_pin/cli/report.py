@@ -20,7 +20,7 @@ FORMATS = ("svg", "pdf", "png")
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear report --only 'fig-5.*' --open", "draw the figures of chapter 5, and open the page")
-    summary = "recompute the results of the thesis, draw its figures"
+    summary = "recompute the results of the underlying thesis, draw figures"
     parser = add_command(commands, "report", run, summary, example)
     parser.add_argument(
         "--only", nargs="+", default=[], metavar="ID", help="make these parts, such as 'fig-5.*' (default: all)"

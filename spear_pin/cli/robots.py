@@ -12,7 +12,7 @@ from spear_pin.cli.output import joined
 def add(commands: Commands) -> None:
     """Declare the command."""
     example = ("spear robots", "list the robots of this package, and those of example-robot-data if that is installed")
-    add_command(commands, "robots", run, "list the robots that ship, by name", example)
+    add_command(commands, "robots", run, "list the robots in this package, by name", example)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

@@ -40,7 +40,7 @@ def add(commands: Commands) -> None:
         "find the hop and its multipliers for 21 stiffnesses, with the same flight time",
     )
     parser = add_command(
-        commands, "sweep", run, "find a gait at each point of a grid of parameters, or a sample", example
+        commands, "sweep", run, "find gaits on a grid, or a random sample, of parameters", example
     )
     add_gait(parser)
     parser.add_argument(

@@ -28,7 +28,7 @@ def add(commands: Commands) -> None:
         "spear uncertainty hop --sigma stiffness=1%,damping=0.05",
         "print the standard deviation of each measure, and which parameter to measure better",
     )
-    summary = "propagate uncertain parameters to a gait's cost, torques, ..."
+    summary = "propagate errors of parameters to cost, torques, ...; rank them"
     parser = add_command(commands, "uncertainty", run, summary, example)
     add_gait(parser)
     parser.add_argument(

@@ -162,7 +162,7 @@ class MonteCarlo(Shown):
             lines.append(f"{unstable} gaits are unstable")
         off = [(name, verdict) for name in self.first if (verdict := self.verdict(name)) not in (AGREES, STAYS)]
         moving = sum(self.verdict(name) != STAYS for name in self.first)
-        all_but_chance = f"within {WITHIN:.0%} of Monte Carlo, but for chance"
+        all_but_chance = f"within {WITHIN:.0%} of Monte Carlo, apart from sampling error"
         lines.append(f"first order {all_but_chance}, for {moving - len(off)} of the {moving} outputs that move")
         if self.one_sided:
             lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
