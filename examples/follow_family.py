@@ -5,9 +5,10 @@ both directions by arc length. It passes folds, and borders where the order of e
 multipliers at each point.
 
 What to notice: between 7.60 and 7.78 N·m two hops exist for one torque. In one of them the toe leaves the ground before
-the torque switches; in the other it leaves as the torque switches. Each branch ends where the order of its events would
-become the order of the other branch. At 7.60 N·m the spring grows slack just before the toe would leave the ground, so
-the toe stays on it. The multipliers do not announce these ends: all are far inside the unit circle.
+the torque switches; in the other it leaves as the torque switches. Between 6.5 and 9 N·m each branch has one end: there
+the order of its events would become the order of the other branch. At 7.60 N·m the spring grows slack just before the
+toe would leave the ground, so the toe stays on it. The multipliers do not announce these ends: all are far inside the
+unit circle.
 
 Run: python examples/follow_family.py [FOLDER]
 """

@@ -5,9 +5,10 @@ answer this.
 
 What to notice: in 3-D the planar gait is still a periodic orbit. But the robot falls sideways: an error grows by a
 factor of about 1.6 a stride. The feedback moves the place where both posterior legs land to the side. It does so once a
-stride, from the state at touchdown, and reduces this factor to 0.3. The sideways speed of the push is gone after some
-strides. The heading stays where the push has turned it, because no heading differs from another for the robot. Without
-feedback the feet slip as the robot falls, and after five strides the run ends in Painlevé's paradox.
+stride, from the state at touchdown, and reduces this factor to 0.3. It leaves the planar gait's own largest multiplier,
+1.07. The sideways speed of the push is gone after some strides. The heading stays where the push has turned it, because
+no heading differs from another for the robot. Without feedback the feet slip as the robot falls, and after five strides
+the run ends in Painlevé's paradox.
 
 The command `spear bound long_stride --space --save upright.json` found upright.json; it takes a minute.
 

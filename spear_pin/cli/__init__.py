@@ -113,6 +113,7 @@ def _run(argv: Sequence[str] | None) -> int:
 def _parser() -> Parser:
     about = "Simulate switchable springs in legs. `spear COMMAND --help` gives an example."
     parser = Parser(prog="spear", description=about)
+    parser._optionals.title = argparse.SUPPRESS  # all fits one screen
     parser.add_argument("--version", action="version", version=f"spear {__version__}", help="show the version and exit")
     parser.set_defaults(run=None, refuse=parser.refuse_unknown, every=parser)
     parser.add_subparsers(

@@ -22,7 +22,7 @@ def add(commands: Commands) -> None:
         "spear design hop --minimize work --keep flight_time=0.2 --over stiffness=46:56",
         "find the stiffness with which the hop of 0.2 s of flight takes least work",
     )
-    parser = add_command(commands, "design", run, "optimise spring, gear ratio, ... for least cost, torque, ...", example)
+    parser = add_command(commands, "design", run, "optimise spring, gear ratio, ... for least cost, torque", example)
     add_gait(parser)
     parser.add_argument(
         "--over",

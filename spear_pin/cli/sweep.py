@@ -39,9 +39,7 @@ def add(commands: Commands) -> None:
         "spear sweep hop --over stiffness=46:52:21 --flight-time 0.2",
         "find the hop and its multipliers for 21 stiffnesses, with the same flight time",
     )
-    parser = add_command(
-        commands, "sweep", run, "find gaits on a grid, or a random sample, of parameters", example
-    )
+    parser = add_command(commands, "sweep", run, "find gaits on a grid, or a random sample, of parameters", example)
     add_gait(parser)
     parser.add_argument(
         "--over",

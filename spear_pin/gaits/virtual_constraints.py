@@ -141,7 +141,7 @@ class Jet(NamedTuple):
     """
 
     value: Any
-    row: Row
+    row: tuple[tuple[int, Any], ...]
     rate: Any
     drift: Any
 
@@ -164,7 +164,7 @@ def jet(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np) -
         knee, rate = variable.knee, v[variable.knee]
         row = (*variable.row, (knee, -slope))
         return Jet(dot(variable.row, q) - leans, row, dot(row, v), -curvature * (rate * rate))
-    return Jet(dot(variable, q), variable, dot(variable, v), 0.0)
+    return Jet(dot(variable, q), tuple(variable), dot(variable, v), 0.0)
 
 
 def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:

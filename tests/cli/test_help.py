@@ -14,7 +14,8 @@ GROUPS = {
     "gait": ["hop", "bound", "trot", "turn", "search"],
     "study": ["compare", "sweep", "family", "sensitivity", "uncertainty", "design", "payoff"],
     "lab": ["push-test", "identify"],
-    "look": ["explore", "export", "report", "doctor", "completion"],
+    "look": ["explore", "export", "report"],
+    "set-up": ["doctor", "completion"],
 }
 NAMES = [name for names in GROUPS.values() for name in names]
 RIDDLES = re.compile(r"\b(led|told|held|beside|of each|which is|from cold|apart by|as of)\b")
@@ -42,7 +43,7 @@ class TestOfAllCommands:
         _, out, _ = run(capsys, "--help")
         found = {}
         for line in out.splitlines():
-            if heading := re.fullmatch(r"(\w+): .+", line):
+            if heading := re.fullmatch(r"([\w-]+): .+", line):
                 last = found.setdefault(heading[1], [])
             elif name := re.match(r" {2}(\w[\w-]*)  +[a-z]", line):
                 last.append(name[1])

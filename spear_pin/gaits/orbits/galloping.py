@@ -94,14 +94,6 @@ class _Path(Strides):
         """Returns the values that a gallop has: it closes, straight ahead, at the given speed."""
         return np.array([*np.zeros(self.n + 1), begin[self.n + 1], *(gap / self._second for gap in gaps)])
 
-    def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
-        """Returns derivatives of the values: central, or one-sided from the values at x."""
-        columns = []
-        for each in step * np.eye(self.unknowns):
-            ahead = self.values(x + each)
-            columns.append((ahead - self.values(x - each)) / (2.0 * step) if at is None else (ahead - at) / step)
-        return np.array(columns).T
-
     def solved(self, x: Array, J: Array, wanted: Array) -> tuple[Array, Array]:
         """Returns the unknowns that give the wanted values, and derivatives near there, updated by Broyden's rule."""
         values, expected, fresh = self.values(x), np.inf, False

@@ -50,8 +50,7 @@ def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: 
         if size <= 10.0 * rtol:
             return strides.system(x), headed(*strides.state(x))
         if J is None or size > SLOW * least:
-            steps = DIFFERENCE * np.eye(strides.unknowns)
-            J = np.array([(strides.values(x + step) - values) / DIFFERENCE for step in steps]).T
+            J = strides.slopes(x, DIFFERENCE, values)
         # a time between touchdowns that is not too long is free
         least, holds = min(size, least), np.append(np.ones(len(values) - 2, bool), np.abs(values[-2:]) >= GAP / SECOND)
         step = -np.linalg.lstsq(J[holds], off[holds], rcond=None)[0]

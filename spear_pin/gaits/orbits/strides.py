@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,6 +17,11 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
+from spear_pin.hybrid.symmetry import YAW
+from spear_pin.hybrid.tangent.collocation import ENDS
+from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.section import cycle_on_section
+from spear_pin.hybrid.tangent.seeds import seeds
 
 
 def footfall_gap(run: Run, pair: str, event: str = "touchdown") -> float:
@@ -77,3 +83,53 @@ class Strides:
         if not np.isfinite(found).all():
             raise NoGait("a foot does not land in each stride", np.inf)
         return found
+
+    def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
+        """Returns derivatives of the values, (n + 4, n + k), exact where the stride has derivatives on both sides.
+
+        Args:
+            x: the unknowns.
+            step: step of the differences that are taken elsewhere.
+            at: the values at x, for differences of one side; without them differences are central.
+
+        Raises:
+            NoGait: a stride beside does not close, or a foot does not land.
+        """
+        try:
+            exact = self._exact(x)
+        except REFUSALS:
+            exact = None
+        if exact is not None and np.isfinite(exact).all():
+            return exact
+        columns = []
+        for each in step * np.eye(self.unknowns):
+            ahead = self.values(x + each)
+            columns.append((ahead - self.values(x - each)) / (2.0 * step) if at is None else (ahead - at) / step)
+        return np.array(columns).T
+
+    def _exact(self, x: Array) -> Array | None:
+        """Returns exact derivatives of the values, or None where two feet land at once."""
+        system, n = self.system(x), self.n
+        names, _, units = zip(*self._inputs, strict=True)
+        own = seeds(system, names).numbers * np.array(units)
+        whole = np.concatenate([np.zeros((len(own), n)), own], axis=1)
+        cycle = cycle_on_section(system, self._chart, whole, ENDS, x[:n])
+        if cycle.together:
+            return None
+        period = sum(float(each.x) for each in cycle.durations.values())
+        longer = sum(np.asarray(each.d) for each in cycle.durations.values())
+        begin = cycle.stretches[0].arc.y
+        c, s = math.cos(begin[YAW]), math.sin(begin[YAW])
+        way, ways = (c * each[0] + s * each[1] for each in (cycle.y - begin, cycle.dy))
+        landing = dict[str, Array]()  # derivatives of the instants
+        begun, last = np.zeros(self.unknowns), np.zeros(self.unknowns)  # of the phase, whose clock begins at zero
+        for stretch in cycle.stretches:
+            begun, last = (begun + last if stretch.arc.t == 0.0 else begun), stretch.tau
+            if stretch.arc.event is not None:
+                landing.setdefault(stretch.arc.event.name, begun + last)
+        gaps = []
+        for pair in LEGS:
+            left, right = (landing[f"{pair}_{side}_touchdown"] for side in SIDES)
+            gaps.append((right - left) / self._second)
+        closes = self._chart.changes(cycle.y, cycle.dy) - np.eye(n, self.unknowns)
+        return np.array([*closes, cycle.dy[YAW], (ways - way / period * longer) / period, *gaps])

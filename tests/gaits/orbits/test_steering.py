@@ -8,8 +8,8 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.gaits import library
-from spear_pin.gaits.orbits.steering import GAP, STEERED_BY
-from spear_pin.gaits.orbits.strides import footfall_gap
+from spear_pin.gaits.orbits.steering import GAP, SECOND, STEERED_BY
+from spear_pin.gaits.orbits.strides import Strides, footfall_gap
 from spear_pin.gaits.spatial.automaton import forward_speed
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -58,3 +58,17 @@ def test_a_step_to_a_sharper_turn_is_the_shortest():
     assert math.degrees(system.measures["turn"](run)) == pytest.approx(4.2, abs=1e-5)
     changes = [parameter(system, name) - parameter(gait.system, name) for name in STEERED_BY]
     assert 0.0 < np.abs(changes).max() < 3.0
+
+
+@pytest.mark.slow
+def test_slopes_of_a_stride_are_those_of_differences():
+    """With the turn, the speed and the times between the touchdowns of a pair."""
+    gait = Gait.load("turn_4")
+    strides = Strides(gait.system, gait.state, STEERED_BY, SECOND, 1e-12)
+    still, h = np.zeros(strides.unknowns), 1e-5
+    found = strides.slopes(still, h)
+    for column in (0, 20, strides.n + 3, strides.n + 10):
+        by = h * np.eye(strides.unknowns)[column]
+        wanted = (strides.values(by) - strides.values(-by)) / (2.0 * h)
+        np.testing.assert_allclose(found[:, column], wanted, rtol=0, atol=1e-6 * max(1.0, np.abs(wanted).max()))
+        assert wanted[-2:].any()
