@@ -16,7 +16,8 @@ import numpy as np
 from benchmarks.markdown import begin, row
 from spear_pin import Gait, SpatialLaw
 from spear_pin.gaits import library
-from spear_pin.gaits.orbits.balance import across, regulated
+from spear_pin.gaits.feedback import quadratic_gains
+from spear_pin.gaits.orbits.balance import across
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.periodic import eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Run
@@ -44,7 +45,8 @@ def _row(name: str) -> str:
     ledger = abs(float(run.change[0] - run.work[0].sum()))
     gait = Gait(system, state, {}, residual(system, state), np.array([np.nan + 0j]), {})
     linear = across(gait, ("posterior_adduction",))
-    fall, held = eigenvalues(linear.A)[0].real, abs(regulated(linear)[1][0])
+    gains = quadratic_gains(linear.A, linear.B, linear.scales, 0.2)
+    fall, held = eigenvalues(linear.A)[0].real, abs(eigenvalues(linear.A - linear.B @ gains)[0])
     sizes = " | ".join(f"{size:.0e}" for size in (gait.residual, drift, ledger))
     return f"{name} | {sizes} | {spatial / planar:.1f} times | {fall:.3f} | {held:.3f}"
 

@@ -15,6 +15,12 @@ from tests.hybrid.by_hand import Hopper
 LANES = 8
 
 
+@pytest.mark.parametrize("name", sorted(path.stem for path in Path(beside.__file__).parent.glob("*.py")))
+def test_each_finds_what_it_measures(name):
+    """A name that moved is noticed before the night."""
+    importlib.import_module(f"benchmarks.{name}")
+
+
 @cache
 def lanes(peer):
     return importlib.import_module(f"benchmarks.peers.{peer}").lanes(hop(LANES))
