@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
+from spear_pin.errors import BadValue
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.hardware import Hardware, Sensing
 from spear_pin.hybrid.parameters import with_hardware
@@ -54,11 +55,18 @@ class Rig:
     sensing: Sensing | None = None
 
     def on(self, robot: Robot) -> Hardware:
-        """Returns the hardware for a robot with motors on its joints "hip" and "knee"; gear ratios are the robot's."""
+        """Returns the hardware for a robot with motors on its joints "hip" and "knee"; gear ratios are the robot's.
+
+        Raises:
+            BadValue: the robot has a motor at another joint.
+        """
         shared = (self.battery, self.current_limit, self.bandwidth, self.thermal)
         parts = {"hip": (self.hip, self.hip_efficiency), "knee": (self.knee, self.knee_efficiency)}
         actuators = []
         for joint in robot.actuated:
+            if joint not in parts:
+                expected = "hip and knee alone; for other joints make a Hardware with an Actuator for each motor"
+                raise BadValue("robot.actuated", joint, expected)
             machine, efficiency = parts[joint]
             actuators.append(Actuator(machine, Gearbox(robot.gear_ratio(joint), efficiency), *shared))
         return Hardware(tuple(actuators), self.sensing)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, simulate, vary
+from spear_pin.errors import BadValue
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.model.bridge import Battery
 from spear_pin.studies.hardware import Outcome, Rig, on_rig, outcome, reasons
@@ -23,6 +24,11 @@ def test_rig_is_the_sources():
     hip, knee = Rig().on(load("spear_ii")).actuators
     assert (hip.gearbox.ratio, knee.gearbox.ratio) == (60.0, 15.0)
     assert knee.motor.torque_constant == 0.115 and hip.battery == knee.battery == Battery(24.0)
+
+
+def test_a_motor_at_another_joint_is_refused():
+    with pytest.raises(BadValue, match="left_hip.*Actuator"):
+        Rig().on(load("biped"))
 
 
 def test_one_ratio_for_all():

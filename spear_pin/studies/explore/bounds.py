@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from types import MappingProxyType
 
-from spear_pin.errors import NoGait, SpearError
+from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.automaton import HybridSystem
@@ -198,7 +198,12 @@ def bound_to_explore(gait: Gait, title: str) -> Bound:
     Args:
         gait: a bounding gait; its event feedback is left out.
         title: title of the page.
+
+    Raises:
+        BadValue: the gait is no bound in the plane.
     """
+    if gait.system.kind != "bounding":
+        raise BadValue("gait", gait.system.kind, 'a bound in the plane, such as Gait.load("long_stride")')
     gait = gait.with_law(feedback=(), speed_gain=(0.0, 0.0))
     law, spring, robot = gait.system.law, gait.system.spring, gait.system.robot
     speed = round(mean_speed(gait), 4)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, find_gait
-from spear_pin.errors import NoGait
+from spear_pin.errors import BadValue, NoGait
 from spear_pin.studies.explore.bounds import bound_to_explore, stride
 from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.studies.explore.figures import figures, script
@@ -24,6 +24,11 @@ def test_at_first_it_is_the_gait_itself(subject):
     assert motion.gait.system.law.posterior_hip_torque == subject.gait.system.law.posterior_hip_torque
     assert motion.verdict == "periodic" and "unstable: the largest multiplier is 1.067" in motion.message
     assert figures(motion)["speed"] == pytest.approx(2.5, abs=1e-6)
+
+
+def test_gaits_that_are_no_bounds_are_refused():
+    with pytest.raises(BadValue, match="gait is 'trotting'.*a bound in the plane"):
+        bound_to_explore(Gait.load("trot"), "")
 
 
 def test_every_knob_arrives_in_the_system(subject):
