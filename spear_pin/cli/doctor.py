@@ -58,12 +58,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     checks = {name: _works(check) for name, check in CHECKS.items()}
     failed = any(installed[name] is None for name in REQUIRED) or any(value != "ok" for value in checks.values())
     lines = [f"python {platform.python_version()} on {platform.system()} {platform.machine()}"]
-    lines += [f"  {name:<18}{installed[name] or 'MISSING'}" for name in REQUIRED]
-    lines += [f"  {name:<18}{installed[name] or 'not installed (optional)'}" for name in OPTIONAL]
-    lines += [f"  {name:<18}{'found' if path else 'not found (optional)'}" for name, path in programs.items()]
+    wide = max(map(len, (*installed, *programs)))
+    lines += [f"  {name:<{wide}}  {installed[name] or 'MISSING'}" for name in REQUIRED]
+    lines += [f"  {name:<{wide}}  {installed[name] or 'not installed (optional)'}" for name in OPTIONAL]
+    lines += [f"  {name:<{wide}}  {'found' if path else 'not found (optional)'}" for name, path in programs.items()]
     lines += [f"  {name}: {result}" for name, result in checks.items()]
     return {
-        "python": platform.python_version(),
+        "python_version": platform.python_version(),
         "packages": installed,
         "programs": {name: path is not None for name, path in programs.items()},
         "checks": checks,

@@ -289,8 +289,7 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
     rows.append(("doubt", f"{spread}, {mesh} on a finer mesh"))
     rows += [("" if i else "beware", caution) for i, caution in enumerate(found.cautions)]
     rows += rests[:2]
-    failed = sum(1 for tries in study.tries.values() for each in tries if each.reason)
-    searches = sum(map(len, study.tries.values()))
-    rows.append(("searches", f"{searches}, {failed} without a gait; {study.seconds:.0f} s of a processor"))
+    failed = sum(1 for each in study.searches if each.reason)
+    rows.append(("searches", f"{len(study.searches)}, {failed} without a gait; {study.seconds:.0f} s of a processor"))
     rows.append(("files", ", ".join(map(str, files))))
     return aligned(rows)

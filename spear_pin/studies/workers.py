@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeVar
@@ -48,7 +49,14 @@ def each(
     pool = joblib.Parallel(n_jobs=n_jobs, batch_size=1, return_as="generator_unordered", max_nbytes=None)
     with _uninterrupted():
         answers: Iterator[Answer] = pool(tasks)
-    return answers
+    return _quietly(answers)
+
+
+def _quietly(answers: Iterator[Answer]) -> Iterator[Answer]:
+    """Yields answers without joblib's complaint about a worker that it replaces, as it does when memory grows."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
+        yield from answers
 
 
 @contextmanager

@@ -15,7 +15,7 @@ NOT_USED = {"test", "docs", "dev"}  # extras that the package itself has no use 
 class TestDoctor:
     def test_json(self, capsys):
         result = printed(capsys, "doctor")
-        assert result["python"] == ".".join(map(str, sys.version_info[:3]))
+        assert result["python_version"] == ".".join(map(str, sys.version_info[:3]))
         assert all(result["packages"][name] for name in ("pin", "numpy", "scipy", "lxml"))
         assert set(result["checks"].values()) == {"ok"}
 

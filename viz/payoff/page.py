@@ -95,8 +95,8 @@ def render(
             rows=rows(study),
             assumptions=assumptions,
             figures={key: _element(figure, key, study) for key, figure in figures.items()},
-            failed=[each for tries in study.tries.values() for each in tries if each.reason],
-            searches=sum(map(len, study.tries.values())),
+            failed=[each for each in study.searches if each.reason],
+            searches=len(study.searches),
             data={"viewer": viewer, "pages": dict(zip(played, sides, strict=True))},
         )
     )

@@ -217,11 +217,14 @@ def design(
 
 
 def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
-    """Returns the names of gears, springs, ground and masses that enter the equations, except those in `besides`."""
+    """Returns the names of gears, springs, ground and masses that enter the equations, except those in `besides`.
+
+    In space the masses of one side are left out: a symmetric gait has no derivative by them.
+    """
     robot = system.robot
     # a robot whose bodies are changed is not varied any more
     own = () if set(besides) & set(body_numbers(robot)) else parameters_of(robot)
-    masses = [name for name in body_numbers(robot) if name.endswith("_mass")]
+    masses = [name for name in body_numbers(robot) if name.endswith("_mass") and robot.dimension == 2]
     if "torso_mass" in parameters_of(robot):  # which is that of the base's last joint
         masses = [name for name in masses if name.removesuffix("_mass") in robot.actuated]
     names = (*own, "stiffness", "damping", "friction", *masses)

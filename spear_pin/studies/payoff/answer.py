@@ -59,7 +59,7 @@ def answer(study: Study) -> Answer:
         spread=_largest(found.spread.values()),
         mesh=_largest(study.changes.values()),
         spread_of_all=(float(np.median(everywhere)), float(max(everywhere))),
-        cautions=(*_edges(study), *_missed(study), *_overheated(study)),
+        cautions=(*_at_limits(study), *_edges(study), *_missed(study), *_overheated(study)),
     )
 
 
@@ -147,6 +147,17 @@ def _edges(study: Study) -> tuple[str, ...]:
     return tuple(found)
 
 
+def _at_limits(study: Study) -> list[str]:
+    """Says which best points the search's limits hold: a wider search may find less cost there."""
+    found = []
+    for kind, end in study.best.items():
+        if end.figures is not None and end.figures.held:
+            less = ", and the springs then save less" if kind == NONE else ""
+            held = "; ".join(end.figures.held)
+            found.append(f"{PEAKS[kind]}, limits hold the best: {held}. Without them it may cost less{less}")
+    return found
+
+
 def _missed(study: Study) -> list[str]:
     """Lists knees without a gait on a finer mesh."""
     failed = [PEAKS[kind] for kind, share in study.changes.items() if np.isnan(share)]
@@ -156,7 +167,7 @@ def _missed(study: Study) -> list[str]:
 def _overheated(study: Study) -> list[str]:
     """Lists motors of the best points that cannot give their torque continuously."""
     return [
-        f"{PEAKS[kind]}, the motor of the {joint.replace('_', ' ')} is heated {share:.2f} times as it bears for ever"
+        f"{PEAKS[kind]}, the motor of the {joint.replace('_', ' ')} gets {share:.2f} times its continuous heat"
         for kind, found in study.best.items()
         for joint, share in (found.figures.heat if found.figures else {}).items()
         if share > 1.0

@@ -41,11 +41,13 @@ class Searcher:
         """Returns the findings of some searches, in their order."""
         missing = {each.key: each for each in searches if self.store.get(each.key) is None}
         if missing:
-            words = self.gaits.words
+            words, left = self.gaits.words, len(missing)
             self.tell(f"searching for {words.of(next(iter(missing.values())).point)}")
             arguments = [(self.gaits, self.robot, self.motors, each) for each in missing.values()]
             for finding in workers.each(of_gaits.attempt, arguments, self.n_jobs, PURPOSE):
                 self.store.keep(to_json(finding))
+                left -= 1
                 found = "no gait" if finding.figures is None else f"{finding.figures.cost:.4g}"
-                self.tell(f"{len(self.store)} searches done, the last for {words.of(finding.point)}: {found}")
+                done = f"{len(self.store)} searches done, {left} left in this round"
+                self.tell(f"{done}; the last for {words.of(finding.point)}: {found}")
         return [of_json(self.store.get(each.key) or {}) for each in searches]

@@ -47,7 +47,6 @@ class Study:
         speed: speed of the answer: mean forward speed, in m/s; for a hop in place its flight time, in s.
         chosen: stiffness of a leg's switchable spring that the optimiser chose for the grid, in N·m/rad; None where
             stiffnesses were given, or none was found.
-        seconds: CPU time of all searches together, in s.
     """
 
     gaits: Gaits
@@ -60,7 +59,17 @@ class Study:
     changes: Mapping[str, float]
     speed: float
     chosen: float | None = None
-    seconds: float = 0.0
+
+    @property
+    def searches(self) -> list[SearchEnd]:
+        """All searches, each once."""
+        everything = [*(each for row in self.tries.values() for each in row), *self.finer.values()]
+        return [*{each.key: each for each in everything}.values()]
+
+    @property
+    def seconds(self) -> float:
+        """CPU time of all searches together, in s."""
+        return sum(each.seconds for each in self.searches)
 
     def ends(self, point: Point) -> list[SearchEnd]:
         """Returns all searches of a point, with those on the finer mesh."""
@@ -142,6 +151,7 @@ def studied(
     if stiffnesses is None:
         chosen, stiffnesses = work.stiffnesses(bare)
     grid = Grid(speeds, tuple(stiffnesses))
+    tell(f"{len(list(grid))} points, each searched about three times")
     work.fill(grid)
     work.again(grid)
     best, speed = work.best(grid)
@@ -149,9 +159,7 @@ def studied(
     finer = dict(zip(best, again, strict=True))
     changes = {kind: _change(each, finer[kind]) for kind, each in best.items()}
     best = {kind: min(each, finer[kind], key=lambda end: end.cost) for kind, each in best.items()}
-    everything = [*(each for row in work.tries.values() for each in row), *finer.values()]
-    seconds = sum({each.key: each.seconds for each in everything}.values())
-    return Study(gaits, searcher.robot, motors, grid, work.tries, best, finer, changes, speed, chosen, seconds)
+    return Study(gaits, searcher.robot, motors, grid, work.tries, best, finer, changes, speed, chosen)
 
 
 def _change(coarse: SearchEnd, fine: SearchEnd) -> float:

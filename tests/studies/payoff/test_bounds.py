@@ -247,6 +247,21 @@ class TestAnswer:
         assert "no gait was found on a finer mesh with a fixed one" in said.cautions
 
 
+def test_a_gait_at_a_limit_of_the_search_is_told(study):
+    """Without a spring too, where it makes the springs look better than they are."""
+
+    class Held(Stub):
+        def __call__(self, robot, motors, search):
+            gait, found, solution = super().__call__(robot, motors, search)
+            held = ("frequency is the largest allowed",) * (search.point.kind == NONE)
+            return gait, replace(found, held=held), solution
+
+    found = study(Held(), speeds=(2.0,), stiffnesses=(40.0,))
+    (said,) = [caution for caution in answer(found).cautions if "limits hold" in caution]
+    assert said.startswith("without a spring, limits hold the best: frequency is") and "springs then save less" in said
+    assert len(found.searches) == len({each.key for each in found.searches}) > len(found.best)
+
+
 def test_the_store_names_what_is_studied(study, tmp_path):
     study(Stub(), speeds=(2.0,), stiffnesses=(40.0,))
     head = json.loads((tmp_path / "store.jsonl").read_text(encoding="utf-8").splitlines()[0])
