@@ -201,7 +201,7 @@ def measured(name: str, limit: int) -> dict[str, float | str]:
                 call(gait, Path(folder))
                 found[capability] = time.process_time() - begun
             except (SpearError, TimeoutError) as error:
-                found[capability] = " ".join(str(error).split())
+                found[capability] = " ".join(str(error).replace(f"{folder}/", "").split())
             except Exception as error:  # a fault, which the table shows as such
                 found[capability] = f"FAULT: {type(error).__name__}: {error}"
             finally:

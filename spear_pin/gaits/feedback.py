@@ -14,11 +14,12 @@ from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.batch import may_vary
-from spear_pin.hybrid.newton import jacobian
+from spear_pin.hybrid.newton import Lanes, Words, jacobian
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, eigenvalues, one_by_one, return_map
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.shooting import Shooting
+from spear_pin.hybrid.symmetry import YAW
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.section import exact_map
 from spear_pin.hybrid.tangent.seeds import seeds
@@ -40,9 +41,9 @@ def linearized(
     """Returns A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
 
     In the plane they are exact where the fast engine runs the gait and no events meet in it, because each side of a
-    meeting has its own derivatives. In space they are exact for every cycle that has derivatives, with a last row of A
-    and B for the change of heading. Else they are central differences of the reference engine's cycles, the mean of
-    both sides, without that row.
+    meeting has its own derivatives. In space they are exact for every cycle that has derivatives. Else they are central
+    differences of the reference engine's cycles. Where two feet may land in either order they are the mean of both
+    sides. In space A and B have a last row, for the change of heading.
 
     Args:
         gait: the gait.
@@ -61,9 +62,10 @@ def linearized(
     def cycle(begun: State, values: Array) -> tuple[Run, Array]:
         trial = with_parameters(system, dict(zip(inputs, values.tolist(), strict=True)))
         run = return_map(trial, begun, rtol)
+        turn = run.state[0][YAW : YAW + 1] - begun[0][YAW : YAW + 1] if system.section_toes else np.empty(0)
         if end is not None and run.cycles:
             run.state = end(run)
-        return run, np.empty(0)
+        return run, turn
 
     if system.section_toes and end is None and may_vary(system, ()):
         try:
@@ -73,7 +75,8 @@ def linearized(
             pass
     exact = None if system.section_toes else tangent_cycles(system, inputs, ())
     slopes = None if exact is None else exact.slopes
-    shooting = Shooting(local.lane, one_by_one(cycle), tuple(inputs), slopes=slopes)
+    cycles = one_by_one(cycle, int(bool(system.section_toes)))
+    shooting = Shooting(local.lane, cycles, tuple(inputs), slopes=slopes)
     if exact is not None and not exact.borders(*gait.state, nominal):
         here = np.concatenate([np.zeros(n), nominal])
         found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
@@ -81,7 +84,13 @@ def linearized(
             return found[:, :n] + np.eye(n), found[:, n:]
     sizes = np.array([*np.ones(n), *(scales.get(name, 1.0) for name in inputs)])
     centre = np.concatenate([np.zeros(n), nominal])
-    found, why = jacobian(lambda lanes, z: shooting.mapped(lanes, centre + sizes * z), np.zeros(len(centre)))
+
+    def mapped(lanes: Lanes, z: Array) -> tuple[Array, Words]:
+        unknowns = centre + sizes * z
+        after = cycles(lanes, *shooting.states(lanes, unknowns), unknowns[:, n:])
+        return np.concatenate([local.lane.take(lanes).coordinates(after.q, after.v), after.measured], 1), after.reason
+
+    found, why = jacobian(mapped, np.zeros(len(centre)))
     if why:
         raise NoGait("a perturbed cycle does not close", gait.residual)
     return found[:, :n], found[:, n:] / sizes[n:]

@@ -54,9 +54,14 @@ def each(
 
 def _quietly(answers: Iterator[Answer]) -> Iterator[Answer]:
     """Yields answers without joblib's complaint about a worker that it replaces, as it does when memory grows."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
-        yield from answers
+    while True:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "A worker stopped while some jobs were given", UserWarning)
+            try:
+                answer = next(answers)
+            except StopIteration:
+                return
+        yield answer
 
 
 @contextmanager

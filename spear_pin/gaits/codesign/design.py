@@ -219,7 +219,7 @@ def design(
 def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
     """Returns the names of gears, springs, ground and masses that enter the equations, except those in `besides`.
 
-    In space the masses of one side are left out: a symmetric gait has no derivative by them.
+    In space masses of bodies are left out: most are of one side, and a symmetric gait has no derivative by them.
     """
     robot = system.robot
     # a robot whose bodies are changed is not varied any more

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, NoGait, UnknownName, require
+from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.gaits.feedback import linearized, quadratic_gains
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.orbits.parity import Multipliers, merged, parted
@@ -93,7 +93,7 @@ def across(gait: Gait, inputs: Sequence[str] = ACROSS, *, heading: bool = False,
     Raises:
         UnknownName: an input is not among those names.
         BadValue: the gait is not in space, or not symmetric.
-        NoGait: a perturbed stride does not close, or the heading is asked for and the gait has no derivatives.
+        NoGait: a perturbed stride does not close.
     """
     return _linear(gait, inputs, ACROSS, False, rtol, heading)
 
@@ -260,10 +260,6 @@ def _linear(
     end = partial(halfway, gait.system) if trots and not gait.system.mirrored_toes else None
     A, B = linearized(gait, inputs, rtol, scales=scales, end=end)
     d = local.dimension
-    if heading and len(A) == d:
-        raise NoGait(
-            "the gait has no exact derivatives, so its heading cannot be regulated: use heading=0", gait.residual
-        )
     own = np.arange(d) if even is None else np.flatnonzero(symmetric == even)
     rows = np.append(own, [d] if heading else []).astype(np.int64)
     free = np.zeros((len(rows), len(rows)))

@@ -14,6 +14,7 @@ from spear_pin.gaits.orbits.balance import unit_of
 from spear_pin.gaits.spatial.automaton import forward_speed
 from spear_pin.gaits.spatial.legs import SIDES
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import may_vary
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
@@ -85,7 +86,7 @@ class Strides:
         return found
 
     def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
-        """Returns derivatives of the values, (n + 4, n + k), exact where the stride has derivatives on both sides.
+        """Returns derivatives of the values, (n + 4, n + k), exact where the stride has derivatives.
 
         Args:
             x: the unknowns.
@@ -108,8 +109,10 @@ class Strides:
         return np.array(columns).T
 
     def _exact(self, x: Array) -> Array | None:
-        """Returns exact derivatives of the values, or None where two feet land at once."""
+        """Returns exact derivatives of the values, or None where two feet land at once, or there are none."""
         system, n = self.system(x), self.n
+        if not may_vary(system, ()):
+            return None
         names, _, units = zip(*self._inputs, strict=True)
         own = seeds(system, names).numbers * np.array(units)
         whole = np.concatenate([np.zeros((len(own), n)), own], axis=1)
@@ -129,7 +132,9 @@ class Strides:
                 landing.setdefault(stretch.arc.event.name, begun + last)
         gaps = []
         for pair in LEGS:
-            left, right = (landing[f"{pair}_{side}_touchdown"] for side in SIDES)
+            left, right = (landing.get(f"{pair}_{side}_touchdown") for side in SIDES)
+            if left is None or right is None:
+                return None
             gaps.append((right - left) / self._second)
         closes = self._chart.changes(cycle.y, cycle.dy) - np.eye(n, self.unknowns)
         return np.array([*closes, cycle.dy[YAW], (ways - way / period * longer) / period, *gaps])

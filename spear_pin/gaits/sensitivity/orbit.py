@@ -83,7 +83,7 @@ class Orbit:
     @cached_property
     def columns(self) -> Array:
         """Derivatives of ξ after the cycle, (d, d + m)."""
-        return columns(self.system, self.chart, self.cycle, self.seeds)
+        return columns(self.system, self.chart, self.cycle)
 
     @property
     def jacobian(self) -> Array:

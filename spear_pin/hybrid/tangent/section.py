@@ -27,7 +27,7 @@ from spear_pin.hybrid.tangent.seeds import numbers
 from spear_pin.model.equations import mechanism_of
 
 ALIKE = 1e-7  # in SI units: largest asymmetry of a gait that counts as symmetric
-ODD = 1e-5  # of the largest derivative: what is smaller is rounding of a symmetric one
+ODD, LEAST = 1e-5, 1e-3  # of the largest derivative, or of this: what is smaller is rounding of a symmetric one
 APART = 10.0 * ON_GROUND  # m: height of the second foot as the first one lands, beside a symmetric gait
 
 
@@ -114,39 +114,24 @@ def cycle_on_section(
     return differentiated(system, Recorder(system), y, on_section(system, local, seeds, d, xi), seeds, fineness)
 
 
-def columns(system: HybridSystem, local: Chart, cycle: Derivative, seeds: Array, *, mean: bool = False) -> Array:
+def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:
     """Returns derivatives of ξ after a cycle from a gait's state, (d, c); the first d columns are the Jacobian.
-
-    Args:
-        system: the system.
-        local: the chart about the gait's state.
-        cycle: the cycle from there.
-        seeds: derivatives of the system's numbers with which the cycle was differentiated, (p, c).
-        mean: whether numbers may tell left from right in a symmetric gait, whose derivatives are then the mean of those
-            on either side, and whether a row of the heading, in space, comes last.
 
     Raises:
         NotDifferentiable: feet of a symmetric gait land at once even if others did not, or a number tells left from
             right in such a gait.
     """
-
-    def rows(of: Derivative) -> Array:
-        return np.concatenate([local.changes(of.y, of.dy), of.dy[YAW : YAW + 1] if mean else of.dy[:0]])
-
-    found, d, xi = rows(cycle), local.dimension, tell_feet_apart(system, local)
+    found, d, xi = local.changes(cycle.y, cycle.dy), local.dimension, tell_feet_apart(system, local)
     if xi is not None:
         assert isinstance(local.lane, SpatialCharts)
-        even = local.lane.even
-        odd = np.concatenate([~even, np.ones(int(mean), bool)])
-        if not mean and (np.abs(found[odd, d:]) > ODD * np.abs(found[:, d:]).max(axis=0, initial=ODD)).any():
+        even, still = local.lane.even, np.zeros((len(cycle.numbers), d))
+        if (np.abs(found[~even, d:]) > ODD * np.abs(found[:, d:]).max(axis=0, initial=LEAST)).any():
             raise NotDifferentiable("two feet land at once, and a parameter would tell left from right: leave it out")
-        other = cycle_on_section(system, local, seeds if mean else seeds[:, :d], ENDS, xi)
+        other = cycle_on_section(system, local, still, ENDS, xi)
         if other.together:
             raise NotDifferentiable("feet land at once, whichever foot lands first at the section")
-        apart = rows(other)
-        found[:, :d] = np.where(np.outer(odd, ~even), apart[:, :d], found[:, :d] * np.outer(~odd, even))
-        if mean:
-            found[odd, d:] = apart[odd, d:]
+        own = found[:, :d] * np.outer(even, even)
+        found[:, :d] = np.where(np.outer(~even, ~even), local.changes(other.y, other.dy), own)
     return found
 
 
@@ -158,11 +143,13 @@ def exact_jacobian(system: HybridSystem, state: State) -> Array:
     """
     local = chart(system, state)
     still = np.zeros((len(numbers(system)), local.dimension))
-    return columns(system, local, cycle_on_section(system, local, still, ENDS), still)
+    return columns(system, local, cycle_on_section(system, local, still, ENDS))
 
 
 def exact_map(system: HybridSystem, state: State, seeds: Array) -> Array:
     """Returns the derivatives of ξ and of the heading after a cycle in space by ξ and by numbers, (d + 1, d + m).
+
+    Beside a symmetric gait, where either foot may land first, it is the mean of the derivatives on both sides.
 
     Args:
         system: the system.
@@ -174,4 +161,11 @@ def exact_map(system: HybridSystem, state: State, seeds: Array) -> Array:
     """
     local = chart(system, state)
     whole = np.concatenate([np.zeros((len(seeds), local.dimension)), seeds], axis=1)
-    return columns(system, local, cycle_on_section(system, local, whole, ENDS), whole, mean=True)
+    xi = tell_feet_apart(system, local)
+    found = []
+    for start in (None,) if xi is None else (xi, -xi):
+        cycle = cycle_on_section(system, local, whole, ENDS, start)
+        if cycle.together:
+            raise NotDifferentiable("feet land at once, whichever foot lands first at the section")
+        found.append(np.concatenate([local.changes(cycle.y, cycle.dy), cycle.dy[YAW : YAW + 1]]))
+    return np.asarray(np.mean(found, axis=0), np.float64)

@@ -8,6 +8,7 @@ import pytest
 
 from spear_pin import Gait, SpatialLaw
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.feedback import linearized
 from spear_pin.gaits.orbits.balance import across, along, balance, balanced
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.orbits.parity import ALONG, LATERAL
@@ -52,6 +53,8 @@ class TestLinear:
         wide, narrow = (
             (after(h) - after(-h)) / (2.0 * h) for h in (2e-4, 1e-4)
         )  # errors fall by two, as another foot lands first
+        whole = linearized(gait(), (name,))[1][:-1, 0]
+        assert np.abs(whole[local.lane.even]).max() < 1e-9 * np.abs(whole).max()  # the mean of both sides
         found = across(gait(), (name,), heading=True).B[:, 0]
         np.testing.assert_allclose(found, 2.0 * narrow - wide, rtol=0, atol=2e-6 * np.abs(found).max())
 
