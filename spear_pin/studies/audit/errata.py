@@ -28,7 +28,8 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "axes. It lacks the translation of thigh and shank with the boom, and the coupling of the two links. "
             "The printed energy of the shank uses the relative rate θ̇₂; it should use the absolute rate θ̇₁ - "
             "θ̇₂. The correct energy of each link is ½ m |ẋ_c|² + ½ J ω², with the velocity of its centre of mass "
-            "and its absolute rate (see [the model](model.md)). In the push test the toe stays on the ground below "
+            "and its absolute rate (see [the model](model.md)). In the push test (a leg is pushed down and "
+            "released) the toe stays on the ground below "
             "the hip, so the leg has one degree of freedom. The knee's effective inertia Sᵀ D S, S = dq/dθ₂, is "
             "then 0.1932 kg·m² at 1.0 rad. The printed form gives 0.1636, 15 % less.",
             ("kinetic-energy",),
@@ -176,8 +177,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Moving average",
-            "The thesis smooths the data over 100 samples, and does not say whether the model is smoothed too. If "
-            "only the data are, a centred average raises b by 9 % and leaves k, on synthetic records. A causal "
+            "The thesis smooths the data over 100 samples, and does not say whether the model is smoothed too. On "
+            "synthetic records, if only the data are smoothed, a centred average raises b by 9 % and does not "
+            "change k. A causal "
             "average lowers k by 22 % and raises b by 12 %. Here both are smoothed.",
         ),
         Erratum(
@@ -185,8 +187,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "The cross-section of the belt is 1.242·10⁻⁵ m²; its printed unit is wrong. A belt in parallel to the "
             "spring assumes a rotor that stands still. Without current the rotor floats, and the belt lies in "
             "series. The modulus of neoprene leaves out the belt's cords. A belt as soft as 0.73 to 1.09 N·m/rad "
-            "would decouple the rotor instead of delaying the swing. In Table 4.2 the stiffnesses with and without "
-            "motor differ by 0.85 N·m/rad. That this is in the same range is a coincidence: with the means of Table "
+            "would decouple the rotor, instead of delaying the swing as in Fig. 4.5. In Table 4.2 the stiffnesses "
+            "with and without "
+            "motor differ by 0.85 N·m/rad. That this is in the belt's range is a coincidence: with the means of Table "
             "4.1's rows the difference is 3.4 N·m/rad.",
             (
                 "belt-stiffness",
@@ -214,7 +217,7 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "Stance law (5.5)-(5.6)",
             "The knee angles have the printed signs: θ̄_p = +40° and θ̄_a = -40°. With these signs, the torque of "
             "a spring that resists flexion is -k (θ - θ̄). The torque that keeps the foot pressed down extends: "
-            "ū_p < 0, ū_a > 0. Here τ = -side (|ū| + k (side θ - θ̄)), with side = +1 for the posterior and -1 for "
+            "ū_p < 0, ū_a > 0. Here τ = -side (|ū| + k (side θ - |θ̄|)), with side = +1 for the posterior and -1 for "
             "the anterior knee.",
             ("bounding-knee-sign",),
         ),
@@ -231,8 +234,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
             "Pairs",
             "The total of 43.76 kg in Table 5.1 is 35 kg with four legs. So a leg of the sagittal model is a pair "
             "of legs, with twice the mass, inertia, spring and torque. In Fig. 5.6 the motor's curve is flat at "
-            "k_rot = 200 N·m/rad. So k_p = k_a is 200 N·m/rad for one motor, and 400 for a pair. At 300 and 400 the "
-            "spring gives more than the law asks for, and the motor has to work against the spring. Where ū is "
+            "k_rot = 200 N·m/rad. So k_p = k_a is 200 N·m/rad for one motor, and 400 for a pair. At k_rot = 300 and "
+            "400 in Fig. 5.6 the spring gives more than the law asks for, and the motor has to work against the "
+            "spring. Where ū is "
             "small, the motor's torque is reversed.",
             (
                 "total-mass",
