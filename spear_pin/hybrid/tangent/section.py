@@ -127,11 +127,17 @@ def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:
         even, still = local.lane.even, np.zeros((len(cycle.numbers), d))
         if (np.abs(found[~even, d:]) > ODD * np.abs(found[:, d:]).max(axis=0, initial=LEAST)).any():
             raise NotDifferentiable("two feet land at once, and a parameter would tell left from right: leave it out")
-        other = cycle_on_section(system, local, still, ENDS, xi)
-        if other.together:
-            raise NotDifferentiable("feet land at once, whichever foot lands first at the section")
+        other = _one_foot_first(system, local, still, xi)
         own = found[:, :d] * np.outer(even, even)
         found[:, :d] = np.where(np.outer(~even, ~even), local.changes(other.y, other.dy), own)
+    return found
+
+
+def _one_foot_first(system: HybridSystem, local: Chart, seeds: Array, xi: Array | None) -> Derivative:
+    """Differentiates a cycle in which no feet land at once; see `cycle_on_section` for the arguments."""
+    found = cycle_on_section(system, local, seeds, ENDS, xi)
+    if found.together:
+        raise NotDifferentiable("feet land at once, whichever foot lands first at the section")
     return found
 
 
@@ -164,8 +170,6 @@ def exact_map(system: HybridSystem, state: State, seeds: Array) -> Array:
     xi = tell_feet_apart(system, local)
     found = []
     for start in (None,) if xi is None else (xi, -xi):
-        cycle = cycle_on_section(system, local, whole, ENDS, start)
-        if cycle.together:
-            raise NotDifferentiable("feet land at once, whichever foot lands first at the section")
+        cycle = _one_foot_first(system, local, whole, start)
         found.append(np.concatenate([local.changes(cycle.y, cycle.dy), cycle.dy[YAW : YAW + 1]]))
     return np.asarray(np.mean(found, axis=0), np.float64)
