@@ -138,7 +138,15 @@ def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, r
 
 
 def quadratic_gains(A: Array, B: Array, scales: Sequence[float], weight: float, Q: Array | None = None) -> Array:
-    """Returns the gains K of w = -K ξ that minimise Σ ξᵀQ ξ + weight Σ (w / scale)², (k, n); Q is 1 by default."""
+    """Returns the gains K of w = -K ξ that minimise Σ ξᵀQ ξ + weight Σ (w / scale)², (k, n).
+
+    Args:
+        A: derivatives of ξ⁺ by ξ, (n, n).
+        B: derivatives of ξ⁺ by the inputs w, (n, k).
+        scales: change of each input that counts as one, in its unit.
+        weight: weight of the inputs.
+        Q: weights of the coordinates, (n, n); 1 by default.
+    """
     R = weight * np.diag([scale**-2 for scale in scales])
     P = scipy.linalg.solve_discrete_are(A, B, np.eye(len(A)) if Q is None else Q, R)
     return np.asarray(np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A), np.float64)

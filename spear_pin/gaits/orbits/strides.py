@@ -127,7 +127,8 @@ class Strides:
         landing = dict[str, Array]()  # derivatives of the instants
         begun, last = np.zeros(self.unknowns), np.zeros(self.unknowns)  # of the phase, whose clock begins at zero
         for stretch in cycle.stretches:
-            begun, last = (begun + last if stretch.arc.t == 0.0 else begun), stretch.tau
+            begins = stretch.arc.t == 0.0 and not stretch.since.any()
+            begun, last = (begun + last if begins else begun), stretch.tau
             if stretch.arc.event is not None:
                 landing.setdefault(stretch.arc.event.name, begun + last)
         gaps = []
