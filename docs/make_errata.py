@@ -20,8 +20,8 @@ To print the inertias, gravity torques, poles and averages of this page, run
 python -m benchmarks.errata
 ```
 
-`spear report` writes a page that links each correction to the computed statements that show it. Listed are only
-corrections that matter for this package; everything else is used as printed. "Here" means this package.
+`spear report` writes a page that links each correction to the computed statements that show it. Only corrections that
+matter for this package are listed; everything else is used as printed. "Here" means this package.
 """
 
 

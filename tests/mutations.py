@@ -2,8 +2,8 @@
 
 From the repository: `python -m tests.mutations`, or with words that the names of some mutations
 contain: `python -m tests.mutations spring impact`. It ends with status 1 if one survives, if a text to
-change is not found just once, or if the tests fail without any change. All of them take some minutes. The tests are
-those of the gate; with `--quick` it names those that no quick test notices.
+change is not found just once, or if the tests fail without any change. All of them take three quarters of an hour on
+two cores. The tests are those of the gate; with `--quick` it names those that no quick test notices.
 """
 
 from __future__ import annotations
@@ -15,18 +15,23 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from pathlib import Path
+from queue import SimpleQueue
 
 from tests.mistakes import MUTATIONS, Mutation
 
 ROOT = Path(__file__).parents[1]
 COPIED = ("spear_pin", "urdf", "viz", "tests", "examples", "pyproject.toml", "README.md", "LICENSE")
-LONGEST = 300  # s
+LONGEST = 300  # s, of the tests of one mistake
 
 
 def copy_repository(folder: Path) -> None:
     """What the tests need, symlinks as symlinks."""
     ignored = shutil.ignore_patterns("__pycache__", ".*")
+    folder.mkdir()
     for name in COPIED:
         source = ROOT / name
         if source.is_dir():
@@ -35,16 +40,19 @@ def copy_repository(folder: Path) -> None:
             shutil.copy(source, folder / name)
 
 
-def first_failure(folder: Path, tests: tuple[str, ...], marked: str) -> str | None:
+def first_failure(
+    folder: Path, tests: tuple[str, ...], marked: str, workers: int = 0, longest: float | None = LONGEST
+) -> str | None:
     """The first test that fails in the copy of those that `-m` chooses, or None."""
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-n", "0", "-m", marked, "-p", "no:cacheprovider", *tests]
+    options = ["-x", "-q", "-n", str(workers), "-m", marked, "-p", "no:cacheprovider"]
+    command = [sys.executable, "-m", "pytest", *options, *tests]
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
     try:
         process = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=LONGEST, check=False
+            command, cwd=folder, env=environment, capture_output=True, text=True, timeout=longest, check=False
         )
     except subprocess.TimeoutExpired:
-        return f"the time limit of {LONGEST} s"
+        return f"the time limit of {longest} s"
     if process.returncode == 0:
         return None
     found = re.search(r"^(FAILED|ERROR) (.+?)(?: - .*)?$", process.stdout, re.MULTILINE)
@@ -67,6 +75,16 @@ def trial(folder: Path, mutation: Mutation, marked: str) -> tuple[bool, str]:
     return (True, f"caught by {failure}") if failure else (False, "SURVIVED")
 
 
+@contextmanager
+def lent(copies: SimpleQueue[Path]) -> Iterator[Path]:
+    """One of the copies, for as long as a mistake is in it."""
+    folder = copies.get()
+    try:
+        yield folder
+    finally:
+        copies.put(folder)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.mutations", description=__doc__.splitlines()[0])
     parser.add_argument("words", nargs="*", metavar="WORD", help="only mutations whose name contains one of these")
@@ -78,18 +96,25 @@ def main() -> int:
     if names_only:
         print("\n".join(mutation.name for mutation in chosen))
         return 0
-    survived = 0
+    survived, workers = 0, os.cpu_count() or 1
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        copy_repository(folder)
+        copies: SimpleQueue[Path] = SimpleQueue()
+        for number in range(workers):
+            copies.put(Path(name, str(number)))
+            copy_repository(Path(name, str(number)))
         files = tuple(sorted({test for mutation in chosen for test in mutation.tests}))
-        if failure := first_failure(folder, files, marked):
+        if failure := first_failure(Path(name, "0"), files, marked, workers, None):
             print(f"without any change, {failure} fails")
             return 1
-        for mutation in chosen:
-            caught, what = trial(folder, mutation, marked)
-            survived += not caught
-            print(f"{mutation.name:<55} {what}", flush=True)
+
+        def tried(mutation: Mutation) -> tuple[bool, str]:
+            with lent(copies) as folder:
+                return trial(folder, mutation, marked)
+
+        with ThreadPoolExecutor(workers) as pool:
+            for mutation, (caught, what) in zip(chosen, pool.map(tried, chosen), strict=True):
+                survived += not caught
+                print(f"{mutation.name:<55} {what}", flush=True)
     print(f"{len(chosen) - survived} of {len(chosen)} caught")
     return 1 if survived else 0
 

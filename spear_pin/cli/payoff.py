@@ -63,8 +63,12 @@ def add(commands: Commands) -> None:
         "motors", "by default those of the robot's TOML file, or of the catalogue, scaled"
     )
     for part in ("knee", "hip"):
-        motors.add_argument(f"--{part}-motor", metavar="NAME", help=f"motor of a {part}, from the catalogue")
-        motors.add_argument(f"--{part}-ratio", type=float, metavar="N", help=f"ratio of the {part}'s gearbox")
+        motors.add_argument(
+            f"--{part}-motor", metavar="NAME", help=f"motor of a {part}, from the catalogue, in the place of the file's"
+        )
+        motors.add_argument(
+            f"--{part}-ratio", type=float, metavar="N", help="ratio of that motor's gearbox (default: the file's)"
+        )
     motors.add_argument(
         "--efficiency", type=float, metavar="X", help=f"efficiency of these motors' gears (default: {EFFICIENCY})"
     )
@@ -89,7 +93,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             )
     if arguments.workers is not None and arguments.workers < 1:
         raise BadValue("--workers", arguments.workers, "a whole number, at least 1")
-    drives = given_drives(arguments)
+    check_motors(arguments)
 
     from spear_pin import load
     from spear_pin.files import write_text
@@ -100,6 +104,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     hop = arguments.leg is not None or arguments.robot == LEG
     robot, study_of, speeds = (_hops if hop else _bounds)(arguments)
+    drives = given_drives(arguments, robot)
     program = Program()
     given = {"speeds": speeds, "stiffnesses": arguments.stiffnesses, "drives": drives or None, "bus": arguments.bus}
     own = {name: value for name, value in given.items() if value is not None} | {
@@ -212,33 +217,47 @@ def numbers(word: str) -> tuple[float, ...]:
     return values
 
 
-def given_drives(arguments: argparse.Namespace) -> dict[str, Drive]:
-    """Drives that options name."""
+def check_motors(arguments: argparse.Namespace) -> None:
+    """Refuse options of motors that can be none or that nothing uses, before a robot is loaded."""
     from spear_pin.model.catalogue import MOTORS, motor
-    from spear_pin.model.motor import Drive, Gearbox
 
     for name in ("bus", "efficiency", "knee_ratio", "hip_ratio"):
         value = getattr(arguments, name)
         if value is not None:
             require(f"--{name.replace('_', '-')}", value, lambda x: x > 0, "a number > 0")
-    found = {}
-    for part in ("knee", "hip"):
-        named, ratio = getattr(arguments, f"{part}_motor"), getattr(arguments, f"{part}_ratio")
-        if (named is None) != (ratio is None):
-            missing, other = (f"--{part}-motor", f"--{part}-ratio")[:: 1 if named is None else -1]
-            raise BadValue(missing, None, f"a value, which {other} needs")
-        if named is None:
+    named = {part: getattr(arguments, f"{part}_motor") for part in ("knee", "hip")}
+    for part, name in named.items():
+        if name is None:
+            if getattr(arguments, f"{part}_ratio") is not None:
+                raise BadValue(f"--{part}-motor", None, f"a value, which --{part}-ratio needs")
             continue
-        if named not in MOTORS:
-            raise UnknownName("motor", named, MOTORS)
-        own = motor(named)
+        if name not in MOTORS:
+            raise UnknownName("motor", name, MOTORS)
+        own = motor(name)
         for quantity in ("torque_constant", "resistance", "rotor_inertia"):
             own.known(quantity)
         own.continuous_torque  # noqa: B018 - it says what is not known
+    if arguments.efficiency is not None and not any(named.values()):
+        raise BadValue("--efficiency", arguments.efficiency, "only with --knee-motor or --hip-motor")
+
+
+def given_drives(arguments: argparse.Namespace, robot: Robot) -> dict[str, Drive]:
+    """Make the drives that options name; a gear ratio that is not given is the one in the robot's file."""
+    from spear_pin.model.catalogue import motor
+    from spear_pin.model.motor import Drive, Gearbox
+    from spear_pin.studies.payoff.motors import ratio_of
+
+    found = {}
+    for part in ("knee", "hip"):
+        name, ratio = getattr(arguments, f"{part}_motor"), getattr(arguments, f"{part}_ratio")
+        if name is None:
+            continue
+        ratio = ratio or ratio_of(robot, part)
+        if ratio is None:
+            raise BadValue(f"--{part}-ratio", None, f"a value, as {robot.source} has no gear ratio of its {part}s")
+        own = motor(name)
         bus = own.known("nominal_voltage") if arguments.bus is None else arguments.bus
         found[part] = Drive(own, Gearbox(ratio, arguments.efficiency or EFFICIENCY), bus)
-    if arguments.efficiency is not None and not found:
-        raise BadValue("--efficiency", arguments.efficiency, "only with --knee-motor or --hip-motor")
     return found
 
 

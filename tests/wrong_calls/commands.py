@@ -135,7 +135,7 @@ OPTIONS = {
         "--body": ("1",),
         "--knee-motor --knee-ratio=15": NAME,
         "--hip-motor --hip-ratio=15": NAME,
-        "--knee-motor": (*NAME, "assumed_600w"),
+        "--knee-motor": NAME,
         "--knee-ratio": (*POSITIVE, "15"),
         "--hip-ratio --hip-motor=assumed_600w": POSITIVE,
         "--efficiency --knee-motor=assumed_600w --knee-ratio=15": (*POSITIVE, "1.5"),

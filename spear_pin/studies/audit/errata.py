@@ -46,10 +46,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         Erratum(
             "Rotor inertias (3.12)-(3.13)",
             'These equations multiply the rotor inertia by N². But the "motor inertias" of Tables 2.4 and 5.1 are '
-            "already multiplied; Table 5.1 calls them effective. Divided by N² they are 0.027 kg·m² / 15² = 1200 "
-            "g·cm² and 0.047 / 60² = 131 g·cm², sizes that such motors have. The URDF has the rotor's own inertia "
-            "and the ratio. Table 3.1 exchanges the descriptions of N_Knee and N_Hip, and the unit of rotor angles "
-            "should be rad.",
+            "already multiplied; Table 5.1 calls them effective. Divided by N² they are 0.027 kg·m² / 15² = 1200 g·cm² "
+            "and 0.047 / 60² = 131 g·cm², usual for such motors. The URDF has the rotor's own inertia and the ratio. "
+            "Table 3.1 exchanges the descriptions of N_Knee and N_Hip, and the unit of rotor angles should be rad.",
             (
                 "rotor-energy",
                 "knee-rotor-spear-ii",
@@ -95,18 +94,18 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Spring (3.24)",
-            "On the coordinate θ₂, τ = +k (θ₂ - θ₂ᵗᵈ) pushes away from the rest angle. This sign would be correct "
-            "with torques counted positive in extension, but then (3.25), -b θ̇₂, would drive instead of damp. Here "
-            "the torque is -k (θ₂ - θ₂ᵗᵈ), and zero below the latched angle, because the spring acts through a "
-            "chain that only pulls.",
+            "On the coordinate θ₂, the printed τ = +k (θ₂ - θ₂ᵗᵈ) pushes away from the rest angle. This sign would be "
+            "correct with torques counted positive in extension, but then (3.25), -b θ̇₂, would drive instead of damp. "
+            "Here the torque is -k (θ₂ - θ₂ᵗᵈ), and zero below θ₂ᵗᵈ, because the spring acts through a chain that only "
+            "pulls.",
             ("spring-sign",),
         ),
     ),
     "Control": (
         Erratum(
             "Flight law (4.9)-(4.10)",
-            "With K > 0 the term K (θ - θ_des) pushes away from the commanded angle. The printed K_D < 0 does damp, "
-            "as the thesis says. With the printed signs the poles in flight are 15.07, -23.80, 35.15 and -51.15 "
+            "With K > 0 the printed term K (θ - θ_des) pushes away from the commanded angle. The printed K_D < 0 does "
+            "damp, as the thesis says. With the printed signs the poles in flight are 15.07, -23.80, 35.15 and -51.15 "
             "rad/s, which is unstable. Here τ = K (θ_des - θ) - |K_D| θ̇.",
             ("flight-law-sign",),
         ),
@@ -121,11 +120,11 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "Gains",
-            "With the printed gains and corrected signs, the poles of the leg in flight are -4.40 ± 18.52j and "
-            "-7.97 ± 41.42j rad/s. Their damping ratios are 0.23 and 0.19. So in 0.2 s they do not bring the joints "
-            "to rest, though the thesis says that they do. The thesis neglects the knee's damping in flight; 1.3 "
-            "N·m·s/rad there would raise the knee's damping ratio to 0.61. [Hopping](../how_to/hop.md) has the "
-            "rates at touchdown, and gains that do bring the joints to rest.",
+            "With the printed gains and corrected signs, the poles of the leg in flight are -4.40 ± 18.52j and -7.97 ± "
+            "41.42j rad/s. Their damping ratios are 0.23 and 0.19. So in 0.2 s these gains do not bring the joints to "
+            "rest, though the thesis says so. The thesis neglects the knee's damping in flight; 1.3 N·m·s/rad there "
+            "would raise the knee's damping ratio to 0.61. [Hopping](../how_to/hop.md) has the rates at touchdown, and "
+            "gains that do bring the joints to rest.",
             (
                 "settles-in-flight",
                 "knee-flat-before-touchdown",
@@ -156,9 +155,9 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
     "The push test": (
         Erratum(
             "Resting angle RA",
-            "RA may be the spring's zero, or the angle at which the leg stands. They differ by G/k, about 0.2 "
-            "rad. The ratios of the standard deviations in Table 4.1 favour the first reading ([the push "
-            "test](../how_to/identify_a_knee.md)).",
+            "RA may be the spring's zero, or the angle at which the leg stands. They differ by the gravity torque "
+            "over k, about 0.2 rad. The ratios of the standard deviations in Table 4.1 favour the first reading "
+            "([the push test](../how_to/identify_a_knee.md)).",
             ("resting-angle",),
         ),
         Erratum(
@@ -215,29 +214,27 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
     "The quadruped": (
         Erratum(
             "Stance law (5.5)-(5.6)",
-            "The knee angles have the printed signs: θ̄_p = +40° and θ̄_a = -40°. With these signs, the torque of "
-            "a spring that resists flexion is -k (θ - θ̄). The torque that keeps the foot pressed down extends: "
-            "ū_p < 0, ū_a > 0. Here τ = -side (|ū| + k (side θ - |θ̄|)), with side = +1 for the posterior and -1 for "
-            "the anterior knee.",
+            "The knee angles have the printed signs: θ̄_p = +40° and θ̄_a = -40°. With these signs, the printed spring "
+            "torque +k (θ - θ̄) increases flexion; -k (θ - θ̄) resists it. The torque ū that presses the foot down "
+            "extends the knee: ū_p < 0, ū_a > 0. Here τ = -side (|ū| + k (side θ - |θ̄|)), with side = +1 for the "
+            "posterior and -1 for the anterior knee.",
             ("bounding-knee-sign",),
         ),
         Erratum(
             "Output linearisation",
             "The last term of (5.15) and (5.20) is L²_f h; the thesis prints L_g L_f h again. The text below (5.10) "
-            "means the outputs (5.9); their H should have the index of the phase. The text before (5.22) has to say "
-            "that x⁺ is *not* in Z. In (5.10) γ^td is the value at touchdown, and Δ is negative because the leg "
-            "sweeps back. The sentence under (5.3) exchanges g^sw and g^su. The state (q_s′, q̇_s′)′ is x_s, "
-            "without a dot.",
+            "means the outputs (5.9); their H should have the index of the phase. The text before (5.22) should say "
+            "that x⁺ is *not* in Z. In (5.10) γ^td is the value at touchdown, and Δ is negative because the leg sweeps "
+            "back. The sentence under (5.3) exchanges g^sw and g^su. The state (q_s′, q̇_s′)′ is x_s, without a dot.",
             ("output-linearisation",),
         ),
         Erratum(
             "Pairs",
-            "The total of 43.76 kg in Table 5.1 is 35 kg with four legs. So a leg of the sagittal model is a pair "
-            "of legs, with twice the mass, inertia, spring and torque. In Fig. 5.6 the motor's curve is flat at "
-            "k_rot = 200 N·m/rad. So k_p = k_a is 200 N·m/rad for one motor, and 400 for a pair. At k_rot = 300 and "
-            "400 in Fig. 5.6 the spring gives more than the law asks for, and the motor has to work against the "
-            "spring. Where ū is "
-            "small, the motor's torque is reversed.",
+            "The total of 43.76 kg in Table 5.1 is a torso of 35 kg with four legs. So a leg of the sagittal model is "
+            "a pair of legs, with twice the mass, inertia, spring and torque. In Fig. 5.6 the motor's torque is "
+            "constant at k_rot = 200 N·m/rad. So k_p = k_a is 200 N·m/rad for one motor, and 400 for a pair. At k_rot "
+            "= 300 and 400 the spring gives more than the law asks for, and the motor works against the spring. Where "
+            "ū is small, the motor's torque is reversed.",
             (
                 "total-mass",
                 "flat-at-200",
@@ -246,13 +243,12 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             "120:1 at the hip",
-            "Doubling the ratio multiplies the reflected 0.047 by four: 0.188 kg·m². The straight leg's inertia "
-            "about the hip is 0.014 + 1.72 · 0.008² + 0.005 + 0.47 · 0.462² = 0.119 kg·m². So the rotor outweighs "
-            'the leg it moves, by 1.6 to 1. The thesis says that this is "not as much a concern" as at the knee. At '
-            "the knee 0.027 kg·m² move a shank of 0.015 about the knee, 1.8 to 1. But the rotor inertia at the hip "
-            'is seven times that at the knee. The thesis also says that the hip\'s effort is "relatively small" and '
-            'that its motor "would not be able to provide the peak torques". These two statements contradict each '
-            "other.",
+            "Doubling the ratio multiplies the reflected 0.047 by four: 0.188 kg·m². The straight leg's inertia about "
+            "the hip is 0.014 + 1.72 · 0.008² + 0.005 + 0.47 · 0.462² = 0.119 kg·m². So the rotor has 1.6 times the "
+            'inertia of the leg. The thesis says that this is "not as much a concern" as at the knee. At the knee the '
+            "rotor's 0.027 kg·m² are 1.8 times the shank's 0.015. But the rotor inertia at the hip is seven times that "
+            'at the knee. The thesis also says that the hip\'s effort is "relatively small" and that its motor "would '
+            'not be able to provide the peak torques". These statements contradict each other.',
             (
                 "hip-inertia-no-concern",
                 "hip-effort-small",
@@ -262,8 +258,8 @@ ERRATA: dict[str, tuple[Erratum, ...]] = {
         ),
         Erratum(
             'A larger knee motor "with similar mass and inertia"',
-            "The motor may be the EC 90 flat. Its rotor has 5060 g·cm² against 1210, which is 4.2 times as much. "
-            "At the knee that is 0.114 instead of 0.027 kg·m².",
+            "The motor may be the EC 90 flat. Its rotor has 5060 g·cm², 4.2 times the 1210 of the EC 60 flat. At the "
+            "knee that is 0.114 instead of 0.027 kg·m².",
             ("similar-260-w",),
         ),
     ),

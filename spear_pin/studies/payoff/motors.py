@@ -52,7 +52,7 @@ def of_file(robot: Robot, part: str, bus: float | None = None) -> Drive | None:
         own = robot.settings.motors.get(joint)
         if own is None:
             return None
-        gearbox = Gearbox(_ratio(robot, joint) or 1.0, robot.settings.efficiencies.get(joint, 1.0))
+        gearbox = Gearbox(ratio_of(robot, part) or 1.0, robot.settings.efficiencies.get(joint, 1.0))
         found.append(Drive(own, gearbox, own.known("nominal_voltage") if bus is None else bus))
     if found.count(found[0]) != len(found):
         raise BadValue(f"motors of the {part}s", [drive.motor.name for drive in found], "the same in all legs")
@@ -88,7 +88,7 @@ def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | No
         bus: voltage of the supply, in V, if it is known.
     """
     like = motor(KIND)
-    ratio = _ratio(robot, joints_of(robot, part)[0]) if _has_rotor(robot, part) else None
+    ratio = ratio_of(robot, part) if _has_rotor(robot, part) else None
     one = Drive(like, Gearbox(ratio or RATIO, EFFICIENCY), like.known("nominal_voltage"))
     power = like.known("rated_power") * SPARE * torque / one.continuous_torque
     needed = SPARE * rate * one.constant
@@ -112,9 +112,17 @@ def own_rotors(robot: Robot) -> tuple[str, ...]:
 
 
 def _has_rotor(robot: Robot, part: str) -> bool:
+    """Tells whether the robot's file has the rotors of a part."""
     return all(robot.model.armature[robot.index(joint)] > 0.0 for joint in joints_of(robot, part))
 
 
-def _ratio(robot: Robot, joint: str) -> float | None:
-    """Returns the gear ratio in the robot's file, 1 for a direct drive that it names; None where it names none."""
-    return float(robot.model.rotorGearRatio[robot.index(joint)]) or None
+def ratio_of(robot: Robot, part: str) -> float | None:
+    """Returns the gear ratio of a part in the robot's file, 1 for a direct drive; None where it has none.
+
+    Raises:
+        BadValue: legs differ in it.
+    """
+    ratios = {float(robot.model.rotorGearRatio[robot.index(joint)]) for joint in joints_of(robot, part)}
+    if len(ratios) > 1:
+        raise BadValue(f"gear ratios of the {part}s", sorted(ratios), "the same in all legs")
+    return ratios.pop() or None

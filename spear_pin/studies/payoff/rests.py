@@ -35,7 +35,8 @@ def _motor(study: Study, part: str) -> str:
     drive: Drive = getattr(study.motors, part)
     name = drive.motor.name.removesuffix(" (assumption)")
     sized = f", to bear {SPARE:g} times the rms torque of a {study.gaits.words.one} of least effort without springs"
-    rotor = f"rotor {drive.reflected_inertia:.2e} kg·m² at the joint"
+    instead = " instead of the file's" if study.motors.said[part] == "given" else ""
+    rotor = f"rotor {drive.reflected_inertia:.2e} kg·m² at the joint{instead}"
     return (
         f"{name}{sized if study.motors.said[part] == 'assumed' else ''}; {drive.gearbox.ratio:g}:1, efficiency"
         f" {drive.gearbox.efficiency:g}, {drive.bus:g} V: {drive.continuous_torque:.3g} N·m for ever,"
