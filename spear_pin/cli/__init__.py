@@ -41,8 +41,14 @@ from spear_pin.files import check_target, together
 
 # the commands, by the heading of their group, as help, completion and docs list them
 COMMANDS: dict[str, tuple[Callable[[Commands], None], ...]] = {
-    "robot: list and inspect robots, or yours (URDF, MJCF, TOML)": (robots.add, dynamics.add),
-    "gait: find a gait, tell whether it is stable, simulate it": (hop.add, bound.add, trot.add, turn.add, search.add),
+    "robot: list and inspect robots, ours or yours (URDF, MJCF, TOML)": (robots.add, dynamics.add),
+    "gait: find a gait, print its multipliers (is it stable?), simulate it": (
+        hop.add,
+        bound.add,
+        trot.add,
+        turn.add,
+        search.add,
+    ),
     "study: vary, optimise and compare gaits": (
         *(compare.add, sweep.add, family.add, sensitivity.add, uncertainty.add, design.add, payoff.add),
     ),

@@ -26,10 +26,9 @@ def add(commands: Commands) -> None:
     parser = add_command(
         commands, "bound", run, "find and simulate a quadruped's 2-D or 3-D bound, with pushes", example
     )
-    parser.add_argument(
-        "gait", nargs="?", default=argparse.SUPPRESS, metavar="GAIT", help=f"a gait by name or path (default: {BOUND})"
-    )
-    parser.add_argument("--gait", metavar="GAIT", help="the same gait, given as an option")
+    one = f"a gait by name or path (default: {BOUND})"
+    parser.add_argument("gait", nargs="?", default=argparse.SUPPRESS, action=Once, metavar="GAIT", help=one)
+    parser.add_argument("--gait", action=Once, metavar="GAIT", help="the same gait, given as an option")
     parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
     parser.add_argument(
         "--speed",
@@ -46,6 +45,17 @@ def add(commands: Commands) -> None:
         help="write the gait to bound.json too, or bound_in_space.json with --space, for GAIT and Gait.load",
     )
     add_simulation(parser, 5, "strides", "bound.html, bound.svg and bound.npz", "bound.html")
+
+
+class Once(argparse.Action):
+    """Stores a value that an argument or an option may give, and refuses a second one."""
+
+    def __call__(self, parser: Any, namespace: argparse.Namespace, values: Any, option_string: Any = None) -> None:
+        """Store the value."""
+        first = getattr(namespace, self.dest, None)
+        if first is not None:
+            raise argparse.ArgumentError(self, f"{first!r} and {values!r} are given; give one gait")
+        setattr(namespace, self.dest, values)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:

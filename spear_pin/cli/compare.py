@@ -23,7 +23,7 @@ CYCLES = 4
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear compare stiffness=40 stiffness=60 --open", "compare SPEAR-II's hop with two springs")
-    summary = "tabulate gaits, springs or robots relative to the first"
+    summary = "tabulate gaits, springs or robots, and how they differ"
     parser = add_command(commands, "compare", run, summary, example)
     parser.more = "items"
     parser.add_argument(

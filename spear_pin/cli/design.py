@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import VARY, add_gait, named_gait, write_gait
+from spear_pin.cli.gaits import add_gait, named_gait, write_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import progress
 from spear_pin.cli.pairs import RANGE, names, once, ranges, values
@@ -22,7 +22,9 @@ def add(commands: Commands) -> None:
         "spear design hop --minimize work --keep flight_time=0.2 --over stiffness=46:56",
         "find the stiffness with which the hop of 0.2 s of flight takes least work",
     )
-    parser = add_command(commands, "design", run, "optimise spring, gear ratio, ... for least cost, torque", example)
+    parser = add_command(
+        commands, "design", run, "optimise spring, gear ratio, ... for least energy or torque", example
+    )
     add_gait(parser)
     parser.add_argument(
         "--over",
@@ -30,12 +32,17 @@ def add(commands: Commands) -> None:
         action="extend",
         required=True,
         metavar=RANGE,
-        help="parameters and their bounds, separated by commas",
+        help="parameters and their bounds, which hold the gait's own values, separated by commas",
     )
     parser.add_argument(
-        "--minimize", required=True, metavar="MEASURE", help="such as energy, electricity or cost_of_transport"
+        "--minimize",
+        required=True,
+        metavar="MEASURE",
+        help="such as work, peak_torque_knee, or electricity_knee with --bus; 'help' lists all",
     )
-    parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help=VARY)
+    parser.add_argument(
+        "--vary", type=names, action="extend", metavar="NAME", help="solve for these parameters, so that --keep holds"
+    )
     for option, text in (
         ("--keep", "keep these measures at a value"),
         ("--at-most", "upper bounds of measures"),

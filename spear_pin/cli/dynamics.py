@@ -18,7 +18,9 @@ def add(commands: Commands) -> None:
         "spear dynamics spear_ii --q 0 0.5 0.5 1",
         "print SPEAR-II's mass matrix and the rest with its knee bent",
     )
-    parser = add_command(commands, "dynamics", run, "load a robot, print its mass matrix, bias and gravity", example)
+    parser = add_command(
+        commands, "dynamics", run, "check that a robot's file loads; print mass matrix and gravity", example
+    )
     add_robot(parser)
     parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
     parser.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")

@@ -39,7 +39,7 @@ NEEDS = {
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear export hop.npz --mp4 --speed 0.25", "write a film of a saved motion in slow motion")
-    summary = "write a motion as a film or CSV table; a robot for MuJoCo"
+    summary = "write a motion as a film or CSV table, or a robot for MuJoCo"
     parser = add_command(commands, "export", run, summary, example)
     parser.add_argument(
         "what", metavar="WHAT", help="a robot by name or path, or a saved gait (.json) or motion (.npz)"

@@ -32,10 +32,16 @@ def add(commands: Commands) -> None:
         "spear family hop --over stance_torque=6:10",
         "follow the hop from 6 to 10 N·m, and list folds, flips and why the branch ends",
     )
-    parser = add_command(commands, "family", run, "follow a gait and its stability as a parameter changes", example)
+    parser = add_command(
+        commands, "family", run, "follow a gait and its multipliers over a parameter or the speed", example
+    )
     add_gait(parser)
     parser.add_argument(
-        "--over", type=one_range, required=True, metavar=RANGE, help="the parameter, or a measure such as mean_speed"
+        "--over",
+        type=one_range,
+        required=True,
+        metavar=RANGE,
+        help="parameter, or measure such as mean_speed; its own value in the gait, or that of --at, lies between",
     )
     parser.add_argument("--at", type=float, metavar="VALUE", help="begin a hop at this value (default: its own value)")
     add_wanted(parser)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 BOUND = "long_stride"  # the one that is shown unless another is asked for
 WHAT = "hop|bound|GAIT"
-VARY = "solve for these parameters"
+VARY = "solve for these parameters, one for each measure of --keep"
 SPEED_SUFFIX = r"_(\d+(?:\.\d+)?)$"  # of a gait's name: in m/s
 
 
@@ -62,7 +62,9 @@ def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
 def add_gait(parser: argparse.ArgumentParser) -> None:
     """Declare the gait, which `named_gait` finds."""
     parser.add_argument(
-        "what", metavar=WHAT, help=f"a leg's hop in place, the bound {BOUND}, or a gait by name or path"
+        "what",
+        metavar=WHAT,
+        help=f"a leg's hop in place, the bound {BOUND}, or a gait by name or path, which `spear hop --save` writes",
     )
 
 
@@ -78,6 +80,7 @@ def add_wanted(parser: argparse.ArgumentParser) -> None:
 def add_kept(parser: argparse.ArgumentParser) -> None:
     """Declare --vary and --keep: what is solved for, and the measures that stay as the gait has them."""
     for option, metavar, text in (("--vary", "NAME", VARY), ("--keep", "MEASURE", "keep these measures as they are")):
+        text = f"{text}; separated by commas"
         parser.add_argument(option, type=names, action="extend", default=[], metavar=metavar, help=text)
 
 

@@ -63,7 +63,7 @@ def add(commands: Commands) -> None:
         type=names,
         default=[["stiffness", "damping", "rest_angle"]],
         metavar="NAME",
-        help=f"estimate these of {', '.join(KNOWN)} (default: stiffness damping rest_angle)",
+        help=f"estimate these of {', '.join(KNOWN)}; coulomb is dry friction (default: stiffness damping rest_angle)",
     )
     model.add_argument(
         "--per-release", nargs="+", type=names, default=[], metavar="NAME", help="estimate these for each release"
@@ -72,7 +72,9 @@ def add(commands: Commands) -> None:
         option, text = f"--{name.replace('_', '-')}", "value, or initial guess where it is estimated"
         model.add_argument(option, type=float, metavar="VALUE", help=f"{WORDS.get(name, name)}: {text}")
     model.add_argument(
-        "--static-rest", action="store_true", help="take the rest angle for where the leg rests under gravity"
+        "--static-rest",
+        action="store_true",
+        help="the rest angle is where the leg rests under gravity, not where the spring is slack",
     )
     model.add_argument("--unilateral", action="store_true", help="let the spring pull only")
     model.add_argument("--loss", default="linear", metavar="NAME", help="loss: linear, soft_l1, huber or cauchy")

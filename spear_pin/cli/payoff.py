@@ -41,7 +41,7 @@ QUADRUPED, LEG = "q_spear", "spear_ii"  # robots that are in the plane as they s
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear payoff solo12 --leg FL", "ask whether a spring in the knee saves energy when this leg hops")
-    summary = "tell whether a fixed or a switched knee spring saves energy"
+    summary = "tell which knee spring saves energy, fixed or switched, if any"
     parser = add_command(commands, "payoff", run, summary, example)
     add_robot(parser)
     parser.add_argument("--leg", metavar="NAME", help="let this leg hop in place (default: the whole robot bounds)")
@@ -52,7 +52,9 @@ def add(commands: Commands) -> None:
     add_repair(parser)
     four = "(default: four, by the robot's size)"
     parser.add_argument("--speeds", type=numbers, metavar="A,B,...", help=f"speeds of bounds, in m/s {four}")
-    parser.add_argument("--flight-times", type=numbers, metavar="A,B,...", help=f"flight times of hops, in s {four}")
+    parser.add_argument(
+        "--flight-times", type=numbers, metavar="A,B,...", help=f"flight times of hops, in s; needs --leg {four}"
+    )
     parser.add_argument(
         "--stiffnesses",
         type=numbers,

@@ -21,9 +21,7 @@ def add_drive(parser: argparse._ActionsContainer) -> None:
     """Declare --ratio and --no-motor; `pinned_leg` reads them."""
     drive = parser.add_mutually_exclusive_group()
     drive.add_argument("--ratio", type=float, metavar="N", help="ratio of the knee's gearbox (default: 15)")
-    drive.add_argument(
-        "--no-motor", action="store_true", help="take the belt off, so that no rotor turns with the knee"
-    )
+    drive.add_argument("--no-motor", action="store_true", help="the belt is off: no rotor turns with the knee")
 
 
 def pinned_leg(arguments: argparse.Namespace, program: Program) -> tuple[PinnedLeg, Robot | None]:

@@ -41,12 +41,20 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--damping", type=float, metavar="N·m·S/RAD", help="knee damping (default: 1.03, or 0.80 without motor)"
     )
-    parser.add_argument("--coulomb", type=float, default=0.0, metavar="N·m", help="dry friction (default: 0)")
     parser.add_argument(
-        "--rest-angle", type=float, default=1.0, metavar="RAD", help="rest angle of Table 4.1 (default: 1.0)"
+        "--coulomb", type=float, default=0.0, metavar="N·m", help="dry friction of the knee (default: 0)"
     )
     parser.add_argument(
-        "--static-rest", action="store_true", help="take the rest angle for where the leg rests under gravity"
+        "--rest-angle",
+        type=float,
+        default=1.0,
+        metavar="RAD",
+        help="knee angle at which the spring is slack (default: 1.0, of Table 4.1)",
+    )
+    parser.add_argument(
+        "--static-rest",
+        action="store_true",
+        help="the rest angle is where the leg rests under gravity, not where the spring is slack",
     )
     parser.add_argument("--unilateral", action="store_true", help="let the spring pull only")
     parser.add_argument("--duration", type=float, metavar="S", help=f"duration of the motion (default: {DURATION:g})")

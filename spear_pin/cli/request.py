@@ -26,7 +26,10 @@ RATIO, BUS = 15.0, 48.0  # of the knee's gearbox; in V
 def add_request(parser: Parser) -> None:
     """Declare the gait and the options that `requested` reads."""
     parser.add_argument(
-        "gait", nargs="?", metavar="GAIT", help=f"a gait that ships: keep its constraints (default: {GAIT})"
+        "gait",
+        nargs="?",
+        metavar="GAIT",
+        help=f"a gait that ships: it sets what the options below leave out (default: {GAIT})",
     )
     parser.allow_abbrev = False  # --stiffness would be taken for --stiffness-per-leg
     parser.add_argument("--speed", type=float, metavar="M/S", help="mean forward speed")
@@ -55,8 +58,12 @@ def add_request(parser: Parser) -> None:
     parser.add_argument(
         "--knee-motor", metavar="NAME", help="stay within the envelope of this motor, whose rotor turns with the knee"
     )
-    parser.add_argument("--ratio", type=float, metavar="N", help=f"ratio of the knee's gearbox (default: {RATIO:g})")
-    parser.add_argument("--bus", type=float, metavar="V", help=f"voltage of the motors' supply (default: {BUS:g})")
+    parser.add_argument(
+        "--ratio", type=float, metavar="N", help=f"ratio of the gearbox of --knee-motor (default: {RATIO:g})"
+    )
+    parser.add_argument(
+        "--bus", type=float, metavar="V", help=f"voltage of the supply of --knee-motor (default: {BUS:g})"
+    )
     parser.add_argument(
         "--hip-distance", type=float, metavar="M", help="distance of posterior and anterior hips (default: 0.7)"
     )

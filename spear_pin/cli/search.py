@@ -25,7 +25,7 @@ SAME = 1e-5  # between fixed points that are one
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear search long_stride --speed 2.6", "find a gait with the constraints of long_stride at 2.6 m/s")
-    summary = "find a bound by optimisation, without a gait to start from"
+    summary = "find a bound by optimisation, without an initial gait"
     parser = add_command(commands, "search", run, summary, example)
     add_request(parser)
     add_seed(parser, "initial guess")

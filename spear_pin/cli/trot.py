@@ -24,7 +24,7 @@ DRAWN = 4  # strides
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear trot pace --push 0.2", "stabilise the pace that ships, and push it sideways by 0.2 m/s")
-    summary = "simulate a shipped trot, pace or pronk in 3-D, with pushes"
+    summary = "simulate this package's trot, pace or pronk in 3-D, with pushes"
     parser = add_command(commands, "trot", run, summary, example)
     parser.add_argument(
         "gait",

@@ -28,7 +28,7 @@ def add(commands: Commands) -> None:
         "spear uncertainty hop --sigma stiffness=1%,damping=0.05",
         "print the standard deviation of each measure, and which parameter to measure better",
     )
-    summary = "propagate errors of parameters to cost, torques, ...; rank them"
+    summary = "tell how sure cost and torques are, and which parameter matters"
     parser = add_command(commands, "uncertainty", run, summary, example)
     add_gait(parser)
     parser.add_argument(
@@ -37,7 +37,7 @@ def add(commands: Commands) -> None:
         required=True,
         type=words,
         metavar="NAME=VALUE",
-        help="standard deviations of parameters, in their units or in %%, separated by commas",
+        help="standard deviations of parameters, in their units or in %%, separated by commas; NAME 'help' lists all",
     )
     parser.add_argument(
         "--correlation",

@@ -12,6 +12,7 @@ from spear_pin.hybrid.automaton import REPLACED, HybridSystem
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
 from spear_pin.model.numbers import body_numbers, with_body_numbers
+from spear_pin.model.robot import Robot
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.variants import PARAMETERS, parameters_of, value_of, vary
 
@@ -135,6 +136,11 @@ def nonzero(system: HybridSystem, names: Iterable[str]) -> tuple[str, ...]:
             if number(system, name) != 0.0:
                 found.append(name)
     return tuple(found)
+
+
+def numbers_of_robot(robot: Robot) -> tuple[str, ...]:
+    """Returns the names of a robot's numbers: those that `vary` takes, and those of its bodies."""
+    return (*parameters_of(robot), *body_numbers(robot))
 
 
 def unit(system: HybridSystem, name: str) -> str:

@@ -146,6 +146,10 @@ class Charts:
         """Returns charts with these coordinates on other ground, see `Section.on`."""
         return replace(self, section=self.section.on(numbers))
 
+    def of(self, system: HybridSystem) -> Charts:
+        """Returns charts with these coordinates on the section of a system with other numbers."""
+        return replace(self, section=section(system))
+
     def states(self, xi: Array) -> tuple[Array, Array]:
         """Returns the states on the section with coordinates ξ, (n, d); not finite where there is none."""
         dq = self.q_bases.shape[2]

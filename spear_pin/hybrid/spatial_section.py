@@ -82,6 +82,10 @@ class SpatialCharts:
         """Returns the same charts, as coordinates do not depend on the ground's friction."""
         return self
 
+    def of(self, system: HybridSystem) -> SpatialCharts:
+        """Returns charts with these coordinates on the section of a system with other numbers."""
+        return replace(self, system=system)
+
     def states(self, xi: Array) -> tuple[Array, Array]:
         """Returns the states on the section with coordinates ξ, (n, d)."""
         dq = self.q_basis.shape[1]

@@ -19,10 +19,9 @@ from spear_pin.gaits.continuation.problem import NoValue
 from spear_pin.gaits.continuation.stepping import Point, corrected, placed
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted
-from spear_pin.hybrid.parameters import parameter
+from spear_pin.hybrid.parameters import numbers_of_robot, parameter
 from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
-from spear_pin.model.variants import parameters_of
 
 NEAR = 0.1  # largest scaled distance of the first point from the given gait
 LEAST_STEP = 1e-4
@@ -109,7 +108,7 @@ def _equations(
         raise BadValue("vary", list(vary), f"as many parameters as targets, {count}")
     if over in vary or over in target:
         raise BadValue("over", over, "a name that is in neither vary nor target")
-    robots = parameters_of(system.robot)
+    robots = numbers_of_robot(system.robot)
     for name in vary:
         parameter(system, name)  # it says what there is
     if not measured and over not in robots:

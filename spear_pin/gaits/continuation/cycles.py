@@ -13,15 +13,15 @@ from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
 from spear_pin.gaits.lane_cycles import LaneCycles
 from spear_pin.gaits.lane_measures import MEASURES
-from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import FEW, has_lanes
+from spear_pin.hybrid.batch import FEW, has_lanes, may_vary
 from spear_pin.hybrid.orders import Order, order_of
-from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
+from spear_pin.hybrid.parameters import number, numbers_of_robot, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.result import Run
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
-from spear_pin.model.variants import parameters_of
+from spear_pin.hybrid.tangent.record import Recorder, many
+from spear_pin.hybrid.tangent.seeds import Seeds, seeds
 
 KEPT = 16  # systems with other robots: three are asked for again and again
 Measure = str | Callable[[Run], float]
@@ -33,8 +33,7 @@ class Family:
 
     Attributes:
         system: one of the systems.
-        names: names of the numbers, as `with_parameters` and `vary` take them; at most the last one belongs to the
-            robot.
+        names: names of the numbers, as `with_numbers` takes them; at most the last one belongs to the robot.
         measures: names among `system.measures`, or functions of a cycle's run.
         rtol: relative tolerance of the integration.
     """
@@ -44,10 +43,10 @@ class Family:
     measures: tuple[Measure, ...]
     rtol: float
 
-    @property
+    @cached_property
     def of_robot(self) -> bool:
         """Whether the last number belongs to the robot."""
-        return bool(self.names) and self.names[-1] in parameters_of(self.system.robot)
+        return bool(self.names) and self.names[-1] in numbers_of_robot(self.system.robot)
 
     def member(self, values: Sequence[float]) -> HybridSystem:
         """Returns the system with given values of the numbers.
@@ -83,11 +82,27 @@ class Family:
         return self._runner(q, v, values)
 
     @cached_property
-    def exact(self) -> TangentCycles | None:
-        """Cycles with exact derivatives; None if there are none, as where a number of the robot moves its section."""
-        if self.of_robot or not self._has_lanes():
-            return None
-        return tangent_cycles(self.system, self.names, self.measures)
+    def differentiable(self) -> bool:
+        """Whether exact derivatives are known for such systems and measures."""
+        own = self.names[:-1] if self.of_robot else self.names
+        if not all(isinstance(name, str) for name in self.measures):
+            return False
+        return may_vary(self.system, own) if self.system.section_toes else has_lanes(self.system, own)
+
+    def seeds(self, values: Array) -> Seeds:
+        """Returns the derivatives of the systems' numbers by the named ones, which the robot's number alone changes."""
+        return seeds(self.member(values.tolist()), self.names) if self.of_robot else self._seeds
+
+    @cached_property
+    def _seeds(self) -> Seeds:
+        return seeds(self.system, self.names)
+
+    def recorder(self, values: Array) -> Recorder:
+        """Returns what runs and records the cycles of a member."""
+        if self.of_robot:
+            return Recorder(self.member(values.tolist()))
+        given = {name: np.array([value]) for name, value in zip(self.names, values.tolist(), strict=True)}
+        return Recorder(self.system, many(self.system, given))
 
     @cached_property
     def _runner(self) -> Callable[[Array, Array, Array], Cycles]:

@@ -1,7 +1,6 @@
 """Gaits as equations for continuation: x = P(x), and targets, over one number or over the value of one target.
 
-Derivatives are exact where the fast engine runs the cycle; else they are differences of cycles. Only `Gaits.local`
-makes that choice.
+Derivatives are exact where a cycle has some; else they are differences of cycles. Only `Gaits.local` makes that choice.
 """
 
 from __future__ import annotations
@@ -14,16 +13,23 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.cycles import Family
-from spear_pin.gaits.continuation.differences import differentiated
+from spear_pin.gaits.continuation.differences import differentiated as differenced
 from spear_pin.gaits.continuation.problem import Local, NoValue
+from spear_pin.gaits.sensitivity.measure import Measure
+from spear_pin.gaits.sensitivity.measures import measures, of_ends
+from spear_pin.hybrid.batch import LOCK
 from spear_pin.hybrid.newton import differentiated as differences
 from spear_pin.hybrid.newton import stencil
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.periodic import chart, eigenvalues
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.section import Charts, section
+from spear_pin.hybrid.section import Chart, Charts, section
 from spear_pin.hybrid.shooting import SHORT_CYCLE, SHORTEST_CYCLE, Cycles
 from spear_pin.hybrid.spatial_section import SpatialCharts
+from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE
+from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.section import columns, on_section
 
 
 @dataclass(frozen=True)
@@ -82,7 +88,7 @@ class Gaits:
     def _local(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Local, NDArray[np.bool_] | None]:
         """Returns the equations about a chart's origin, and which toes slide after the cycle, if these are others."""
         d, directions = charts.dimension, self._directions(charts, values)
-        residual, jacobian, cycle = self._exact(charts, values, directions) or self._differenced(charts, values)
+        residual, jacobian, cycle = self._exact(charts, values) or self._differenced(charts, values)
         durations = {phase: float(seconds[0]) for phase, seconds in cycle.durations.items()}
         multipliers = eigenvalues(jacobian[:d, :d] + np.eye(d))
         about = About(charts, durations, float(np.abs(residual[:d]).max()))
@@ -92,29 +98,44 @@ class Gaits:
         slides = None if (after == charts.slides).all() else after
         return Local(u, residual, jacobian, directions, multipliers, cycle.orders[0], about), slides
 
-    def _exact(
-        self, charts: Charts | SpatialCharts, values: Array, directions: Array
-    ) -> tuple[Array, Array, Cycles] | None:
-        """Returns F, its exact Jacobian and the cycle about a chart's origin; None where no derivatives are known."""
-        exact, d = self.family.exact, charts.dimension
-        if exact is None:
+    def _exact(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Cycles] | None:
+        """Returns F, its exact Jacobian and the cycle about a chart's origin; None where there are no derivatives."""
+        family, local = self.family, Chart(charts)
+        if not family.differentiable:
             return None
-        (q,), (v,), begins = self._placed(charts, np.zeros((1, d)), values[None])
-        numbers = self.numbers(values)
-        cycle = exact.one(q, v, numbers)
-        if cycle is None:
+        d, k = local.dimension, len(values)
+        numbers, names, state = self.numbers(values), [str(name) for name in family.measures], local.state(np.zeros(d))
+        fineness = ENDS if of_ends(names) else INSIDE
+        try:
+            system, own = family.member(numbers.tolist()), family.seeds(numbers)
+            along = np.concatenate([np.zeros((len(own.numbers), d)), own.numbers], axis=1)
+            start = on_section(system, local, along, d)
+            with LOCK:
+                recorder = family.recorder(numbers)
+                cycle = differentiated(recorder.system, recorder, np.concatenate(state), start, along, fineness)
+                moves = columns(system, local, cycle)
+            weight = Measure(system.robot.weight, np.concatenate([np.zeros(d), own.weight]), "N")
+            known = measures(cycle, start, weight)
+            measured = [known[name] for name in names if name in known]
+        except REFUSALS:
             return None
-        (residual,), cycle = self._compared(charts, begins, values[None], cycle)
-        if cycle.reason[0]:
-            raise NoValue(cycle.reason[0], cycle.orders[0])
-        _, (ends,), (measured,) = exact.slopes(np.zeros(1, dtype=np.int64), q[None], v[None], numbers[None])
-        moves, own = directions[: len(q) + len(v)], np.eye(len(values), d + len(values), d) * self.scale[:, None]
-        along = np.concatenate([moves, self.numbers(own.T).T])
-        rows = measured @ along
+        if len(measured) < len(names):
+            return None
+        nq, (q, v) = system.robot.nq, state
+        durations = {phase: np.array([seconds.x]) for phase, seconds in cycle.durations.items()}
+        ends, found = cycle.y[None], np.array([[each.value for each in measured]])
+        closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
+        cycles = Cycles(ends[:, :nq], ends[:, nq:], found, durations, closes, reference, [cycle.happened])
+        (residual,), cycles = self._compared(charts, charts.coordinates(q[None], v[None]), values[None], cycles)
+        if cycles.reason[0]:
+            raise NoValue(cycles.reason[0], cycles.orders[0])
+        jacobian = np.zeros((len(residual), d + k))
+        of_numbers = np.concatenate([np.ones(d), self.scale[: len(numbers)]])
+        rows = np.array([each.derivative for each in measured]).reshape(len(measured), moves.shape[1])
+        jacobian[:, : d + len(numbers)] = np.concatenate([moves - np.eye(*moves.shape), rows]) * of_numbers
         if self.over_target:
-            rows[-1] -= own[-1]
-        moved = charts.changes(cycle.q, cycle.v, (ends @ along)[None]) - charts.changes(q[None], v[None], moves[None])
-        return residual, np.concatenate([moved[0], rows]), cycle
+            jacobian[-1, -1] -= self.scale[-1]
+        return residual, jacobian, cycles
 
     def _differenced(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Cycles]:
         """Returns F, its Jacobian by differences and the cycle about a chart's origin."""
@@ -125,7 +146,7 @@ class Gaits:
             seen.append(cycles)
             return found, list(cycles.reason), list(cycles.orders)
 
-        residual, jacobian, _ = differentiated(around, np.concatenate([np.zeros(d), values / self.scale]))
+        residual, jacobian, _ = differenced(around, np.concatenate([np.zeros(d), values / self.scale]))
         return residual, jacobian, seen[0]
 
     def glance(self, u: Array) -> tuple[Array, Order]:
@@ -158,8 +179,8 @@ class Gaits:
     def _on(self, charts: Charts | SpatialCharts, values: Array) -> Charts | SpatialCharts:
         """Returns charts with the same directions for the sections with values of solved parameters and parameter."""
         numbers = self.numbers(values)
-        if self.family.of_robot and isinstance(charts, Charts):
-            return replace(charts, section=section(self.family.member(numbers[0].tolist())))
+        if self.family.of_robot:
+            return charts.of(self.family.member(numbers[0].tolist()))
         return charts.on(dict(zip(self.family.names, numbers.T, strict=True)))
 
     def _placed(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Array, Array]:

@@ -15,10 +15,9 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.identity import Reader
-from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.hybrid.parameters import number, numbers_of_robot, with_numbers
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.numbers import body_numbers
-from spear_pin.model.variants import parameters_of
 
 # relative to a parameter: numbers are polynomials of degree two at most in it, so that no step is too long
 STEP = 2.0**-8
@@ -54,7 +53,7 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Seeds:
     """
     *rows, weight = changes(system, names, lambda other: np.append(_everything(other), other.robot.weight))
     whole, kept = np.array(rows), _kept(system)
-    of_robot = {*parameters_of(system.robot), *body_numbers(system.robot)}
+    of_robot = numbers_of_robot(system.robot)
     for name, column in zip(names, whole[~kept].T, strict=True):
         if (np.abs(column) > ROUNDING).any():
             expected = "a parameter that changes no number that is zero now, as the equations leave zeros out"

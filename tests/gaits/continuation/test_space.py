@@ -1,0 +1,60 @@
+"""Families in space: the equations' Jacobian against differences of cycles."""
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait
+from spear_pin.gaits.continuation.continuing import _equations
+from spear_pin.gaits.continuation.stepping import placed, stepped
+from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.periodic import residual
+
+STEP = 1e-5
+CASES = {
+    "trot": ("trot", "stiffness", (), {}),
+    "trot over a number of the robot": ("trot", "hip_spacing", (), {}),
+    "trot with a target": ("trot", "stiffness", ("anterior_hip_torque",), {"mean_speed": 2.0}),
+    "pronk": ("pronk", "stiffness", (), {}),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "over", "vary", "target"), CASES.values(), ids=CASES)
+def test_jacobian(name, over, vary, target):
+    gait = Gait.load(name)
+    value = number(gait.system, over)
+    problem, state, values = _equations(gait, over, (0.99 * value, 1.01 * value), vary, target, 1e-12)
+    local = problem.local(problem.point(state, values))
+    charts, n = local.more.charts, local.jacobian.shape[1]
+    assert charts.dimension + len(values) == n
+    for direction in np.random.default_rng(0).normal(size=(2, n)):
+        points = np.outer([STEP, -STEP], direction / np.linalg.norm(direction))
+        shifted = values + points[:, charts.dimension :] * problem.scale
+        found, cycles = problem._residuals(charts, points[:, : charts.dimension], shifted)
+        assert list(cycles.reason) == ["", ""]
+        slope = (found[0] - found[1]) / (2.0 * STEP)
+        ours = local.jacobian @ direction / np.linalg.norm(direction)
+        np.testing.assert_allclose(slope, ours, rtol=0.0, atol=1e-5 * np.abs(ours).max())
+
+
+@pytest.mark.slow
+def test_a_number_of_a_body():
+    """Two points beside a gait, over a number that no law has, and how the multipliers change between them."""
+    gait, name = Gait.load("trot"), "roll_inertia_xx"
+    value = number(gait.system, name)
+    problem, state, values = _equations(gait, name, (0.98 * value, 1.02 * value), (), {}, 1e-9)
+    u = problem.point(state, values)
+    start = placed(problem.local(u), np.eye(len(u))[-1])
+    points = [stepped(problem, start, length) for length in (-0.05, 0.05)]
+    assert [point.local.order for point in points] == [start.local.order] * 2
+    inertias, largest = [], []
+    for point in points:
+        (q, v), found = problem.read(point.local.u)
+        system = problem.family.member(found.tolist())
+        assert number(system, name) == found[-1] and residual(system, (q, v)) < 1e-8
+        inertias.append(found[-1])
+        largest.append(abs(point.local.multipliers[0]))
+    assert inertias[1] - inertias[0] > 3e-3 * value
+    told = gait.sensitivity([name])
+    slope = (told.multipliers[0].conj() * told.multiplier_derivatives[0, 0]).real / abs(told.multipliers[0])
+    assert (largest[1] - largest[0]) / (inertias[1] - inertias[0]) == pytest.approx(slope, rel=1e-3)
