@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass
 from itertools import islice
@@ -32,6 +32,7 @@ class Terms:
         mass_matrix: D, nv rows of nv.
         bias: C v + G, nv.
         positions, jacobians, drifts: position, J and J̇ v of each toe, as `Feet` has them.
+        position: returns the position of any frame of the robot's model, see `Mechanism.position`.
     """
 
     mass_matrix: list[list[Any]]
@@ -39,6 +40,7 @@ class Terms:
     positions: dict[str, tuple[Any, ...]]
     jacobians: dict[str, list[list[Any]]]
     drifts: dict[str, tuple[Any, ...]]
+    position: Callable[[str], tuple[Any, ...]]
 
 
 class Mechanism(ABC):

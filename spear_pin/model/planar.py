@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -96,7 +97,7 @@ class Planar(Mechanism):
         """
         joints = self._joints(q, v, ops)
         feet = self._feet(joints)
-        return Terms(*self._dynamics(joints), feet.positions, feet.jacobians, feet.drifts)
+        return Terms(*self._dynamics(joints), feet.positions, feet.jacobians, feet.drifts, partial(self._place, joints))
 
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
         """Returns the kinematics of the toes alone.
@@ -114,10 +115,13 @@ class Planar(Mechanism):
         Raises:
             UnknownName: there is no such frame.
         """
+        return self._place(self._joints(q, [0.0] * self.nv, ops), frame)
+
+    def _place(self, joints: Sequence[_Joint], frame: str) -> Vector:
         if frame not in self.frames:
             raise UnknownName("frame", frame, self.frames)
         i, offset = self.frames[frame]
-        joint = self._joints(q, [0.0] * self.nv, ops)[i] if i >= 0 else _WORLD
+        joint = joints[i] if i >= 0 else _WORLD
         return _added(joint.origin, _turned(offset, joint.cosine, joint.sine))
 
     def _dynamics(self, joints: Sequence[_Joint]) -> tuple[list[list[Any]], list[Any]]:

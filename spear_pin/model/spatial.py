@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -138,7 +139,8 @@ class Spatial(Mechanism):
         """
         still = [0.0] * self.nv
         joints = self._joints(q, v, still, ops, self.lift)
-        return Terms(self._mass_matrix(joints), self._needed(joints, still), *self._feet(joints, self.lift))
+        feet, place = self._feet(joints, self.lift), partial(self._place, joints)
+        return Terms(self._mass_matrix(joints), self._needed(joints, still), *feet, place)
 
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
         """Returns the kinematics of the toes alone.
@@ -156,11 +158,14 @@ class Spatial(Mechanism):
         Raises:
             UnknownName: there is no such frame.
         """
+        still = [0.0] * self.nv
+        return self._place(self._joints(q, still, still, ops, ZERO), frame)
+
+    def _place(self, joints: Sequence[_Joint], frame: str) -> Vector:
         if frame not in self.frames:
             raise UnknownName("frame", frame, self.frames)
         i, offset = self.frames[frame]
-        still = [0.0] * self.nv
-        joint = self._joints(q, still, still, ops, ZERO)[i] if i >= 0 else _WORLD
+        joint = joints[i] if i >= 0 else _WORLD
         return add(joint.origin, rotate(joint.turned, offset))
 
     def forces(

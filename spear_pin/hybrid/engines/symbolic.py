@@ -203,7 +203,7 @@ class Motion:
         """Returns the distance of a frame from the ground, along its normal, in m."""
         if frame in self._feet.positions:
             return self._feet.positions[frame][-1]
-        x, *_, z = self.mechanism.position(frame, self.q, self.ops)
+        x, *_, z = self._terms.position(frame)
         return self.numbers.ground.above(x, z, self.ops)
 
     def force(self, toe: str) -> tuple[Any, ...]:
