@@ -92,8 +92,12 @@ class Search:
     effort: Effort = field(default_factory=Effort)
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
-        """Finds the system and state that meet the targets by Newton's method."""
-        return self.newton(*self.roughly(system, state, self.wanted), self.wanted, self.rtol, min(TOLERANCE, self.rtol))
+        """Finds the system and state that meet the targets by Newton's method.
+
+        Where derivatives are exact, a rough solution first would save nothing.
+        """
+        start = (system, state) if self.exact is not None else self.roughly(system, state, self.wanted)
+        return self.newton(*start, self.wanted, self.rtol, min(TOLERANCE, self.rtol))
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """Finds the system and state from the fixed point of the system as it is; moves the targets step by step."""
