@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import add_gait, named_gait, write_gait
+from spear_pin.cli.gaits import VARY, add_gait, named_gait, write_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import progress
 from spear_pin.cli.pairs import RANGE, names, once, ranges, values
@@ -32,17 +32,15 @@ def add(commands: Commands) -> None:
         action="extend",
         required=True,
         metavar=RANGE,
-        help="parameters and their bounds, which hold the gait's own values, separated by commas",
+        help="parameters and their bounds, which include the gait's own values, separated by commas",
     )
     parser.add_argument(
         "--minimize",
         required=True,
         metavar="MEASURE",
-        help="such as work, peak_torque_knee, or electricity_knee with --bus; 'help' lists all",
+        help="such as work, peak_torque_knee, or electricity_knee with --motor and --bus; 'help' lists all",
     )
-    parser.add_argument(
-        "--vary", type=names, action="extend", metavar="NAME", help="solve for these parameters, so that --keep holds"
-    )
+    parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help=f"{VARY}; separated by commas")
     for option, text in (
         ("--keep", "keep these measures at a value"),
         ("--at-most", "upper bounds of measures"),

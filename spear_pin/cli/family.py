@@ -41,7 +41,7 @@ def add(commands: Commands) -> None:
         type=one_range,
         required=True,
         metavar=RANGE,
-        help="parameter, or measure such as mean_speed; its own value in the gait, or that of --at, lies between",
+        help="parameter, or measure such as mean_speed; the range includes the gait's own value, or that of --at",
     )
     parser.add_argument("--at", type=float, metavar="VALUE", help="begin a hop at this value (default: its own value)")
     add_wanted(parser)

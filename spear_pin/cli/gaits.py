@@ -64,7 +64,7 @@ def add_gait(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "what",
         metavar=WHAT,
-        help=f"a leg's hop in place, the bound {BOUND}, or a gait by name or path, which `spear hop --save` writes",
+        help=f"a leg's hop in place, the bound {BOUND}, a gait by name, or the path of one that `hop --save` wrote",
     )
 
 

@@ -68,7 +68,7 @@ def add(commands: Commands) -> None:
     hardware.add_argument("--noise", type=float, metavar="RAD", help="noise of the measured angles (default: 0)")
     hardware.add_argument("--losses", type=float, metavar="1/S", help="commands lost, for 5 ms each (default: 0)")
     add_seed(hardware, "noise and losses", None)
-    add_leg(parser, "one of its legs hops")
+    add_leg(parser, "one of its legs hops, with SPEAR-II's defaults scaled to it")
     parser.output.add_argument("--save", action="store_true", help="write the gait to hop.json too, for Gait.load")
     add_simulation(parser, 11, "hops", "hop.html, hop.svg and hop.npz", "hop.html")
 

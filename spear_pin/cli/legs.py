@@ -30,9 +30,7 @@ def add_leg(parser: Any, what: str) -> None:
         parser: of the command.
         what: the command does with it, in words.
     """
-    group = parser.add_argument_group(
-        "another robot", f"{what}; SPEAR-II's defaults are scaled to it, and the output says what it assumes"
-    )
+    group = parser.add_argument_group("another robot", f"{what}; the output says what it assumes")
     group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
     group.add_argument("--leg", metavar="NAME", help="name of the leg (default: the robot's first)")
     group.add_argument("--bends", type=int, metavar="±1", help=f"1 if its knee points forward, -1 if backward; {SIDE}")

@@ -25,8 +25,8 @@ def add_motors(parser: argparse.ArgumentParser) -> None:
         action="extend",
         default=[],
         metavar="JOINT=MOTOR",
-        help="motors of joints, such as knee=ec_60_flat_100w, for their heat, and with --bus for their electricity and"
-        " torque reserve; NAME 'help' lists the catalogue",
+        help="motors of joints, such as knee=ec_60_flat_100w_48v, for their heat, and with --bus for their electricity"
+        " and torque reserve; knee=help lists the catalogue",
     )
     group.add_argument("--bus", type=float, metavar="V", help="voltage of the supply of --motor")
     group.add_argument("--efficiency", type=float, metavar="X", help=GEARS)

@@ -69,7 +69,10 @@ def add(commands: Commands) -> None:
             f"--{part}-motor", metavar="NAME", help=f"motor of a {part}, from the catalogue, in the place of the file's"
         )
         motors.add_argument(
-            f"--{part}-ratio", type=float, metavar="N", help="ratio of that motor's gearbox (default: the file's)"
+            f"--{part}-ratio",
+            type=float,
+            metavar="N",
+            help=f"ratio of its gearbox; needs --{part}-motor (default: the file's)",
         )
     motors.add_argument(
         "--efficiency", type=float, metavar="X", help=f"efficiency of these motors' gears (default: {EFFICIENCY})"

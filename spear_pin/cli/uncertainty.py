@@ -37,7 +37,7 @@ def add(commands: Commands) -> None:
         required=True,
         type=words,
         metavar="NAME=VALUE",
-        help="standard deviations of parameters, in their units or in %%, separated by commas; NAME 'help' lists all",
+        help="standard deviations of parameters, in their units or in %%, separated by commas; help=1%% lists all",
     )
     parser.add_argument(
         "--correlation",

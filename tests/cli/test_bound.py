@@ -234,3 +234,10 @@ class TestMistakes:
     def test_where_nothing_can_be_written(self, capsys, tmp_path, place):
         (tmp_path / "file").touch()
         assert "--out" in refused(capsys, "bound", "--out", tmp_path / place)
+
+
+@pytest.mark.parametrize("call", [("long_stride", "--gait", "least_effort"), ("--gait", "least_effort", "long_stride")])
+def test_two_gaits_are_refused(capsys, call):
+    with pytest.raises(SystemExit):
+        main(["bound", *call])
+    assert "give one gait" in capsys.readouterr().err

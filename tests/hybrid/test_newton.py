@@ -45,6 +45,21 @@ def hyperbola(x):
     return np.array([x[0] ** 2 - 2.0, x[0] * x[1] - 1.0])
 
 
+@pytest.mark.parametrize("shear", [0.0, 300.0])
+def test_a_stretched_residual_takes_hardly_more_steps(shear):
+    """Newton's steps do not depend on linear combinations of the equations; how they are judged should not, either."""
+    matrix = np.array([[1.0, shear], [0.0, 1.0]])
+
+    def function(x):
+        return matrix @ [np.exp(x[0]) - 2.0 + x[1] ** 2, x[1] + 0.5 * x[0] ** 2 - 0.1]
+
+    def slopes(lanes, x):
+        return np.array([matrix @ [[np.exp(a), 2.0 * b], [a, 1.0]] for a, b in x])
+
+    roots, _ = solve([function], [1.5, 1.0], 1e-10, slopes=slopes)
+    assert roots.end[0] == CONVERGED and roots.iteration[0] <= 7
+
+
 class TestExactJacobians:
     @staticmethod
     def slopes(lanes, x):

@@ -129,7 +129,10 @@ def _equations(
         )
     if not measured:
         for value in within:
-            family.member([*own[:-1], value])  # it says what is valid
+            member = family.member([*own[:-1], value])  # it says what is valid
+            if member.mirrored_toes != system.mirrored_toes:
+                expected = "a number that keeps left and right alike: half a stride of this gait mirrors the other"
+                raise BadValue("over", over, expected)
     scale = np.array([abs(value) or 1.0 for value in own[:-1]] + [high - low])
     return Gaits(family, np.array([*target.values()], dtype=float), measured, scale), gait.state, np.array(own)
 

@@ -84,10 +84,10 @@ class Family:
     @cached_property
     def differentiable(self) -> bool:
         """Whether exact derivatives are known for such systems and measures."""
+        if not self.system.section_toes:
+            return self._has_lanes()
         own = self.names[:-1] if self.of_robot else self.names
-        if not all(isinstance(name, str) for name in self.measures):
-            return False
-        return may_vary(self.system, own) if self.system.section_toes else has_lanes(self.system, own)
+        return may_vary(self.system, own) and all(isinstance(name, str) for name in self.measures)
 
     def seeds(self, values: Array) -> Seeds:
         """Returns the derivatives of the systems' numbers by the named ones, which the robot's number alone changes."""

@@ -18,6 +18,7 @@ from spear_pin.gaits.continuation.problem import Local, NoValue
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures, of_ends
 from spear_pin.hybrid.batch import LOCK
+from spear_pin.hybrid.engines.structure import NONZERO
 from spear_pin.hybrid.newton import differentiated as differences
 from spear_pin.hybrid.newton import stencil
 from spear_pin.hybrid.orders import Order
@@ -87,8 +88,8 @@ class Gaits:
 
     def _local(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Local, NDArray[np.bool_] | None]:
         """Returns the equations about a chart's origin, and which toes slide after the cycle, if these are others."""
-        d, directions = charts.dimension, self._directions(charts, values)
-        residual, jacobian, cycle = self._exact(charts, values) or self._differenced(charts, values)
+        d, exact = charts.dimension, self._exact(charts, values)
+        residual, jacobian, directions, cycle = exact or self._differenced(charts, values)
         durations = {phase: float(seconds[0]) for phase, seconds in cycle.durations.items()}
         multipliers = eigenvalues(jacobian[:d, :d] + np.eye(d))
         about = About(charts, durations, float(np.abs(residual[:d]).max()))
@@ -98,13 +99,14 @@ class Gaits:
         slides = None if (after == charts.slides).all() else after
         return Local(u, residual, jacobian, directions, multipliers, cycle.orders[0], about), slides
 
-    def _exact(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Cycles] | None:
-        """Returns F, its exact Jacobian and the cycle about a chart's origin; None where there are no derivatives."""
-        family, local = self.family, Chart(charts)
-        if not family.differentiable:
+    def _exact(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Array, Cycles] | None:
+        """Returns what `_differenced` does, with exact derivatives; None where there are none."""
+        family, local, numbers = self.family, Chart(charts), self.numbers(values)
+        vanishing = any(value == 0.0 and name in NONZERO for name, value in zip(family.names, numbers, strict=True))
+        if not family.differentiable or vanishing:  # what is zero is not in the equations
             return None
         d, k = local.dimension, len(values)
-        numbers, names, state = self.numbers(values), [str(name) for name in family.measures], local.state(np.zeros(d))
+        names, state = [str(name) for name in family.measures], local.state(np.zeros(d))
         fineness = ENDS if of_ends(names) else INSIDE
         try:
             system, own = family.member(numbers.tolist()), family.seeds(numbers)
@@ -125,20 +127,22 @@ class Gaits:
         durations = {phase: np.array([seconds.x]) for phase, seconds in cycle.durations.items()}
         ends, found = cycle.y[None], np.array([[each.value for each in measured]])
         closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
-        cycles = Cycles(ends[:, :nq], ends[:, nq:], found, durations, closes, reference, [cycle.happened])
+        cycles = Cycles(ends[:, :nq], ends[:, nq:], found, durations, closes, reference, [recorder.order])
         (residual,), cycles = self._compared(charts, charts.coordinates(q[None], v[None]), values[None], cycles)
         if cycles.reason[0]:
             raise NoValue(cycles.reason[0], cycles.orders[0])
-        jacobian = np.zeros((len(residual), d + k))
         of_numbers = np.concatenate([np.ones(d), self.scale[: len(numbers)]])
-        rows = np.array([each.derivative for each in measured]).reshape(len(measured), moves.shape[1])
-        jacobian[:, : d + len(numbers)] = np.concatenate([moves - np.eye(*moves.shape), rows]) * of_numbers
+        rows, wide = np.array([each.derivative for each in measured]).reshape(len(measured), moves.shape[1]), d + k
+        jacobian = np.zeros((len(residual), wide))
+        jacobian[:, : len(of_numbers)] = np.concatenate([moves - np.eye(*moves.shape), rows]) * of_numbers
         if self.over_target:
             jacobian[-1, -1] -= self.scale[-1]
-        return residual, jacobian, cycles
+        directions = np.concatenate([np.zeros((len(start), wide)), np.eye(k, wide, d)])
+        directions[: len(start), : len(of_numbers)] = start * of_numbers
+        return residual, jacobian, directions, cycles
 
-    def _differenced(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Cycles]:
-        """Returns F, its Jacobian by differences and the cycle about a chart's origin."""
+    def _differenced(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Array, Cycles]:
+        """Returns F, its Jacobian by differences, the directions of `Local` and the cycle about a chart's origin."""
         d, seen = charts.dimension, list[Cycles]()
 
         def around(points: Array) -> tuple[Array, list[str], list[Order]]:
@@ -147,7 +151,7 @@ class Gaits:
             return found, list(cycles.reason), list(cycles.orders)
 
         residual, jacobian, _ = differenced(around, np.concatenate([np.zeros(d), values / self.scale]))
-        return residual, jacobian, seen[0]
+        return residual, jacobian, self._directions(charts, values), seen[0]
 
     def glance(self, u: Array) -> tuple[Array, Order]:
         """Returns F at a point, and the order of events; see `Problem`."""

@@ -92,16 +92,7 @@ def differentiated(
         stretches.append(stretch)
         whole.pass_event(stretch, now)
     return Derivative(
-        system,
-        recorder.end,
-        now.dy,
-        now.durations,
-        stretches,
-        whole.raw,
-        seeds,
-        now.steepness,
-        now.together,
-        recorder.order,
+        system, recorder.end, now.dy, now.durations, stretches, whole.raw, seeds, now.steepness, now.together
     )
 
 

@@ -14,7 +14,6 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard
-from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.rules.entry import AWAY, CHANGE
 from spear_pin.hybrid.tangent.collocation import Carried, rule
 from spear_pin.hybrid.tangent.fields import Values
@@ -152,7 +151,6 @@ class Derivative:
         dnumbers: their derivatives, (p, c).
         steepness: slope at zero of the guard that falls most slowly, relative to its mean slope over its arc.
         together: whether several feet in space landed in one instant.
-        happened: (domain, event) of each event, as runs list them.
     """
 
     system: HybridSystem
@@ -164,7 +162,6 @@ class Derivative:
     dnumbers: Array
     steepness: float
     together: bool = False
-    happened: Order = ()
 
     @property
     def order(self) -> tuple[frozenset[str], ...]:

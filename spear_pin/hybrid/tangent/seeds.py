@@ -124,16 +124,18 @@ def _change(system: HybridSystem, name: str, of: Callable[[HybridSystem], Array]
 
 
 def _check_same(system: HybridSystem, other: HybridSystem, name: str, value: float) -> None:
-    """Checks that a system in space with another number has the same laws, and halves of a stride if it had them.
+    """Checks that a system with another number has the same laws, and halves of a stride if it had them.
 
     Raises:
         BadValue: it has not, so that derivatives by the numbers alone would be wrong.
     """
-    if system.robot.dimension == 2 or other is system:
+    if other is system:
         return
     if other.mirrored_toes != system.mirrored_toes:
         raise BadValue(name, value, "a number that keeps left and right alike: a half stride mirrors the other")
     if name in body_numbers(system.robot):
-        pairs = ((system.domains[i].law, other.domains[i].law) for i in (0, -1))  # of legs that stand, and that swing
-        if not all(Reader().identity(own) == Reader().identity(its) for own, its in pairs):
+        if len(other.domains) != len(system.domains) or not all(
+            Reader().identity(system.domains[i].law) == Reader().identity(other.domains[i].law)
+            for i in (range(len(system.domains)) if system.robot.dimension == 2 else (0, -1))  # legs that stand, swing
+        ):
             raise BadValue(name, value, "a number that is not built into the law: compare gaits found with both")

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from spear_pin import Gait
+from spear_pin import Gait, continue_gait
+from spear_pin.errors import BadValue
 from spear_pin.gaits.continuation.continuing import _equations
 from spear_pin.gaits.continuation.stepping import placed, stepped
 from spear_pin.hybrid.parameters import number
@@ -11,30 +12,50 @@ from spear_pin.hybrid.periodic import residual
 
 STEP = 1e-5
 CASES = {
-    "trot": ("trot", "stiffness", (), {}),
+    "trot": ("trot", "posterior_hip_torque", (), {}),
     "trot over a number of the robot": ("trot", "hip_spacing", (), {}),
-    "trot with a target": ("trot", "stiffness", ("anterior_hip_torque",), {"mean_speed": 2.0}),
-    "pronk": ("pronk", "stiffness", (), {}),
+    "trot with a target": ("trot", "posterior_hip_torque", ("anterior_hip_torque",), {"mean_speed": 2.0}),
+    "pronk": ("pronk", "posterior_hip_torque", (), {}),
 }
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "over", "vary", "target"), CASES.values(), ids=CASES)
-def test_jacobian(name, over, vary, target):
+def test_jacobian(name, over, vary, target, monkeypatch):
     gait = Gait.load(name)
     value = number(gait.system, over)
-    problem, state, values = _equations(gait, over, (0.99 * value, 1.01 * value), vary, target, 1e-12)
+    within = sorted([0.99 * value, 1.01 * value])
+    problem, state, values = _equations(gait, over, tuple(within), vary, target, 1e-12)
+    monkeypatch.setattr(type(problem), "_differenced", None)  # not by differences
     local = problem.local(problem.point(state, values))
     charts, n = local.more.charts, local.jacobian.shape[1]
     assert charts.dimension + len(values) == n
-    for direction in np.random.default_rng(0).normal(size=(2, n)):
-        points = np.outer([STEP, -STEP], direction / np.linalg.norm(direction))
+    mixed = np.random.default_rng(0).normal(size=n)
+    for direction in (mixed / np.linalg.norm(mixed), *np.eye(n)[charts.dimension :]):
+        points = np.outer([STEP, -STEP], direction)
         shifted = values + points[:, charts.dimension :] * problem.scale
         found, cycles = problem._residuals(charts, points[:, : charts.dimension], shifted)
         assert list(cycles.reason) == ["", ""]
-        slope = (found[0] - found[1]) / (2.0 * STEP)
-        ours = local.jacobian @ direction / np.linalg.norm(direction)
-        np.testing.assert_allclose(slope, ours, rtol=0.0, atol=1e-5 * np.abs(ours).max())
+        slope, ours = (found[0] - found[1]) / (2.0 * STEP), local.jacobian @ direction
+        assert np.abs(ours).max() > 1e-4
+        np.testing.assert_allclose(slope, ours, rtol=0.0, atol=1e-5 * np.abs(ours).max() + 3e-7)
+
+
+@pytest.mark.slow
+def test_directions():
+    """What the exact equations say of how points move is what the charts say."""
+    gait = Gait.load("trot")
+    value = number(gait.system, "hip_spacing")
+    problem, state, values = _equations(gait, "hip_spacing", (0.99 * value, 1.01 * value), (), {}, 1e-9)
+    local = problem.local(problem.point(state, values))
+    np.testing.assert_allclose(local.directions, problem._directions(local.more.charts, values), rtol=0.0, atol=1e-8)
+
+
+def test_half_a_stride_stays_half_a_stride():
+    gait = Gait.load("trot")
+    value = number(gait.system, "posterior_left_hip_mass")
+    with pytest.raises(BadValue, match="keeps left and right alike"):
+        continue_gait(gait, "posterior_left_hip_mass", (0.9 * value, 1.1 * value))
 
 
 @pytest.mark.slow

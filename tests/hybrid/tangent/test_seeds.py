@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from spear_pin import hopping, load, monopod, vary
+from spear_pin import Gait, hopping, load, monopod, vary
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.parameters import nonzero, number, with_numbers
 from spear_pin.hybrid.tangent.seeds import numbers, seeds
@@ -80,3 +80,11 @@ def test_ratio_and_rotor_of_a_leg_are_those_of_its_file(tmp_path):
         same = vary(leg, **{f"{joint}_rotor": rotor})
         np.testing.assert_allclose(same.model.armature, leg.model.armature, rtol=1e-12)
     assert number(with_numbers(system, {"knee_ratio": 11.0}), "knee_ratio") == 11.0
+
+
+def test_what_a_law_has_built_in_is_refused_in_the_plane():
+    system = Gait.load("long_stride").system
+    for name in ("anterior_hip_to_anterior_knee", "posterior_knee_to_posterior_toe"):
+        with pytest.raises(BadValue, match="built into the law"):
+            seeds(system, [name])
+    assert seeds(system, ["anterior_knee_mass"]).numbers.any()
