@@ -94,9 +94,10 @@ class Search:
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """Finds the system and state that meet the targets by Newton's method.
 
-        Where derivatives are exact, a rough solution first would save nothing.
+        In space with exact derivatives a rough solution first would save nothing, as each takes several cycles' time.
         """
-        start = (system, state) if self.exact is not None else self.roughly(system, state, self.wanted)
+        dear = self.exact is not None and bool(system.section_toes)
+        start = (system, state) if dear else self.roughly(system, state, self.wanted)
         return self.newton(*start, self.wanted, self.rtol, min(TOLERANCE, self.rtol))
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:

@@ -142,7 +142,7 @@ def newton(
         values, why = evaluate(asked, points * scale[asked])
 
         m = len(trying)
-        better = _better(trials, steps, values[:m])
+        better = _better(trials, steps, values[:m], tolerance)
         took, refused = trying[better], trying[~better]
         lanes.put(took, _accepted(trials.take(better), steps[better], values[:m][better], tolerance, quick))
         lanes.put(refused, _refused(trials.take(~better), why[:m][~better], tolerance))
@@ -171,16 +171,16 @@ def _begun(x: Array, iterations: int) -> _Iterates:
     )
 
 
-def _better(lanes: _Iterates, steps: Array, values: Array) -> NDArray[np.bool_]:
+def _better(lanes: _Iterates, steps: Array, values: Array, tolerance: float) -> NDArray[np.bool_]:
     """Tells whether steps lead nearer to a root, (n,): by the residual, or by the step that would follow.
 
     The residual alone says little where the map stretches much in one direction. What the Jacobian makes of the new
-    residual is then compared with the undamped step (Deuflhard's natural monotonicity test).
+    residual is then compared with the undamped step (Deuflhard's natural monotonicity test), unless that is rounding.
     """
     share = 1.0 - 0.1 * lanes.damping
     smaller = np.abs(values).max(axis=1) < share * lanes.norm  # the first value is
     following = np.full(len(values), np.inf)
-    test = lanes.fresh & ~smaller & np.isfinite(values).all(axis=1)
+    test = lanes.fresh & ~smaller & np.isfinite(values).all(axis=1) & (lanes.norm > NOISE * tolerance)
     following[test] = np.linalg.norm(applied(np.linalg.pinv(lanes.jacobian[test]), values[test]), axis=1)
     nearer: NDArray[np.bool_] = following < share * np.linalg.norm(steps, axis=1) / lanes.damping
     return np.asarray(smaller | nearer)

@@ -364,8 +364,12 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/lanes/lone_runner",
-        ["hybrid/test_lone_runner", "hybrid/test_ties"],
+        ["hybrid/test_lone_runner", "hybrid/test_ties", "hybrid/test_lanes"],
         {
+            "lane alone: an apex is seen again and again": (
+                "if self._seen_again(now, domain, end) and",
+                "if False and",
+            ),
             "lane alone: any number of events in an instant": ("if now.crowd == FEW_AT_ONCE:", "if False:"),
             "lane alone: a cycle of an instant": (" or not whole(now.past)", ""),
             "lane alone: switches go on in the next phase": (

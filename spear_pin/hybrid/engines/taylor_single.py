@@ -105,11 +105,20 @@ class Single:
                 return Entry(fits, t, y, UNCLEAR)
             if falls(guard, values[i], change):
                 return Entry(fits, t, y, i - self._slopes)
-        if not clear([later[i] for i, _ in self._thresholds], later[self._kinks]):
+        if not self._is_clear(later):
             rises = all(later[i] > 0.0 for i in waiting)
             # where another guard falls so soon, motion begins here: guards that rise are no events
             return Entry(fits, t, y, NONE if waiting and rises and not on_kink else UNCLEAR)
         return Entry(fits, t + AHEAD, state, NONE)
+
+    def moment_later(self, t: float, y: Array, parameters: Array) -> tuple[float, Array] | None:
+        """Returns time and state a moment later; None where an event is as near."""
+        answer = self._call(self._code.moment_later, t, y, parameters)
+        later = answer.tolist()
+        return (t + AHEAD, answer[: self._slopes]) if self._is_clear(later) else None
+
+    def _is_clear(self, later: list[float]) -> bool:
+        return bool(clear([later[i] for i, _ in self._thresholds], later[self._kinks]))
 
     def _call(self, function: Any, t: float, y: Array, parameters: Array) -> Array:
         """Evaluates a compiled function of the state."""

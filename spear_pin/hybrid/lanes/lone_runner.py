@@ -20,7 +20,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import flattened, shape_of
-from spear_pin.hybrid.engines.taylor import KINK, TIME_LIMIT
+from spear_pin.hybrid.engines.taylor import AHEAD, KINK, TIME_LIMIT
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry, Single
 from spear_pin.hybrid.lanes.groups import Group, Held, alone, spread
 from spear_pin.hybrid.lanes.impacts import strike
@@ -176,17 +176,33 @@ class LoneRunner:
         at = due(domain, now.switches, self._law)
         until = min(at, self._system.phase_limit)
         motion, steps = None, 0
-        if end == NONE and self._keep:
-            now.t, now.y, end, motion = ready.follow(now.t, now.y, until, now.parameters)
-            steps = len(motion.begins)
-        elif end == NONE:
-            now.t, now.y, end = ready.run(now.t, now.y, until, now.parameters, self._longest)
+        if end == NONE:
+            (now.t, now.y, end), motion = self._moved(now, ready, until)
+            if self._seen_again(now, domain, end) and now.t - begun < AHEAD:  # by rounding it was not passed
+                later = ready.moment_later(begun, start, now.parameters)
+                if later is None:
+                    raise _Unclear(f"two events crowd in an instant in {domain.name}")
+                now.t, now.y = later
+                (now.t, now.y, end), motion = self._moved(now, ready, until)
+            steps = 0 if motion is None else len(motion.begins)
         event = self._event(now, domain, end, until == at)
         now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, motion, steps))
         if isinstance(event, Guard) and event.observes:
             now.observed[event.name] = now.y
             return domain, None
         return domain, event
+
+    def _seen_again(self, now: _Now, domain: Domain, end: int) -> bool:
+        """Tells whether the event that ends a motion is the one that was observed as it began."""
+        last = now.arcs[-1].event if now.arcs else None
+        return end >= 0 and isinstance(last, Guard) and last.observes and domain.guards[end] is last
+
+    def _moved(self, now: _Now, ready: Single, until: float) -> tuple[tuple[float, Array, int], Any]:
+        """Integrates to the next event, and returns time, state and end there, and the motion if arcs keep it."""
+        if not self._keep:
+            return ready.run(now.t, now.y, until, now.parameters, self._longest), None
+        t, y, end, motion = ready.follow(now.t, now.y, until, now.parameters)
+        return (t, y, end), motion
 
     def _event(self, now: _Now, domain: Domain, end: int, due_now: bool) -> Guard | Switch | None:
         """Returns the event that ended an arc, None for a kink."""
