@@ -63,6 +63,7 @@ class TestPayoff:
         assert status == 0 and err == ""
         for words in ("answer", "at 2.5 m/s: fixed", "on a finer mesh", "without a gait", "knee motors, given"):
             assert words in out
+        assert out.count("at the joint instead of the file's") == 2
 
     @pytest.mark.slow
     def test_json_has_no_nan(self, capsys, tmp_path, stub):

@@ -16,6 +16,30 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "gaits/continuation/gaits",
+        ["gaits/continuation/test_space", "gaits/continuation/test_hops"],
+        {
+            "families: a number's derivative in its own unit": ("rows]) * of_numbers", "rows]) * 1.0"),
+            "families: directions in a number's own unit": ("= start * of_numbers", "= start"),
+            "families: what is zero has a derivative": ("or vanishing:", "or False:"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/continuation/continuing",
+        ["gaits/continuation/test_space"],
+        {"families: half strides become whole": ("if member.mirrored_toes != system.mirrored_toes:", "if False:")},
+    ),
+    *mistakes_in(
+        "hybrid/spatial_section",
+        ["gaits/continuation/test_space"],
+        {"families: the section of the robot as it was": ("return replace(self, system=system)", "return self")},
+    ),
+    *mistakes_in(
+        "hybrid/tangent/seeds",
+        ["hybrid/tangent/test_seeds"],
+        {"derivatives by lengths that a law has built in": ("if name in body_numbers(system.robot):", "if False:")},
+    ),
+    *mistakes_in(
         "gaits/continuation/stepping",
         CONTINUED,
         {

@@ -134,8 +134,6 @@ def _check_same(system: HybridSystem, other: HybridSystem, name: str, value: flo
     if other.mirrored_toes != system.mirrored_toes:
         raise BadValue(name, value, "a number that keeps left and right alike: a half stride mirrors the other")
     if name in body_numbers(system.robot):
-        if len(other.domains) != len(system.domains) or not all(
-            Reader().identity(system.domains[i].law) == Reader().identity(other.domains[i].law)
-            for i in (range(len(system.domains)) if system.robot.dimension == 2 else (0, -1))  # legs that stand, swing
-        ):
+        pairs = ((system.domains[i].law, other.domains[i].law) for i in (0, -1))  # of legs that stand, and that swing
+        if not all(Reader().identity(own) == Reader().identity(its) for own, its in pairs):
             raise BadValue(name, value, "a number that is not built into the law: compare gaits found with both")

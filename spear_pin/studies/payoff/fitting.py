@@ -41,7 +41,8 @@ def motors_for(
             found[part] = assumed(robot, part, torque, rate, bus)
             said[part] = "assumed"
             own += [part] * (part in own_rotors(robot))
-    return Motors(found["knee"], found["hip"], said, tuple(own))
+    replaced = tuple(part for part in drives if part in own_rotors(robot))
+    return Motors(found["knee"], found["hip"], said, tuple(own), replaced)
 
 
 def _taken(gaits: Gaits, robot: Robot, speeds: Sequence[float], store: Store, tell: Tell) -> dict[str, Any]:

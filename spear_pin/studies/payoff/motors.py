@@ -29,12 +29,14 @@ class Motors:
         hip: drive of each hip.
         said: origin of each part's drive, in words.
         own: parts whose rotors the robot's file has already.
+        replaced: parts whose given rotors stand in the place of those in the robot's file.
     """
 
     knee: Drive
     hip: Drive
     said: Mapping[str, str] = field(default_factory=dict)
     own: tuple[str, ...] = ()
+    replaced: tuple[str, ...] = ()
 
 
 def of_file(robot: Robot, part: str, bus: float | None = None) -> Drive | None:

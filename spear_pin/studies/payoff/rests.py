@@ -5,7 +5,7 @@ from __future__ import annotations
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.motor import Drive
 from spear_pin.studies.design import joints_of
-from spear_pin.studies.payoff.motors import PARTS, SPARE, own_rotors
+from spear_pin.studies.payoff.motors import PARTS, SPARE
 from spear_pin.studies.payoff.study import Study
 
 ALWAYS = (
@@ -35,7 +35,7 @@ def _motor(study: Study, part: str) -> str:
     drive: Drive = getattr(study.motors, part)
     name = drive.motor.name.removesuffix(" (assumption)")
     sized = f", to bear {SPARE:g} times the rms torque of a {study.gaits.words.one} of least effort without springs"
-    instead = " instead of the file's" if study.motors.said[part] == "given" and part in own_rotors(study.robot) else ""
+    instead = " instead of the file's" if part in study.motors.replaced else ""
     rotor = f"rotor {drive.reflected_inertia:.2e} kg·m² at the joint{instead}"
     return (
         f"{name}{sized if study.motors.said[part] == 'assumed' else ''}; {drive.gearbox.ratio:g}:1, efficiency"

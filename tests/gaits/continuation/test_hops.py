@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from spear_pin import HoppingLaw, continue_gait, find_gait, hopping
+from spear_pin import Ground, HoppingLaw, continue_gait, find_gait, hopping
 from spear_pin.errors import BadValue, NoGait, UnknownName
+from spear_pin.gaits.continuation.continuing import _equations
 from spear_pin.hybrid.orders import differing, order_of
 from spear_pin.hybrid.periodic import multipliers, residual, return_map
 
@@ -158,6 +159,14 @@ class TestFamilies:
         gait = branch.gaits[0]
         assert gait.system.robot.varied == {"knee_ratio": pytest.approx(14.5)}
         assert residual(gait.system, gait.state) < 1e-8
+
+
+def test_a_number_that_vanishes_in_one_member(robot):
+    """What is zero is not in the equations of that member alone; differences tell what it does."""
+    gait = find_gait(hopping(robot, HoppingLaw(stance_torque=8.0), ground=Ground(slope=0.01)))
+    problem, state, values = _equations(gait, "slope", (0.0, 0.02), (), {}, 1e-9)
+    here, level = (problem.local(problem.point(state, value)) for value in (values, np.zeros(1)))
+    assert level.jacobian.shape == here.jacobian.shape and np.isfinite(level.jacobian).all()
 
 
 @pytest.mark.slow

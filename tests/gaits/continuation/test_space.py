@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spear_pin import Gait, continue_gait
+from spear_pin import Gait
 from spear_pin.errors import BadValue
 from spear_pin.gaits.continuation.continuing import _equations
 from spear_pin.gaits.continuation.stepping import placed, stepped
@@ -38,7 +38,8 @@ def test_jacobian(name, over, vary, target, monkeypatch):
         assert list(cycles.reason) == ["", ""]
         slope, ours = (found[0] - found[1]) / (2.0 * STEP), local.jacobian @ direction
         assert np.abs(ours).max() > 1e-4
-        np.testing.assert_allclose(slope, ours, rtol=0.0, atol=1e-5 * np.abs(ours).max() + 3e-7)
+        # beside a symmetric gait differences cross from one foot first to the other
+        np.testing.assert_allclose(slope, ours, rtol=0.0, atol=3e-5 if name == "pronk" else 5e-7)
 
 
 @pytest.mark.slow
@@ -55,7 +56,7 @@ def test_half_a_stride_stays_half_a_stride():
     gait = Gait.load("trot")
     value = number(gait.system, "posterior_left_hip_mass")
     with pytest.raises(BadValue, match="keeps left and right alike"):
-        continue_gait(gait, "posterior_left_hip_mass", (0.9 * value, 1.1 * value))
+        _equations(gait, "posterior_left_hip_mass", (0.9 * value, 1.1 * value), (), {}, 1e-9)
 
 
 @pytest.mark.slow
