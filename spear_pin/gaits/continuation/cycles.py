@@ -86,8 +86,7 @@ class Family:
         """Whether exact derivatives are known for such systems and measures."""
         if not self.system.section_toes:
             return self._has_lanes()
-        own = self.names[:-1] if self.of_robot else self.names
-        return may_vary(self.system, own) and all(isinstance(name, str) for name in self.measures)
+        return may_vary(self.system, ()) and all(isinstance(name, str) for name in self.measures)
 
     def seeds(self, values: Array) -> Seeds:
         """Returns the derivatives of the systems' numbers by the named ones, which the robot's number alone changes."""
@@ -99,7 +98,7 @@ class Family:
 
     def recorder(self, values: Array) -> Recorder:
         """Returns what runs and records the cycles of a member."""
-        if self.of_robot:
+        if self.of_robot or self.system.section_toes:  # in space nothing is compiled that members could share
             return Recorder(self.member(values.tolist()))
         given = {name: np.array([value]) for name, value in zip(self.names, values.tolist(), strict=True)}
         return Recorder(self.system, many(self.system, given))
