@@ -12,6 +12,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures, of_ends
+from spear_pin.hybrid.arc import Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import LOCK, has_lanes, may_vary
 from spear_pin.hybrid.engines.structure import NONZERO
@@ -76,6 +77,14 @@ class TangentCycles:
             return None
         nq = len(moment.q)
         return None if lap is None else Moment(lap.y[:nq], lap.y[nq:], lap.phase, lap.held)
+
+    def record(self, q: Array, v: Array, values: Array) -> Record | None:
+        """Returns the record of the cycle of one lane, or None where it does not close plainly."""
+        try:
+            with LOCK:
+                return self._recorder(values).lap(np.concatenate([q, v]))
+        except REFUSALS:
+            return None
 
     def _recorder(self, values: Array) -> Recorder:
         """Returns the recorder of cycles with values of the numbers, (k,)."""

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.orders import Order
+from spear_pin.hybrid.result import Piece, Run, Segment, State
 
 
 class Arc(NamedTuple):
@@ -81,3 +82,24 @@ class Runner(Protocol):
 
     def lap(self, phase: str, y: Array, held: Held) -> Record | None:
         """Runs the cycle from the beginning of a phase just after the section; returns None if it is not plain."""
+
+
+def motion_of(domains: Sequence[Domain], start: State, record: Record) -> Run:
+    """Returns the motion of a recorded cycle as a run, to be sampled; the run has neither events nor work.
+
+    Args:
+        domains: domains of a system, which stand for those of the same names in the record.
+        start: (q, v) at the beginning.
+        record: the cycle, whose arcs keep their motion.
+    """
+    own, segments, began, end = {domain.name: domain for domain in domains}, list[Segment](), 0.0, 0.0
+    for arc in record.arcs:
+        domain = own[arc.domain.name]
+        if segments and domain.phase != segments[-1].domain.phase:
+            began += end
+        pieces = [] if arc.motion is None else [Piece(arc.t, arc.end, arc.motion)]
+        segments.append(Segment(domain, arc.held, 0, began, pieces))
+        end = arc.end
+    nv = len(record.y) // 2
+    reached, last = (record.y[:nv], record.y[nv:]), segments[-1].domain
+    return Run(start, reached, record.held, last, segments, durations=record.spent, cycles=1, reason="complete")

@@ -11,13 +11,14 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
-from spear_pin.gaits.tangent_cycles import tangent_cycles
+from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
+from spear_pin.hybrid.arc import motion_of
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.newton import Lanes
 from spear_pin.hybrid.parameters import changed, parameter, rebuilt, with_parameters
 from spear_pin.hybrid.periodic import EVALUATIONS
-from spear_pin.hybrid.result import Options, State
+from spear_pin.hybrid.result import Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.shooting import Cycles as Closing
@@ -113,15 +114,28 @@ class Cycles:
         task, d = self.task, self.chart.dimension
         try:
             system, state = self.begun(x)
-            ended = run(system, state, 1, Options(task.rtol, max_evaluations=EVALUATIONS, keep=True))
+            ended = self._recorded(x, system, state) or self._run(system, state)
         except SpearError:  # a toe below the ground
             return None
-        if not ended.cycles or sum(event.name == LIFT_OFF for event in ended.events) != 1:
+        if ended is None:
             return None
         trajectory = sample(system, ended, task.samples)
         moved = self.chart.coordinates(ended.state) - self.chart.coordinates(state)
         gap = np.append(moved / self.units[:d], ended.durations["flight"] / task.flight_time - 1.0)
         return Cycle(task.cost(system, trajectory), gap, task.spare(system, trajectory))
+
+    def _recorded(self, x: Array, system: HybridSystem, state: State) -> Run | None:
+        """Returns the cycle by the fast engine; None where that refuses it, or its toe leaves more than once."""
+        record = None if self._exact is None else self._exact.record(*state, (self.units * x)[self.chart.dimension :])
+        if record is None or [name for _, name in record.order].count(LIFT_OFF) != 1:
+            return None
+        return motion_of(system.domains, state, record)
+
+    def _run(self, system: HybridSystem, state: State) -> Run | None:
+        """Returns the cycle by the reference engine; None where it does not close, or its toe leaves more than once."""
+        ended = run(system, state, 1, Options(self.task.rtol, max_evaluations=EVALUATIONS, keep=True))
+        leaves = sum(event.name == LIFT_OFF for event in ended.events)
+        return ended if ended.cycles and leaves == 1 else None
 
     def glance(self, x: Array) -> tuple[Array, Array] | None:
         """Returns the gap and its derivatives by the fast engine; None where the cycle has none."""
@@ -136,11 +150,15 @@ class Cycles:
         return (gap / rows, slopes) if np.isfinite(slopes).all() else None
 
     @cached_property
+    def _exact(self) -> TangentCycles | None:
+        """Cycles with exact derivatives; None where nothing compiles them."""
+        tied = self.system if self.system.spring.rest is None else changed(self.system, AtTouchdown())
+        return tangent_cycles(tied, tuple(self.task.ranges), (FLIGHT,))
+
+    @cached_property
     def _shooting(self) -> Shooting | None:
         """Equations of a hop with its flight time, with exact derivatives; None where nothing compiles them."""
-        names = tuple(self.task.ranges)
-        tied = self.system if self.system.spring.rest is None else changed(self.system, AtTouchdown())
-        exact = tangent_cycles(tied, names, (FLIGHT,))
+        exact = self._exact
         if exact is None:
             return None
 
@@ -155,7 +173,7 @@ class Cycles:
             )
 
         wanted = np.array([[self.task.flight_time]])
-        return Shooting(self.chart.lane, cycle, names, wanted, exact.slopes)
+        return Shooting(self.chart.lane, cycle, exact.vary, wanted, exact.slopes)
 
     def jacobian(self, x: Array, own: Cycle) -> Array:
         """Returns derivatives of the gap, exact or by differences to either side; 0 where there is neither."""

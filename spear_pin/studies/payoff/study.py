@@ -25,7 +25,8 @@ from spear_pin.studies.sweep.store import fingerprint
 STEPS = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the stiffness that the optimiser chooses
 TRIES = 4  # searches of a point that fails, each from another neighbour
 GAITS = 2  # gaits of a point, each from another neighbour
-FOLLOWED = 1  # rounds in which neighbours of what became better are searched again
+FOLLOWED = 1  # rounds in which neighbours, of the same kind, of what became better are searched again
+BEGUN = 2  # points that are searched from initial guesses at a time
 STARTS = 2  # of the search for the stiffness at the end
 BETTER = 0.005  # of a cost: what counts as better
 
@@ -196,11 +197,11 @@ class _Work:
     def begin(self, points: Sequence[Point]) -> SearchEnd:
         """Finds the gait of the first point that has one, from initial guesses."""
         words, reasons = self.searcher.gaits.words, []
-        for point in points:
-            (found,) = self.search([self.of(point)])
-            if found.figures is not None:
-                return found
-            reasons.append(f"{words.of(point)}: {found.reason}")
+        for i in range(0, len(points), BEGUN):
+            for found in self.search([self.of(point) for point in points[i : i + BEGUN]]):
+                if found.figures is not None:
+                    return found
+                reasons.append(f"{words.of(found.point)}: {found.reason}")
         raise SpearError(f"there is no {words.one} to begin with: {reasons[0]}")
 
     def stiffnesses(self, bare: SearchEnd) -> tuple[float | None, list[float]]:
@@ -236,9 +237,9 @@ class _Work:
         for _ in range(FOLLOWED):  # what became better may make its neighbours so
             searches = []
             for point in grid:
-                own = self.at(point)
-                near = self._from_neighbours(grid, point) if own is not None else []
-                searches += [each for each in near if each.start and self.improved(each.start)]
+                near = self._from_neighbours(grid, point) if self.at(point) is not None else []
+                starts = [(each, each.start) for each in near if each.start and each.start.point.kind == point.kind]
+                searches += [each for each, start in starts if self.improved(start)]
             if not searches:
                 return
             self.search(searches)
