@@ -49,7 +49,7 @@ def cells(gait: Gait, hop: Trajectory) -> list[str]:
 
 def table(first: str, rows: list[tuple[str, list[str]]]) -> None:
     markdown.table(
-        [first, *HEAD, "stance ends: the", "events of the stance"], ([name, *values] for name, values in rows)
+        [first, *HEAD, "how stance ends", "events of the stance"], ([name, *values] for name, values in rows)
     )
 
 
@@ -98,7 +98,7 @@ def recovery(gait: Gait, hop: Trajectory) -> None:
 def kinds(base: Gait) -> None:
     """The two kinds of hops at a knee angle of 1.0 rad, each followed along the stance torque."""
     late = find_gait(hopping(ROBOT, HoppingLaw(stance_torque=7.5)))
-    print("\n| followed | stance torque [N·m] | flight [s] | stance [s] | largest multiplier | stance ends: the |")
+    print("\n| followed | stance torque [N·m] | flight [s] | stance [s] | largest multiplier | how stance ends |")
     print("|" + " --- |" * 6)
     for name, start, torques in (("down", base, (8.0, 7.8, 7.7, 7.6, 7.5)), ("up", late, (7.5, 7.6, 7.7, 7.8))):
         gait = start

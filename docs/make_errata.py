@@ -38,7 +38,7 @@ def page() -> str:
 def _wrapped(block: str) -> str:
     if block.startswith("|"):
         return block
-    kept = re.sub(r" (?=[-+=] )", "\0", block)  # no line begins with an operator, which would be a list or a heading
+    kept = re.sub(r" (?=([-+=]|\d+\.) )", "\0", block)  # no line begins as a list or a heading does
     return textwrap.fill(kept, WIDTH, break_long_words=False, break_on_hyphens=False).replace("\0", " ")
 
 

@@ -117,7 +117,7 @@ def _run(argv: Sequence[str] | None) -> int:
 
 
 def _parser() -> Parser:
-    about = "Simulate switchable springs in legs. `spear COMMAND --help` gives an example."
+    about = "Simulate legs with switchable springs. `spear COMMAND --help` has an example."
     parser = Parser(prog="spear", description=about)
     parser._optionals.title = argparse.SUPPRESS  # all fits one screen
     parser.add_argument("--version", action="version", version=f"spear {__version__}", help="show the version and exit")

@@ -28,7 +28,7 @@ def add(commands: Commands) -> None:
     )
     one = f"a gait by name or path (default: {BOUND})"
     parser.add_argument("gait", nargs="?", default=argparse.SUPPRESS, action=Once, metavar="GAIT", help=one)
-    parser.add_argument("--gait", action=Once, metavar="GAIT", help="the same gait, given as an option")
+    parser.add_argument("--gait", action=Once, metavar="GAIT", help="the gait, given as an option instead")
     parser.add_argument("--list", action="store_true", help="list the bounding gaits that ship, and do nothing else")
     parser.add_argument(
         "--speed",
@@ -38,7 +38,7 @@ def add(commands: Commands) -> None:
         f" this speed (default: Q-SPEAR's, scaled); takes {usual('bound', 'speed')}",
     )
     bound_in_space.add(parser)
-    add_plane(parser, f"its bound is searched for, which needs casadi and takes {usual('bound', 'robot')}")
+    add_plane(parser, f"a search finds its bound; it needs casadi and takes {usual('bound', 'robot')}")
     parser.output.add_argument(
         "--save",
         action="store_true",

@@ -32,7 +32,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--push", type=float, metavar="M/S", help="lateral velocity added at the start, to the left (default: 0)"
     )
     group.add_argument(
-        "--keep-heading", action="store_true", help="return to the heading too, with ten inputs instead of one"
+        "--keep-heading", action="store_true", help="return to the heading too; feedback then has ten inputs, not one"
     )
 
 

@@ -30,8 +30,8 @@ def add(commands: Commands) -> None:
         "items",
         nargs="*",
         metavar="A B",
-        help="two to six, the first is the reference: a gait by name or path (.json), a motion (.npz), a robot by name"
-        " or path, or a spring, such as stiffness=40,damping=1",
+        help="two to six items, the first is the reference; each is a gait by name or path (.json), a motion (.npz),"
+        " a robot by name or path, or a spring, such as stiffness=40,damping=1",
     )
     parser.add_argument("--names", nargs="+", default=[], metavar="NAME", help="a name for each item")
     parser.add_argument("--gait", "--of", dest="of", metavar="GAIT", help="put springs into this gait")

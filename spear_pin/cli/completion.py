@@ -18,7 +18,10 @@ ROBOTS, GAITS = ("ROBOT", "WHAT"), ("GAIT", "A B")
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
-    example = ('eval "$(spear completion bash)"', "complete commands in this shell; put it into ~/.bashrc to keep it")
+    example = (
+        'eval "$(spear completion bash)"',
+        "complete commands in this shell; put the line into ~/.bashrc to keep this",
+    )
     summary = "print a script for Tab completion in your shell"
     parser = add_command(commands, "completion", run, summary, example)
     parser.add_argument("shell", choices=SHELLS, help="your shell")

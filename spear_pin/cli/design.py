@@ -20,7 +20,7 @@ def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = (
         "spear design hop --minimize work --keep flight_time=0.2 --over stiffness=46:56",
-        "find the stiffness with which the hop of 0.2 s of flight takes least work",
+        "find the stiffness with which the hop of 0.2 s of flight takes the least work",
     )
     parser = add_command(
         commands, "design", run, "optimise spring, gear ratio, ... for least energy or torque", example
@@ -38,7 +38,7 @@ def add(commands: Commands) -> None:
         "--minimize",
         required=True,
         metavar="MEASURE",
-        help="such as work, peak_torque_knee, or electricity_knee with --motor and --bus; 'help' lists all",
+        help="measure such as work, peak_torque_knee, or electricity_knee with --motor and --bus; 'help' lists all",
     )
     parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help=f"{VARY}; separated by commas")
     for option, text in (

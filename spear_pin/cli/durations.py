@@ -27,7 +27,12 @@ LASTING = (
     Lasting("turn", "", "two to five minutes, or seconds for a gait that turns already"),
     Lasting("trot", "", "half a minute to a minute, or seconds for a gait with feedback"),
     Lasting("search", "", "half a minute"),
-    Lasting("payoff", "", "about three searches a point, each 10 s to a minute, shared by the processors"),
+    Lasting(
+        "payoff",
+        "",
+        "about three searches for each stiffness and each speed or flight time, 10 s to a minute each,"
+        " shared by the processors",
+    ),
     Lasting("family", "", "some seconds to a minute for a hop, and minutes for a bound"),
     Lasting("sensitivity", "", "some seconds, and half a minute for a bound"),
     Lasting("design", "", "some seconds, and a minute for a bound"),

@@ -16,14 +16,16 @@ def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = (
         "spear dynamics spear_ii --q 0 0.5 0.5 1",
-        "print SPEAR-II's mass matrix and the rest with its knee bent",
+        "print SPEAR-II's mass matrix, gravity and other terms with its knee bent",
     )
     parser = add_command(
         commands, "dynamics", run, "check that a robot's file loads; print mass matrix and gravity", example
     )
     add_robot(parser)
-    parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="configuration (default: zero)")
-    parser.add_argument("--v", type=float, nargs="+", metavar="RAD/S", help="velocity (default: zero)")
+    parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="coordinates, in m and rad (default: zero)")
+    parser.add_argument(
+        "--v", type=float, nargs="+", metavar="RAD/S", help="velocities, in m/s and rad/s (default: zero)"
+    )
     add_loading(parser)
     add_cut(parser)
 

@@ -60,7 +60,9 @@ def add(commands: Commands) -> None:
     motion.add_argument("--time", type=float, metavar="S", help="time of the picture (default: the start)")
     motion.add_argument("--size", metavar="WxH", help="size of picture and film, in pixels (default: 1280x720)")
     motion.add_argument("--fps", type=float, metavar="HZ", help="frames per second of the film (default: 30)")
-    motion.add_argument("--speed", type=float, metavar="FACTOR", help="speed of the film: 0.25 is slow (default: 1)")
+    motion.add_argument(
+        "--speed", type=float, metavar="FACTOR", help="speed of the film: 0.25 is four times slower (default: 1)"
+    )
     motion.add_argument("--robot", metavar="ROBOT", help=f"{ROBOT_HELP}; needed where the motion's own is not found")
     add_out(parser, "the files")
     add_open(parser, "the film or the picture")

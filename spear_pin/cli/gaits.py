@@ -72,9 +72,9 @@ def add_wanted(parser: argparse.ArgumentParser) -> None:
     """Declare --flight-time and --speed, of which one may be given."""
     wanted = parser.add_mutually_exclusive_group()
     wanted.add_argument(
-        "--flight-time", type=float, metavar="S", help="keep this flight time of a hop, by its stance torque"
+        "--flight-time", type=float, metavar="S", help="solve a hop's stance torque for this flight time"
     )
-    wanted.add_argument("--speed", type=float, metavar="M/S", help="keep this mean speed of a bound, by its hip torque")
+    wanted.add_argument("--speed", type=float, metavar="M/S", help="solve a bound's hip torque for this mean speed")
 
 
 def add_kept(parser: argparse.ArgumentParser) -> None:

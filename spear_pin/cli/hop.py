@@ -37,9 +37,11 @@ def add(commands: Commands) -> None:
         help="flight time for which the stance torque is solved (default: 0.2)",
     )
     wanted.add_argument(
-        "--stance-torque", type=float, metavar="N·m", help="knee torque in stance, instead of solving it"
+        "--stance-torque", type=float, metavar="N·m", help="knee torque in stance, instead of a flight time"
     )
-    parser.add_argument("--knee", type=float, default=1.0, metavar="RAD", help="commanded knee angle (default: 1.0)")
+    parser.add_argument(
+        "--knee", type=float, default=1.0, metavar="RAD", help="commanded knee angle at touchdown (default: 1.0)"
+    )
     parser.add_argument(
         "--frequency", type=float, metavar="HZ", help="frequency of the torque in stance (default: 2.56)"
     )
@@ -66,7 +68,9 @@ def add(commands: Commands) -> None:
         "--bandwidth", type=float, metavar="HZ", help="bandwidth of the current loops (default: none)"
     )
     hardware.add_argument("--noise", type=float, metavar="RAD", help="noise of the measured angles (default: 0)")
-    hardware.add_argument("--losses", type=float, metavar="1/S", help="commands lost, for 5 ms each (default: 0)")
+    hardware.add_argument(
+        "--losses", type=float, metavar="1/S", help="lost commands per second, 5 ms each (default: 0)"
+    )
     add_seed(hardware, "noise and losses", None)
     add_leg(parser, "one of its legs hops, with SPEAR-II's defaults scaled to it")
     parser.output.add_argument("--save", action="store_true", help="write the gait to hop.json too, for Gait.load")

@@ -55,7 +55,7 @@ def add(commands: Commands) -> None:
     smoothing.add_argument("--smoothed-already", action="store_true", help="take the records as smoothed already")
     smoothing.add_argument("--model-as-is", action="store_true", help="do not smooth the model: estimates are biased")
     add_another(parser, "its leg is the one in the records")
-    model = parser.add_argument_group("model", "the leg is SPEAR-II's, with its masses and inertias, without --robot")
+    model = parser.add_argument_group("model", "without --robot, the leg is SPEAR-II's, with its masses and inertias")
     add_drive(model)
     model.add_argument(
         "--vary",
@@ -66,7 +66,7 @@ def add(commands: Commands) -> None:
         help=f"estimate these of {', '.join(KNOWN)}; coulomb is dry friction (default: stiffness damping rest_angle)",
     )
     model.add_argument(
-        "--per-release", nargs="+", type=names, default=[], metavar="NAME", help="estimate these for each release"
+        "--per-release", nargs="+", type=names, default=[], metavar="NAME", help="estimate these anew for each release"
     )
     for name in KNOWN:
         option, text = f"--{name.replace('_', '-')}", "value, or initial guess where it is estimated"
@@ -77,7 +77,9 @@ def add(commands: Commands) -> None:
         help="the rest angle is where the leg rests under gravity, not where the spring is slack",
     )
     model.add_argument("--unilateral", action="store_true", help="let the spring pull only")
-    model.add_argument("--loss", default="linear", metavar="NAME", help="loss: linear, soft_l1, huber or cauchy")
+    model.add_argument(
+        "--loss", default="linear", metavar="NAME", help="loss function of the fit: linear, soft_l1, huber or cauchy"
+    )
     model.add_argument("--together", action="store_true", help="make one estimate from all files")
     add_out(parser, "identify.svg")
     add_open(parser, "identify.svg")

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR", "q_spear_full": "Q-SPEAR", "hoppy": "HOPPY"}
 OPTIONS = ("leg", "bends", "body", "repair")
 SEEN = 1e-3  # modulus of a multiplier, below which it is counted, not written
-SIDE = "needed where the file does not say it"
+SIDE = "needed if the file does not say which"
 SIDES = "1 if posterior and anterior knees point forward, -1 if backward"
 BODY = "mass on the leg's slider (default: its share of the trunk)"
 
@@ -30,7 +30,7 @@ def add_leg(parser: Any, what: str) -> None:
         parser: of the command.
         what: the command does with it, in words.
     """
-    group = parser.add_argument_group("another robot", f"{what}; the output says what it assumes")
+    group = parser.add_argument_group("another robot", f"{what}; the output says what is assumed")
     group.add_argument("--robot", metavar="ROBOT", help=ROBOT)
     group.add_argument("--leg", metavar="NAME", help="name of the leg (default: the robot's first)")
     group.add_argument("--bends", type=int, metavar="±1", help=f"1 if its knee points forward, -1 if backward; {SIDE}")
@@ -53,7 +53,9 @@ def add_plane(parser: Any, what: str) -> None:
 
 def add_cut(parser: Any) -> None:
     """Declare --leg, --plane, --bends and --body; `cut_out` reads them. None unless they are given."""
-    group = parser.add_argument_group("part of the robot", "it has the coordinates and signs of SPEAR-II or Q-SPEAR")
+    group = parser.add_argument_group(
+        "part of the robot", "the part has the coordinates and signs of SPEAR-II or Q-SPEAR"
+    )
     part = group.add_mutually_exclusive_group()
     part.add_argument("--leg", metavar="NAME", help="take this leg, on a slider")
     part.add_argument("--plane", action="store_true", default=None, help="take a quadruped in its sagittal plane")

@@ -41,7 +41,7 @@ QUADRUPED, LEG = "q_spear", "spear_ii"  # robots that are in the plane as they s
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear payoff solo12 --leg FL", "ask whether a spring in the knee saves energy when this leg hops")
-    summary = "tell which knee spring saves energy, fixed or switched, if any"
+    summary = "tell if a fixed or a switched spring in the knee saves energy"
     parser = add_command(commands, "payoff", run, summary, example)
     add_robot(parser)
     parser.add_argument("--leg", metavar="NAME", help="let this leg hop in place (default: the whole robot bounds)")
@@ -62,11 +62,11 @@ def add(commands: Commands) -> None:
         help="stiffnesses of a leg's spring, in N·m/rad (default: five around the optimum)",
     )
     motors = parser.add_argument_group(
-        "motors", "by default those of the robot's TOML file, or of the catalogue, scaled"
+        "motors", "by default those of the robot's TOML file, or else scaled ones of the catalogue"
     )
     for part in ("knee", "hip"):
         motors.add_argument(
-            f"--{part}-motor", metavar="NAME", help=f"motor of a {part}, from the catalogue, in the place of the file's"
+            f"--{part}-motor", metavar="NAME", help=f"motor of a {part}, from the catalogue, instead of the file's"
         )
         motors.add_argument(
             f"--{part}-ratio",

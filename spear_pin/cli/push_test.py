@@ -67,7 +67,9 @@ def add(commands: Commands) -> None:
     )
     records.add_argument("--repeats", type=int, metavar="N", help="number of releases in it (default: 5)")
     records.add_argument("--noise", type=float, metavar="V", help="standard deviation of the noise (default: 0.005)")
-    records.add_argument("--quantum", type=float, metavar="V", help="step of the converter (default: 5/4096)")
+    records.add_argument(
+        "--quantum", type=float, metavar="V", help="voltage step of the A/D converter (default: 5/4096)"
+    )
     records.add_argument("--drift", type=float, metavar="V/S", help="drift of the voltage (default: 0)")
     records.add_argument(
         "--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer (default: 1.06)"

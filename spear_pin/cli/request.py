@@ -38,13 +38,17 @@ def add_request(parser: Parser) -> None:
         "--objective",
         dest="objective",
         metavar="MEASURE",
-        help="effort_per_distance, hip, cost_of_transport, peak, electrical or violation",
+        help="minimise effort_per_distance, hip, cost_of_transport, peak, electrical or violation",
     )
     parser.add_argument(
         "--lift-off", metavar="RULE", help="lift off when the knee is back at 40° (knee) or at zero force (force)"
     )
-    parser.add_argument("--friction", type=float, metavar="MU", help="most friction that the gait uses")
-    parser.add_argument("--clearance", type=float, metavar="M", help="least height of the other toe during a stance")
+    parser.add_argument(
+        "--friction", type=float, metavar="MU", help="largest friction coefficient that the gait may use"
+    )
+    parser.add_argument(
+        "--clearance", type=float, metavar="M", help="least height of the toe in the air during the other's stance"
+    )
     parser.add_argument("--minimum-stride", type=float, metavar="S", help="least duration of a stride")
     parser.add_argument("--minimum-knee-torque", type=float, metavar="N·m", help="least torque |ū| of a knee motor")
     parser.add_argument("--hip-torque", type=float, metavar="N·m", help="largest torque of a hip motor")

@@ -23,7 +23,7 @@ def add(commands: Commands) -> None:
         "spear sensitivity hop --over stiffness,knee_mass",
         "print how spring and shank change the hop's energy, speed, multipliers and other measures",
     )
-    summary = "differentiate cost, torques, motor heat, ... by parameters"
+    summary = "compute how parameters change cost, torques, motor heat, ..."
     parser = add_command(commands, "sensitivity", run, summary, example)
     add_gait(parser)
     parser.add_argument(

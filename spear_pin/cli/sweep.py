@@ -66,7 +66,8 @@ def add(commands: Commands) -> None:
         type=folder,
         default=Path(),
         metavar="DIR",
-        help=f"write {NAME} and its map into this folder, or into files named NAME.zarr (default: the current one)",
+        help=f"write {NAME} and its map into this folder (default: the current one);"
+        " give DIR/NAME.zarr for another name",
     )
     add_open(parser, "the map, sweep.svg,")
 

@@ -31,7 +31,7 @@ def add(commands: Commands) -> None:
         nargs="?",
         default=TROT,
         metavar="GAIT",
-        help=f"{TROT}, {PACE}, {PRONK} or a saved gait (default: {TROT}); one with feedback is simulated as it is",
+        help=f"{TROT}, {PACE}, {PRONK} or a saved gait (default: {TROT}); a gait with feedback is simulated as it is",
     )
     parser.add_argument(
         "--push",

@@ -33,11 +33,14 @@ def add(commands: Commands) -> None:
         "gait",
         nargs="?",
         metavar="GAIT",
-        help=f"a bounding gait by name or path (default: {BOUND}); one that turns already is simulated as it is",
+        help=f"a bounding gait by name or path (default: {BOUND}); a gait that turns already is simulated as it is",
     )
     by = parser.add_mutually_exclusive_group()
     by.add_argument(
-        "--rate", type=float, metavar="DEG_PER_S", help="yaw rate to the left, by the period of the straight gait"
+        "--rate",
+        type=float,
+        metavar="DEG_PER_S",
+        help="yaw rate to the left: the angle divided by the period of the straight gait",
     )
     by.add_argument(
         "--angle",

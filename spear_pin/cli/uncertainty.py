@@ -37,7 +37,8 @@ def add(commands: Commands) -> None:
         required=True,
         type=words,
         metavar="NAME=VALUE",
-        help="standard deviations of parameters, in their units or in %%, separated by commas; help=1%% lists all",
+        help="standard deviations of parameters, in their units or in %%, separated by commas;"
+        " help=1%% lists all parameters",
     )
     parser.add_argument(
         "--correlation",
@@ -50,7 +51,10 @@ def add(commands: Commands) -> None:
     add_kept(parser)
     add_motors(parser)
     parser.add_argument(
-        "--monte-carlo", type=int, metavar="N", help="find the gait for N samples too, and compare with first order"
+        "--monte-carlo",
+        type=int,
+        metavar="N",
+        help="also find the gait for N random samples, and compare with first order",
     )
     add_seed(parser, "samples")
     add_out(parser, f"{STEM}.json, {STEM}.svg and monte_carlo.svg")
