@@ -24,7 +24,10 @@ from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.actuator import Thermal
 from spear_pin.studies.hardware import Outcome, Rig, outcome, reasons
 
-HEADS = "level | noise, rad | rad/s | lost, 1/s | limit, A | hop to the end | lowest apex, m | standard deviation, mm | why not"
+HEADS = (
+    "level | noise, rad | rad/s | lost, 1/s | limit, A | hop to the end | lowest apex, m | standard deviation, mm"
+    " | why not"
+)
 ROUGH = Sensing(0.005, 0.2, losses=5.0)
 LEVELS = {  # noise of angles in rad and of rates in rad/s, commands lost per second, limit in A
     "calm": Rig(sensing=Sensing(0.002, 0.05, losses=1.0), current_limit=10.0),

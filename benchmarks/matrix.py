@@ -138,7 +138,7 @@ def _designed(gait: Gait, folder: Path) -> object:
 def _swept(gait: Gait, folder: Path) -> object:
     name, value = varied(gait)
     points = grid({name: value * np.array([1.0 - SHARE, 1.0, 1.0 + SHARE])})
-    return sweep(gait.system, points, folder / "points.zarr", n_jobs=1)
+    return sweep(gait.system, points, folder / "points.zarr", guess=gait.state, n_jobs=1)
 
 
 def _fed_back(gait: Gait, folder: Path) -> object:

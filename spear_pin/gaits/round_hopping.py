@@ -44,11 +44,11 @@ class RoundHoppingLaw:
     and both joints are drawn softly to a posture. Places and forces are in the plane that boom and thigh span.
 
     Attributes:
-        height: commanded height of the hip above the toe in flight, in m.
+        hip_height: commanded height of the hip above the toe in flight, in m.
         placement: K of the term K ẋ that is added to the commanded place of the toe along the circle, in s; ẋ is the
             hip's speed along the circle.
-        stiffness: stiffness of the toe's spring in flight, in N/m.
-        damping: damping of the toe in flight, in N·s/m.
+        toe_stiffness: stiffness of the toe's spring in flight, in N/m.
+        toe_damping: damping of the toe in flight, in N·s/m.
         push_ahead: coefficients of the ground's force on the toe along the circle, in N.
         push_up: coefficients of the vertical force, in N.
         push_time: time over which they act, in s.
@@ -69,10 +69,10 @@ class RoundHoppingLaw:
         100.0
     """
 
-    height: float = 0.15
+    hip_height: float = 0.15
     placement: float = 0.1
-    stiffness: float = 150.0
-    damping: float = 5.0
+    toe_stiffness: float = 150.0
+    toe_damping: float = 5.0
     push_ahead: Forces = (0.0, 0.0, -25.0, 0.0, 0.0)
     push_up: Forces = (0.0, 20.0, 100.0, 0.0, 0.0)
     push_time: float = 0.35
@@ -88,18 +88,18 @@ class RoundHoppingLaw:
         **dict.fromkeys(("placement", "push_time"), "s"),
         **dict.fromkeys(("hip_posture", "knee_posture"), "rad"),
         **dict.fromkeys(("posture_damping", "hip_back_emf", "knee_back_emf"), "N·m·s/rad"),
-        "height": "m",
-        "stiffness": "N/m",
-        "damping": "N·s/m",
+        "hip_height": "m",
+        "toe_stiffness": "N/m",
+        "toe_damping": "N·s/m",
         "posture_gain": "N·m/rad",
         "lift_off_force": "N",
     }
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        for name in ("height", "push_time"):
+        for name in ("hip_height", "push_time"):
             require(f"RoundHoppingLaw.{name}", getattr(self, name), lambda number: number > 0, "a number > 0")
-        gains = ("stiffness", "damping", "posture_gain", "posture_damping")
+        gains = ("toe_stiffness", "toe_damping", "posture_gain", "posture_damping")
         for name in (*gains, "lift_off_force", "hip_back_emf", "knee_back_emf"):
             require(f"RoundHoppingLaw.{name}", getattr(self, name), lambda number: number >= 0, "a number >= 0")
         require("RoundHoppingLaw.placement", self.placement, lambda gain: abs(gain) >= 0, "a finite number, in s")
@@ -165,10 +165,10 @@ def limb_of(robot: Robot) -> Limb:
         BadValue: the robot has other coordinates or motors, or no post.
     """
     joints = robot.coordinates == COORDINATES and robot.actuated == (HIP, KNEE)
-    if robot.post is None or not joints or robot.toes != ("toe",):
+    if robot.arm is None or not joints or robot.toes != ("toe",):
         raise BadValue("robot", robot, "load('hoppy'), or one of the same joints on a post")
     (leg,) = robot.legs
-    return Limb(leg.thigh, leg.shank, abs(float(robot.frame_position(np.zeros(4), HIP)[1])))
+    return Limb(leg.thigh, leg.shank, robot.arm)
 
 
 def bezier(coefficients: Sequence[float], s: Any) -> Any:
@@ -188,10 +188,10 @@ def laws(limb: Limb) -> tuple[Callable[..., Sequence[Any]], Callable[..., Sequen
 
     def flight(t: Any, q: Any, v: Any, held: Any, p: RoundHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         (x, z), (ahead, up) = limb.toe(q[2], q[3], ops)
-        wanted = p.placement * (limb.reach * v[0]), -p.height
+        wanted = p.placement * (limb.reach * v[0]), -p.hip_height
         speeds = ahead[0] * v[2] + ahead[1] * v[3], up[0] * v[2] + up[1] * v[3]
         draw = tuple(
-            p.stiffness * (there - here) - p.damping * speed
+            p.toe_stiffness * (there - here) - p.toe_damping * speed
             for there, here, speed in zip(wanted, (x, z), speeds, strict=True)
         )
         return turning(limb.torques(q, (draw[0], draw[1]), ops), v, p)

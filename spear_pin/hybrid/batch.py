@@ -128,17 +128,28 @@ def simulate_many(
     return _joined(parts)
 
 
+def check_equations(system: HybridSystem) -> None:
+    """Checks that a system has equations of motion for scalars of any kind, of which derivatives are made.
+
+    Raises:
+        BadValue: it has hardware or dry friction of joints, or a boom that adds inertia to its robot.
+    """
+    if system.hardware is not None or any(domain.rubs for domain in system.domains):
+        raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
+    if system.robot.added is not None:
+        raise BadValue("robot", system.robot.name, "one without a rotary boom")
+
+
 def check_lanes(system: HybridSystem) -> None:
     """Checks that a system can run in many lanes.
 
     Raises:
-        BadValue: it has hardware, dry friction of joints or a pinned toe, or its robot is on a rotary boom.
+        BadValue: see `check_equations`; or it has a pinned toe, or its robot goes round a post.
     """
-    if system.hardware is not None or any(domain.rubs for domain in system.domains):
-        raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
+    check_equations(system)
     if any(PINNED in domain.contacts for domain in system.domains):
         raise BadValue("system", system.kind, "one without pinned toes")
-    if system.robot.added is not None or system.robot.post is not None:
+    if system.robot.post is not None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
 
 
@@ -161,7 +172,7 @@ def has_lanes(system: HybridSystem, names: Iterable[str]) -> bool:
 def may_vary(system: HybridSystem, names: Iterable[str]) -> bool:
     """Tells whether the named numbers may vary where cycles of a system are differentiated."""
     try:
-        check_lanes(system)
+        check_equations(system)
     except BadValue:
         return False
     return all(may_differ(system, name) for name in names)

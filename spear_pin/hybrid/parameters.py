@@ -179,15 +179,24 @@ def _parts(system: HybridSystem) -> dict[str, Any]:
 
 
 def _owner(system: HybridSystem, name: str) -> tuple[str, str | None]:
-    """Returns the part that has a number of a name, and its field if the number lies in a dataclass within the part."""
+    """Returns the part that has a number of a name, and its field if the number lies in a dataclass within the part.
+
+    Raises:
+        UnknownName: no part has such a number.
+        BadValue: two parts have one.
+    """
     owners: dict[str, tuple[str, str | None]] = {}
     for part, whole in _parts(system).items():
+        own: dict[str, tuple[str, str | None]] = {}
         for field in fields(whole):
             value = getattr(whole, field.name)
             if is_dataclass(value):
-                owners |= {inner.name: (part, field.name) for inner in fields(value) if _numeric(value, inner.name)}
+                own |= {inner.name: (part, field.name) for inner in fields(value) if _numeric(value, inner.name)}
             elif _numeric(whole, field.name):
-                owners[field.name] = part, None
+                own[field.name] = part, None
+        if name in own and name in owners:
+            raise BadValue("name", name, f"a number of one part, not of {owners[name][0]} and {part}: rename the law's")
+        owners |= own
     if name not in owners:
         raise UnknownName("parameter", name, owners)
     return owners[name]

@@ -100,12 +100,16 @@ def struck(
         return stopped(system, domain, reset, q, v)
     if not reset.impact:
         return None
-    entered = system.of_phase(reset.phase or domain.phase)[0]
-    if PINNED in entered.contacts:
+    if pins(system, domain, reset):
         return pinned(system, struck_toes(system, domain, reset), q, v)
     if system.robot.dimension == 3:
         return struck_in_space(system, domain, reset, q, v, overlap, now)
     return struck_by(system, struck_toes(system, domain, reset), reset, q, v)
+
+
+def pins(system: HybridSystem, domain: Domain, reset: Reset) -> bool:
+    """Tells whether toes that strike are pinned where they do."""
+    return PINNED in system.of_phase(reset.phase or domain.phase)[0].contacts
 
 
 def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Strike:

@@ -59,7 +59,7 @@ def body_numbers(robot: Robot) -> dict[str, Number]:
     Raises:
         BadValue: the robot has a joint of several coordinates.
     """
-    if robot.dimension == 3:
+    if not robot.planar:
         return _in_space(robot)
     planar, found = Planar(robot), dict[str, Number]()
     for i, (joint, body) in enumerate(zip(robot.coordinates, planar.bodies, strict=True)):

@@ -137,6 +137,14 @@ class Robot(Shown):
         )
 
     @cached_property
+    def arm(self) -> float | None:
+        """Distance from its post to the plane in which its leg moves, in m; None without a post."""
+        if self.post is None:
+            return None
+        _, y, _ = self.frame_position(np.zeros(self.nq), self.legs[0].hip)
+        return abs(float(y) - self.post[1])
+
+    @cached_property
     def legs(self) -> tuple[Leg, ...]:
         """The legs that end in its toes, in their order; without toes, the legs that `find_legs` finds.
 

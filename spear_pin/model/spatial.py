@@ -3,6 +3,7 @@
 It computes the forces that a motion needs by recursive Newton-Euler, D by composite bodies, and the motion of each toe,
 for scalars of any kind that has +, -, * and a sine and cosine: numbers, NumPy arrays (a whole batch of states at once),
 SymPy, CasADi, heyoka. Every number is read from the robot's `pinocchio.Model`. Vectors of a body are in its own axes.
+Toes of a robot that goes round a post have the directions of `directions.Round`.
 """
 
 from __future__ import annotations
@@ -128,6 +129,7 @@ class Spatial(Mechanism):
         for frame in robot.model.frames:  # of several of a name the first, as Pinocchio finds it
             self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, floats_of(frame.placement.translation)))
         self.toes = {toe: self.frames[toe] for toe in robot.toes}
+        self.post = robot.post
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
         """Returns the equations of motion at (q, v).
@@ -139,7 +141,7 @@ class Spatial(Mechanism):
         """
         still = [0.0] * self.nv
         joints = self._joints(q, v, still, ops, self.lift)
-        feet, place = self._feet(joints, self.lift), partial(self._place, joints)
+        feet, place = self._feet(joints, self.lift, v, ops), partial(self._place, joints)
         return Terms(self._mass_matrix(joints), self._needed(joints, still), *feet, place)
 
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
@@ -150,7 +152,7 @@ class Spatial(Mechanism):
             v: nv scalars.
             ops: has `sin` and `cos` for them.
         """
-        return self._feet(self._joints(q, v, [0.0] * self.nv, ops, ZERO), ZERO)
+        return self._feet(self._joints(q, v, [0.0] * self.nv, ops, ZERO), ZERO, v, ops)
 
     def position(self, frame: str, q: Sequence[Any], ops: Any) -> Vector:
         """Returns the position of any frame of the robot's model, in m.
@@ -232,7 +234,7 @@ class Spatial(Mechanism):
                 matrix[i][j] = matrix[j][i] = dot(other.axis, torque if other.turns else force)
         return matrix
 
-    def _feet(self, joints: Sequence[_Joint], lift: Vector) -> Feet:
+    def _feet(self, joints: Sequence[_Joint], lift: Vector, v: Sequence[Any], ops: Any) -> Feet:
         positions: dict[str, tuple[Any, ...]] = {}
         jacobians: dict[str, list[list[Any]]] = {}
         drifts: dict[str, tuple[Any, ...]] = {}
@@ -249,6 +251,8 @@ class Spatial(Mechanism):
                 for row, value in zip(rows, column, strict=True):
                     row[i] = value
                 i = body.parent
+            if self.post is not None:
+                jacobians[toe], drifts[toe] = _round(self.post, position, rows, drifts[toe], v, ops)
         return Feet(positions, jacobians, drifts)
 
     def moving_feet(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any) -> dict[str, Toe]:
@@ -342,6 +346,26 @@ def _hung(above: _Composite, load: _Composite, joint: _Joint) -> _Composite:
 
     first, second, third = (vector_of(entry(i, j) for j in range(3)) for i in range(3))
     return _Composite(plus(above.mass, mass), add(above.moment, add(moment, scale(mass, arm))), (first, second, third))
+
+
+def _round(
+    post: tuple[float, float],
+    position: Vector,
+    rows: Sequence[Sequence[Any]],
+    drift: Vector,
+    v: Sequence[Any],
+    ops: Any,
+) -> tuple[list[list[Any]], tuple[Any, Any]]:
+    """Returns J and J̇ v of a toe along the circle about a post and vertically, by the equation of `directions`."""
+    x, y = position[0] - post[0], position[1] - post[1]
+    radius = ops.sqrt(x * x + y * y)
+    ahead = [times(x, across) - times(y, along) for along, across in zip(rows[0], rows[1], strict=True)]
+    outward = times(x, dot(rows[0], v)) + times(y, dot(rows[1], v))
+    turning = dot(ahead, v) * outward / (radius * radius)
+    return [[each / radius for each in ahead], list(rows[2])], (
+        (x * drift[1] - y * drift[0] - turning) / radius,
+        drift[2],
+    )
 
 
 def _inertial(body: Body, joint: _Joint) -> tuple[Vector, Vector]:

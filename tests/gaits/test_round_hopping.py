@@ -5,11 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import Contact, Gait, Ground, Spring, find_gait, load, simulate, simulate_many
+from spear_pin import Contact, Gait, Ground, Spring, continue_gait, find_gait, load, simulate, simulate_many
 from spear_pin.errors import BadValue
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.round_hopping import RoundHoppingLaw, bezier, limb_of, round_hopping
+from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.dynamics import FLOATS
+from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart, return_map
+from spear_pin.hybrid.tangent.section import exact_jacobian
+from spear_pin.studies.round_hop import summarize_round
+from spear_pin.studies.sweep import sweep, table
 
 THEIRS = np.array([1.0, 1.0, 1.0, -1.0])  # signs of their q1 to q4
 START = np.array([0.0, 0.0, np.pi / 3, np.pi / 2]), np.zeros(4)
@@ -215,6 +221,70 @@ class TestGait:
         assert again.system.robot.post == (0.0, 0.0)
 
 
+class TestDerivatives:
+    """They are exact, in the directions round the post as in the plane."""
+
+    @pytest.mark.parametrize("limited", [False, True])
+    def test_multipliers_against_differences_of_cycles(self, hoppy, gait, limited):
+        if limited:
+            law = replace(RoundHoppingLaw.driven(hoppy), unlimited_friction=False)
+            gait = find_gait(round_hopping(hoppy, law, contact=Contact(friction=0.8)))
+        local, step = chart(gait.system, gait.state), 1e-4
+        found = exact_jacobian(gait.system, gait.state)
+
+        def after(xi):
+            return local.coordinates(return_map(gait.system, local.state(xi), rtol=1e-12).state)
+
+        for i, row in enumerate(np.eye(local.dimension)):
+            one, two = (after(k * step * row) - after(-k * step * row) for k in (1.0, 2.0))
+            np.testing.assert_allclose(found[:, i], (8.0 * one - two) / (12.0 * step), atol=2e-6)
+
+    @pytest.mark.parametrize("name", ["stiffness", "toe_damping", "knee_mass", "boom_yaw_inertia_zz"])
+    def test_measures_against_gaits_found_again(self, gait, name):
+        value, table = number(gait.system, name), gait.sensitivity([name])
+        step = 2e-3 * value
+        kept = ("period", "stride", "peak_torque_knee", "cost_of_transport", "greatest_height_toe")
+
+        def at(k):
+            again = find_gait(with_numbers(gait.system, {name: value + k * step}), guess=gait.state, rtol=1e-12)
+            measures = Orbit(again.system, again.state, ()).measures
+            return np.array([measures[each].value for each in kept])
+
+        expected = (8.0 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12.0 * step)
+        got = np.array([table.derivatives[each][0] for each in kept])
+        np.testing.assert_allclose(got, expected, rtol=1e-6)
+
+    def test_measures_against_samples(self, gait):
+        motion = simulate(gait.system, gait.state, samples=200)
+        samples = Sampled(gait.system.robot, motion).values()
+        exact = Orbit(gait.system, gait.state, ()).measures
+        assert exact["stride"].value < 0.0 < exact["cost_of_transport"].value  # it goes to the right
+        assert exact["stride"].value == pytest.approx(0.556 * exact["turn"].value, rel=1e-12)
+        assert {"stride", "mean_speed", "cost_of_transport", "friction_used_toe"} <= set(samples)
+        assert samples == pytest.approx({name: exact[name].value for name in samples}, rel=1e-6)
+        assert summarize_round(gait, motion)["speed"] == pytest.approx(exact["mean_speed"].value, rel=1e-9)
+
+    @pytest.mark.parametrize("name", ["hip_to_knee", "boom_tilt_to_hip"])
+    def test_lengths_that_the_law_has_are_refused(self, gait, name):
+        with pytest.raises(BadValue, match="built into the law"):
+            gait.sensitivity([name])
+
+    @pytest.mark.slow
+    def test_a_family(self, gait):
+        value = gait.system.spring.stiffness
+        found = continue_gait(gait, "stiffness", (0.99 * value, 1.01 * value))
+        assert [end.parameter / value for end in found.ends] == pytest.approx([0.99, 1.01])
+        assert found.family.differentiable and found.residual.max() < 1e-8
+
+    @pytest.mark.extra("xarray", "zarr", "joblib")
+    def test_a_sweep(self, gait, tmp_path):
+        values = gait.system.spring.stiffness * np.array([0.99, 1.01])
+        found = table(sweep(gait.system, {"stiffness": values}, tmp_path / "round.zarr", guess=gait.state, n_jobs=1))
+        again = find_gait(with_numbers(gait.system, {"stiffness": values[1]}), guess=gait.state)
+        assert found.converged.all() and np.isfinite(found.multipliers).sum(axis=1).tolist() == [4, 4]
+        assert found.durations["flight"][1] == pytest.approx(again.durations["flight"], rel=1e-8)
+
+
 class TestLaw:
     def test_bezier(self):
         s = np.linspace(0.0, 1.0, 11)
@@ -240,8 +310,8 @@ class TestLaw:
     @pytest.mark.parametrize(
         ("name", "value", "place"),
         [
-            ("height", 0.0, "height"),
-            ("stiffness", -1.0, "stiffness"),
+            ("hip_height", 0.0, "hip_height"),
+            ("toe_stiffness", -1.0, "toe_stiffness"),
             ("push_up", (0.0, np.inf), r"push_up\[1\]"),
             ("push_ahead", (), "push_ahead"),
             ("knee_posture", 4.0, "knee_posture"),

@@ -1,6 +1,6 @@
 """Systems that are rebuilt with other numbers keep what was made of them."""
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 
 import pytest
 
@@ -13,7 +13,7 @@ from spear_pin.gaits.series_hopping import SeriesHoppingLaw
 from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.hardware import Hardware
-from spear_pin.hybrid.parameters import changed, rebuilt, replaced, unit, with_parameters
+from spear_pin.hybrid.parameters import changed, number, rebuilt, replaced, unit, with_parameters
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.actuator import Actuator
 from spear_pin.model.catalogue import motor
@@ -110,3 +110,14 @@ def test_units(hop):
     told = {"stance_torque": "N·m", "stiffness": "N·m/rad", "friction": "1", "knee_mass": "kg", "knee_ratio": "1"}
     assert {name: unit(hop.system, name) for name in told} == told
     assert unit(Gait.load("long_stride").system, "flight_1_span") == "m"
+
+
+def test_a_name_of_two_parts_is_no_number(hop):
+    @dataclass(frozen=True)
+    class Law(HoppingLaw):
+        damping: float = 5.0
+
+    system = replace(hop.system, law=Law(**vars(hop.system.law)))
+    with pytest.raises(BadValue, match="'damping'; expected a number of one part, not of law and spring"):
+        number(system, "damping")
+    assert number(system, "stiffness") == hop.system.spring.stiffness

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import Gait
+from spear_pin import Gait, load
 from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.round_hopping import RoundHoppingLaw, round_hopping
 from spear_pin.hybrid.contact import SLIP
 from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.hybrid.elimination import solve
@@ -24,7 +25,12 @@ SLOW = 1e-3  # m/s: a toe that sets out has a direction of its own, which only t
 
 
 def gait(name):
-    """A gait that ships in space, or one of the plane, where everything is symmetric."""
+    """A gait that ships in space, one of the plane, where everything is symmetric, or HOPPY's first hops."""
+    if name.startswith("round"):
+        hoppy = load("hoppy")
+        law = replace(RoundHoppingLaw.driven(hoppy), unlimited_friction=name == "round")
+        system = round_hopping(hoppy, law)
+        return system, system.guess()
     if name == "long_stride":
         return embedded(Gait.load(name))
     found = Gait.load(name)
@@ -35,7 +41,15 @@ RARELY = pytest.mark.slow
 
 
 @pytest.mark.parametrize(
-    "name", ["trot", "pronk", "long_stride", *(pytest.param(name, marks=RARELY) for name in ("turn_9", "gallop"))]
+    "name",
+    [
+        "round",
+        "round, which slips",
+        "trot",
+        "pronk",
+        "long_stride",
+        *(pytest.param(name, marks=RARELY) for name in ("turn_9", "gallop")),
+    ],
 )
 @pytest.mark.slow
 def test_along_a_gait(name):

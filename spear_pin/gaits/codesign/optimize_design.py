@@ -20,7 +20,7 @@ from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.electricity import check_gears
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.targets import check_wanted
-from spear_pin.hybrid.batch import check_lanes
+from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import REFUSALS
@@ -86,7 +86,7 @@ def optimize_design(
         >>> best.converged, list(best.parameters)
         (True, ['stiffness'])
     """
-    check_lanes(gait.system)
+    check_equations(gait.system)
     check_gears(gait.system, motors)
     taylor.require()
     solved_for = tuple(vary) if vary is not None else tuple(gait.parameters) if keep else ()

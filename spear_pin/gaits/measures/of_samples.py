@@ -63,8 +63,14 @@ class Sampled:
 
     @cached_property
     def stride(self) -> float | None:
-        """Distance of a cycle, in m: along x in the plane, else straight from section to section; None without x."""
+        """Distance of a cycle, in m: along x in the plane, else straight from section to section; None without x.
+
+        Round a post it is that of the hip along its circle, positive to the left.
+        """
         one, chosen = self.trajectory, self.curves.chosen
+        if self.robot.arm is not None:
+            rows = np.flatnonzero(chosen)
+            return self.robot.arm * float(one.q[rows[-1], 0] - one.q[rows[0], 0]) / self.count
         x, y = (
             next((i for i, name in enumerate(one.coordinates) if name.endswith(axis)), None) for axis in ("_x", "_y")
         )
@@ -92,7 +98,7 @@ class Sampled:
         stride = self.stride
         if stride is None or abs(stride) <= LEAST_STRIDE:
             return found
-        lifted = self.robot.weight * stride
+        lifted = self.robot.weight * abs(stride)
         return found | {
             "cost_of_transport": found["absolute_work"] / lifted,
             "cost_of_transport_positive": found["positive_work"] / lifted,
@@ -114,7 +120,7 @@ class Sampled:
         found["effort"] = effort
         stride = self.stride
         if stride is not None and abs(stride) > LEAST_STRIDE:
-            found["effort_per_distance"] = effort / stride
+            found["effort_per_distance"] = effort / abs(stride)
         return found
 
     def forces(self) -> dict[str, float]:

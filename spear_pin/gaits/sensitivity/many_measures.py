@@ -200,7 +200,8 @@ class _Chunk:
         if self.motors:
             found[ENERGY] = np.sum([sums[WORK], *(found[HEAT + joint] for joint in self.motors)], axis=0)
         if self.system.cyclic:
-            way = np.where(np.abs(found["stride"]) > LEAST_STRIDE, found["stride"], np.nan)
+            distance = np.abs(found["stride"])
+            way = np.where(distance > LEAST_STRIDE, distance, np.nan)
             found["cost_of_transport"] = found["absolute_work"] / (weight * way)
             found["cost_of_transport_positive"] = found["positive_work"] / (weight * way)
             found["effort_per_distance"] = found["effort"] / way

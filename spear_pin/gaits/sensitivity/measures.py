@@ -76,15 +76,18 @@ def _advance(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
     if not cycle.system.cyclic:
         return {}
     robot, period = cycle.system.robot, of["period"]
+    turns = [robot.index(name) for name in cycle.system.cyclic if robot.arm is not None or name == "yaw"]
+    along = [robot.index(name) for name in cycle.system.cyclic if robot.index(name) not in turns]
     found = dict[str, Measure]()
-    if "yaw" in cycle.system.cyclic:
-        yaw = robot.index("yaw")
+    for yaw in turns:
         turn = float(cycle.y[yaw]) - float(cycle.stretches[0].arc.y[yaw])
         found["turn"] = Measure(turn, cycle.dy[yaw] - start[yaw], "rad")
-    along = [robot.index(name) for name in cycle.system.cyclic if name != "yaw"]
-    way, ways = cycle.y[along] - cycle.stretches[0].arc.y[along], cycle.dy[along] - start[along]
-    ahead = _ahead(cycle, way)
-    stride, change = float(ahead @ way), ahead @ ways
+    if robot.arm is not None:
+        stride, change = robot.arm * found["turn"].value, robot.arm * found["turn"].derivative
+    else:
+        way, ways = cycle.y[along] - cycle.stretches[0].arc.y[along], cycle.dy[along] - start[along]
+        ahead = _ahead(cycle, way)
+        stride, change = float(ahead @ way), ahead @ ways
     speed = stride / period.value
     return found | {
         "stride": Measure(stride, change, "m"),
@@ -108,17 +111,20 @@ def _works(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[st
     # where the motors brake as well: twice the driving work, less the net work
     amount = Measure(2.0 * drive.value - net.value, 2.0 * drive.derivative - net.derivative, "J")
     found = {"work": net, "positive_work": drive, "absolute_work": amount}
-    if _moves(of):
-        lifted = product(weight, of["stride"], "J")
+    if (distance := _distance(of)) is not None:
+        lifted = product(weight, distance, "J")
         found["cost_of_transport"] = ratio(amount, lifted, "1")
         found["cost_of_transport_positive"] = ratio(drive, lifted, "1")
     return found
 
 
-def _moves(of: All) -> bool:
-    """Tells whether the robot goes far enough in a cycle for measures per distance."""
+def _distance(of: All) -> Measure | None:
+    """Returns the distance of a cycle, forward or back; None where it is too short for measures per distance."""
     stride = of.get("stride")
-    return stride is not None and abs(stride.value) > LEAST_STRIDE
+    if stride is None or abs(stride.value) <= LEAST_STRIDE:
+        return None
+    sign = math.copysign(1.0, stride.value)
+    return Measure(sign * stride.value, sign * stride.derivative, stride.unit)
 
 
 def _torques(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
@@ -137,8 +143,8 @@ def _torques(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[
         found[f"rms_torque_{joint}"] = Measure(rms, of_rms, "N·m")
         found[f"peak_torque_{joint}"] = Measure(*_largest(torque), "N·m")
     found["effort"] = total(squares)
-    if _moves(of):
-        found["effort_per_distance"] = ratio(found["effort"], of["stride"], "N²·m·s")
+    if (distance := _distance(of)) is not None:
+        found["effort_per_distance"] = ratio(found["effort"], distance, "N²·m·s")
     return found
 
 

@@ -18,7 +18,7 @@ from spear_pin.gaits.sensitivity.margins import margins
 from spear_pin.gaits.sensitivity.measure import Measure, Measures
 from spear_pin.gaits.sensitivity.measures import measures
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import check_lanes
+from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import Chart, chart
@@ -165,7 +165,7 @@ def orbit_of_gait(
 
     See `sensitivity.sensitivity` for the arguments and for what is raised.
     """
-    check_lanes(system)
+    check_equations(system)
     check_gears(system, motors)
     if motors and system.mirrored_toes:
         raise BadValue("motors", sorted(motors), "none for a gait whose cycle is half a stride; leave it out")

@@ -14,7 +14,7 @@ from typing import Any
 
 from spear_pin.errors import BadFunction, NotSymbolic
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SIGN, SLIP, STICK
+from spear_pin.hybrid.contact import OPEN, PINNED, SIGN, SLIP, STICK
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.elimination import Matrix, factorize, solve, solve_sparse, substitute
@@ -26,6 +26,8 @@ from spear_pin.hybrid.rules.footing import size
 from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
 from spear_pin.model.spring import Spring
+
+RESTS = (STICK, PINNED)  # modes of a toe that is at rest
 
 
 @dataclass(frozen=True)
@@ -141,7 +143,7 @@ class Motion:
         pivots: dict[str, Any] = {}
         row = 0
         for toe, mode in self._closed:
-            if mode == STICK:
+            if mode in RESTS:
                 forces[toe] = tuple(multipliers[row : row + self._k])
                 row += self._k
                 continue
@@ -266,7 +268,7 @@ class Motion:
         pulls = [dot([row[i] for row in contacts], pushes) for i in range(n)]
         torques = [dot(self.mass_matrix[i], a) - force[i] - pulls[i] for i in (self._motors[j] for j in motors)]
         forces = {toe: tuple(pushes[self._k * i : self._k * (i + 1)]) for i, toe in enumerate(self._taken)}
-        if [(toe, STICK) for toe in self._taken] == self._closed:
+        if [(toe, True) for toe in self._taken] == [(toe, mode in RESTS) for toe, mode in self._closed]:
             self._imposed = Imposed(a, forces, [*others, *zip(motors, torques, strict=True)])
         return torques
 
@@ -334,7 +336,7 @@ class Motion:
         drift: list[Any] = []
         for toe, mode in self._closed:
             (*tangential, z), own = self.jacobian(toe), self._feet.drifts[toe]
-            if mode == STICK:
+            if mode in RESTS:
                 rows += [*tangential, z]
                 directions += [*tangential, z]
                 drift += own

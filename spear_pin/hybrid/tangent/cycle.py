@@ -24,7 +24,7 @@ from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.strikes import Overlap, comes_to_rest, struck_toes_in_space
+from spear_pin.hybrid.strikes import Overlap, comes_to_rest, pins, struck_toes_in_space
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, SHORTEST, Derivative, Stretch, falling
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
@@ -199,7 +199,11 @@ class _Whole:
             change, slope = self._strike_in_space(arc, reset, now)
         elif toes := struck_toes(self.system, arc.domain, reset):
             feet, slopes = self._feet(toes, y, now)
-            change, slope, lifted = struck(feet, slopes, toes, reset.impact)
+            lifted: dict[str, Any] = {}
+            if pins(self.system, arc.domain, reset):
+                change, slope = stopped(feet, slopes, range(len(feet.speeds)))
+            else:
+                change, slope, lifted = struck(feet, slopes, toes, reset.impact)
             now.held = {**now.held, **lifted}
         else:
             return y

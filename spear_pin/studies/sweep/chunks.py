@@ -19,7 +19,7 @@ from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import PARTS, with_parameters
-from spear_pin.hybrid.result import Options
+from spear_pin.hybrid.result import Options, State
 from spear_pin.kinds import typed
 from spear_pin.studies import workers
 from spear_pin.studies.sweep import store
@@ -37,6 +37,7 @@ def sweep(
     vary: Sequence[str] = (),
     target: Mapping[str, float] | None = None,
     *,
+    guess: State | None = None,
     rtol: float = 1e-9,
     chunk: int = CHUNK,
     n_jobs: int | None = None,
@@ -44,6 +45,8 @@ def sweep(
     on_points: Callable[[int, int], object] = lambda done, total: None,
 ) -> Any:
     """Finds the gaits at many points, and stores them as an xarray Dataset in zarr.
+
+    In space they are found one after the other, each in seconds to minutes: there a small `chunk` loses little.
 
     Each finished chunk is on disk. After a kill, the same call with `resume` loses no chunk and repeats none.
 
@@ -54,6 +57,8 @@ def sweep(
         out: the folder to write, *.zarr; until it is complete, chunks are next to it in *.zarr.parts.
         vary: parameters to solve for at each point.
         target: wanted values of measures at all points; with those among `points` as many as `vary`.
+        guess: a state (q, v) on the section from which the system's own gait is searched for; by default the system's
+            own. Gaits in 3-D need one.
         rtol: relative tolerance; see `find_many`.
         chunk: number of points that are solved together, and lost together.
         n_jobs: number of processes; by default that of `joblib.parallel_config`, in which a Dask cluster can be named,
@@ -65,12 +70,13 @@ def sweep(
         the Dataset, read lazily.
 
     Raises:
-        MissingExtra: heyoka, joblib, xarray or zarr is not installed.
+        MissingExtra: heyoka (for robots in the plane), joblib, xarray or zarr is not installed.
         UnknownName: no parameter or measure has such a name.
         BadValue: an argument is not valid.
         BadFile: a file is there already, or the sweep to resume is another one.
     """
-    taylor.require()
+    if system.robot.planar:
+        taylor.require()
     store.require()
     workers.require(PURPOSE)
     out, target = Path(out), dict(target or {})
@@ -81,7 +87,7 @@ def sweep(
     n = len(next(iter(job.points.values())))
     described = store.description(job, chunk, n)
     if store.begin(out, described, resume):
-        start = store.started(out, lambda: _start(system, job))
+        start = store.started(out, lambda: _start(system, job, guess))
         begun, guess = with_parameters(system, start["values"]), (np.array(start["q"]), np.array(start["v"]))
         job = replace(job, parts={part: getattr(begun, part) for part in PARTS}, guess=guess)
         missing = store.missing(out)
@@ -124,15 +130,15 @@ def _solve(index: int, job: Job) -> tuple[int, Rows]:
     return index, job.rows()
 
 
-def _start(system: HybridSystem, job: Job) -> dict[str, Any]:
+def _start(system: HybridSystem, job: Job, guess: State | None) -> dict[str, Any]:
     """Returns the start of every lane: the gait of the system as it is, or its guess if it has none."""
     targets: dict[Any, float] = {
         name: float(np.median(values)) for name, values in job.points.items() if name in system.measures
     }
     targets |= job.target
     try:
-        gait = find_gait(system, job.vary, targets)
+        gait = find_gait(system, job.vary, targets, guess=guess)
         (q, v), values = gait.state, dict(gait.parameters)
     except NoGait:
-        (q, v), values = system.guess(), {}
+        (q, v), values = guess or system.guess(), {}
     return {"values": values, "q": np.asarray(q).tolist(), "v": np.asarray(v).tolist()}

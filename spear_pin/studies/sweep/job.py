@@ -16,9 +16,10 @@ from spear_pin.gaits.gait import KINDS, built_as_named
 from spear_pin.gaits.gait_table import REASONS
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
+from spear_pin.gaits.one_by_one import find_each
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import check_lanes
+from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
 from spear_pin.hybrid.result import State
@@ -91,7 +92,8 @@ class Job:
             start: dict[str, Any] = {
                 name: np.full(len(lanes), parameter(system, name)) for name in (*self.vary, "stiffness")
             }
-            table = find_many(system, {**start, **own}, self.vary, target, guess=self.guess, rtol=self.rtol)
+            find = find_many if system.robot.planar else find_each
+            table = find(system, {**start, **own}, self.vary, target, guess=self.guess, rtol=self.rtol)
             rows["q"][lanes], rows["v"][lanes], rows["residual"][lanes] = table.q, table.v, table.residual
             rows["multipliers"][lanes, : table.multipliers.shape[1]] = table.multipliers
             rows["durations"][lanes] = np.column_stack([table.durations[phase] for phase in system.phases])
@@ -117,8 +119,8 @@ def asked(
     if len(wanted) != len(vary):
         raise BadValue("target", list(wanted), f"as many targets as parameters to vary, {len(vary)}")
     for name in wanted:
-        if name not in system.measures or name not in MEASURES:
-            raise UnknownName("target", name, [each for each in system.measures if each in MEASURES])
+        if name not in _solvable(system):
+            raise UnknownName("target", name, _solvable(system))
     check_wanted(system, {**target, **measured})
     for name in vary:
         parameter(system, name)
@@ -133,9 +135,7 @@ def _check_system(system: HybridSystem) -> dict[str, Any]:
     """Returns fields that were replaced in a system and that other processes can replace; refuses others."""
     if system.kind not in KINDS or not built_as_named(system):
         raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
-    check_lanes(system)
-    if not system.robot.planar:
-        raise BadValue("robot", system.robot.name, "one that moves in the plane: in space gaits are found one by one")
+    check_equations(system)
     kept = replaced(system)
     for name in kept:
         if name not in CARRIED:
@@ -147,6 +147,11 @@ def _check_system(system: HybridSystem) -> dict[str, Any]:
                 "a change of the system", change, "a callable dataclass, whose name and fields identify the sweep"
             )
     return kept
+
+
+def _solvable(system: HybridSystem) -> list[str]:
+    """Returns the names of the measures that may be targets."""
+    return [name for name in system.measures if name in MEASURES or not system.robot.planar]
 
 
 def _check_points(given: Mapping[str, Array], vary: tuple[str, ...]) -> int:
@@ -165,7 +170,7 @@ def _check_points(given: Mapping[str, Array], vary: tuple[str, ...]) -> int:
 def _shapes(system: HybridSystem) -> dict[str, tuple[int, ...]]:
     """Returns the contents of a row, with the count of numbers for each."""
     robot, section = system.robot, system.of_phase(system.section_phase)[0]
-    closed = sum(mode != OPEN for mode in section.contacts)
+    closed = sum(mode != OPEN for mode in section.contacts) if robot.dimension == 2 else 0
     multipliers = robot.nq + robot.nv - 2 * closed - len(system.cyclic)  # with sliding toes; fewer if they stick
     return {
         "q": (robot.nq,),
@@ -182,7 +187,6 @@ def _check_name(system: HybridSystem, name: str) -> None:
         with_parameters(system, {name: 1.0})
     except UnknownName as error:
         robots = parameters_of(system.robot)
-        measures = [each for each in system.measures if each in MEASURES]
-        raise UnknownName("parameter", name, (*error.valid, *robots, *measures)) from None
+        raise UnknownName("parameter", name, (*error.valid, *robots, *_solvable(system))) from None
     except SpearError:
         pass  # the name is known
