@@ -11,9 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import pairwise
-from math import comb
-from operator import mul
+from math import comb, perm
+from operator import mul, sub
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -148,23 +147,22 @@ class Jet(NamedTuple):
 
 def jet(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np) -> Jet:
     """Returns a variable at a state, its gradient, rate and drift."""
+    if not isinstance(variable, (Sum, Shifted, Leaning)):
+        return Jet(dot(variable, q), tuple(variable), dot(variable, v), 0.0)
     if isinstance(variable, Sum):
-        terms = [(weight, jet(term, q, v, ops)) for weight, term in variable.terms]
-        return Jet(
-            sum(weight * term.value for weight, term in terms),
-            tuple((index, weight * slope) for weight, term in terms for index, slope in term.row),
-            sum(weight * term.rate for weight, term in terms),
-            sum(weight * term.drift for weight, term in terms),
-        )
+        total, rates, drifts, slopes = 0.0, 0.0, 0.0, list[tuple[int, Any]]()
+        for weight, term in variable.terms:
+            own, row, rate, drift = jet(term, q, v, ops)
+            total, rates, drifts = total + weight * own, rates + weight * rate, drifts + weight * drift
+            slopes += [(index, weight * slope) for index, slope in row]
+        return Jet(total, tuple(slopes), rates, drifts)
     if isinstance(variable, Shifted):
         moved = jet(variable.variable, q, v, ops)
         return moved._replace(value=moved.value + variable.by)
-    if isinstance(variable, Leaning):
-        leans, slope, curvature = variable.lean(q, ops)
-        knee, rate = variable.knee, v[variable.knee]
-        row = (*variable.row, (knee, -slope))
-        return Jet(dot(variable.row, q) - leans, row, dot(row, v), -curvature * (rate * rate))
-    return Jet(dot(variable, q), tuple(variable), dot(variable, v), 0.0)
+    leans, slope, curvature = variable.lean(q, ops)
+    knee, rate = variable.knee, v[variable.knee]
+    row = (*variable.row, (knee, -slope))
+    return Jet(dot(variable.row, q) - leans, row, dot(row, v), -curvature * (rate * rate))
 
 
 def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:
@@ -174,8 +172,8 @@ def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:
 
 def _weighted(alpha: Sequence[Any], bases: Sequence[Sequence[Any]]) -> tuple[Any, Any, Any]:
     # coefficients come last: polynomials of one degree at the same s share everything else
-    value, slope, curvature = (sum(map(mul, alpha, basis)) for basis in bases)
-    return value, slope, curvature
+    value, slope, curvature = bases
+    return sum(map(mul, alpha, value)), sum(map(mul, alpha, slope)), sum(map(mul, alpha, curvature))
 
 
 def _bases(n: int, s: Any) -> tuple[list[Any], list[Any], list[Any]]:
@@ -184,21 +182,21 @@ def _bases(n: int, s: Any) -> tuple[list[Any], list[Any], list[Any]]:
     for _ in range(n):
         ups.append(ups[-1] * s)
         downs.append(downs[-1] * rest)
-    value, lower, lowest = (
-        [count * (ups[k] * downs[m - k]) for k, count in enumerate(_counts(m))] for m in (n, n - 1, n - 2)
-    )
-    return value, _derived(lower), _derived(_derived(lowest))
+    value, lower, lowest = [
+        [*map(mul, counts, map(mul, ups, downs[n - down :: -1]))] for down, counts in enumerate(_counts(n))
+    ]
+    return value, _differences(lower), _differences(_differences(lowest))
 
 
 @cache
-def _counts(n: int) -> list[int]:
-    """Returns binomial coefficients; none for a degree below zero."""
-    return [comb(n, k) for k in range(n + 1)]
+def _counts(n: int) -> tuple[list[int], ...]:
+    """Returns binomial coefficients of n, n times those of n - 1, and n (n - 1) times those of n - 2, if there are."""
+    return tuple([perm(n, down) * comb(n - down, k) for k in range(n - down + 1)] for down in range(3))
 
 
-def _derived(basis: Sequence[Any]) -> list[Any]:
-    """Returns derivatives of the polynomials one degree higher."""
-    return [len(basis) * (less - more) for less, more in pairwise([0.0, *basis, 0.0])]
+def _differences(basis: Sequence[Any]) -> list[Any]:
+    """Returns derivatives of the polynomials one degree higher, from polynomials times that degree."""
+    return [*map(sub, [0.0, *basis], [*basis, 0.0])]
 
 
 def progress(outputs: Outputs, evolution: Evolution, q: Sequence[Any], ops: Any = np) -> Any:
@@ -236,7 +234,7 @@ def _outputs(
     for variable, (height, slope, curvature) in zip(outputs.rows, wanted, strict=True):
         own = jet(variable, q, v, ops)
         tilt = slope / evolution.span  # H - h' ds/dq is the output's gradient
-        row = (*own.row, *((index, -tilt * weight) for index, weight in phase.row))
+        row = (*own.row, *[(index, -tilt * weight) for index, weight in phase.row])
         rest = own.drift - tilt * phase.drift - curvature * (rate * rate)
         yield own.value - height, own.rate - slope * rate, row, rest
 

@@ -82,6 +82,7 @@ class Flow:
         )
         self.q = self.v = self.a = self.friction = self._viscous = self._zeros
         self.u: Sequence[float] = ()
+        self._known: tuple[Sequence[str], list[Array], list[Array]] | None = None
         self.driven: Driven | None = None
 
     def hold(self, held: Held) -> None:
@@ -120,6 +121,7 @@ class Flow:
     def _derivative(self, t: float, y: Array) -> Array:
         nv = self._nv
         self.q, self.v = q, v = y[:nv], y[nv : 2 * nv]
+        self._known = None
         pin.computeAllTerms(self._model, self._data, q, v)
         if self._added is not None:
             try:
@@ -335,16 +337,34 @@ class Flow:
         """
         if not rows:
             return []
-        free, gains = self._response()
-        weights = [[0.0] * self._nv for _ in rows]
+        force = self._passive - self._data.nle
+        if self._has_friction:
+            force += self._viscous
+        for column, torque in others:
+            force[self._actuated[column]] += torque
+        # rows take the place of the motors' equations, as in `symbolic`
+        system, right = self._at_rest_system(force)
+        driven = [self._actuated[column] for column in motors]
+        equations, forces = system[driven], right[driven]
+        weights = [[0.0] * len(right) for _ in rows]
         for weight, row in zip(weights, rows, strict=True):
             for index, value in row:
                 weight[index] += value
-        for column, torque in others:
-            free = free + torque * gains[:, column]
-        over = np.array(weights)
-        torques: list[float] = solve(over @ gains[:, motors], np.asarray(wanted) - over @ free).tolist()
+        system[driven], right[driven] = weights, wanted
+        torques: list[float] = (equations @ solve(system, right) - forces).tolist()
         return torques
+
+    def _at_rest_system(self, force: Array) -> tuple[Array, Array]:
+        """Returns matrix and right-hand side for (v̇, ground forces), with the toes on the ground at rest."""
+        nv, toes = self._nv, self._at_rest
+        n = nv + self._k * len(toes)
+        system, right = np.zeros((n, n)), np.zeros(n)
+        system[:nv, :nv], right[:nv] = self._data.M, force
+        if toes:
+            for i, (jacobian, drift) in enumerate(zip(*self._rows(toes), strict=True)):
+                begin, end = nv + self._k * i, nv + self._k * (i + 1)
+                system[begin:end, :nv], system[:nv, begin:end], right[begin:end] = jacobian, -jacobian.T, -drift
+        return system, right
 
     # accelerations for each kind of contact
 
@@ -398,6 +418,12 @@ class Flow:
         return a
 
     def _rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
+        """Returns J and J̇ v of some toes; of the same toes as the law asked for, it computed them already."""
+        if self._known is None or self._known[0] != toes:
+            self._known = toes, *self._computed_rows(toes)
+        return self._known[1], self._known[2]
+
+    def _computed_rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
         model, data, directions = self._model, self._data, self._directions
         pin.forwardKinematics(model, data, self.q, self.v, self._zeros)
         rows, drifts = [], []
