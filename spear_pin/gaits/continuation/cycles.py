@@ -84,7 +84,7 @@ class Family:
     @cached_property
     def differentiable(self) -> bool:
         """Whether exact derivatives are known for such systems and measures."""
-        if not self.system.section_toes:
+        if self.system.robot.planar:
             return self._has_lanes()
         return may_vary(self.system, ()) and all(isinstance(name, str) for name in self.measures)
 
@@ -98,7 +98,7 @@ class Family:
 
     def recorder(self, values: Array) -> Recorder:
         """Returns what runs and records the cycles of a member."""
-        if self.of_robot or self.system.section_toes:  # in space nothing is compiled that members could share
+        if self.of_robot or not self.system.robot.planar:  # in space nothing is compiled that members could share
             return Recorder(self.member(values.tolist()))
         given = {name: np.array([value]) for name, value in zip(self.names, values.tolist(), strict=True)}
         return Recorder(self.system, many(self.system, given))
