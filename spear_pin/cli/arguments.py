@@ -69,9 +69,11 @@ class HelpFormatter(argparse.HelpFormatter):
         """Write the usage of a command with what is required; the list of its options follows anyway."""
         if any(isinstance(each, Commands) for each in actions):
             return super()._format_usage(usage, actions, groups, prefix)
-        self._prog += " [options]"
-        needed = [each for each in actions if each.required or not each.option_strings]
-        return super()._format_usage(usage, needed, [], prefix)
+        first = super()._format_usage(usage, [each for each in actions if not each.option_strings], [], prefix)
+        needed = [
+            f" {each.option_strings[-1]} {each.metavar}" for each in actions if each.option_strings and each.required
+        ]
+        return f"{first.rstrip()}{''.join(needed)} [options]\n\n"  # as the examples do: an option of a list takes words
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
         """Fill each line by itself; what is indented stays as it is."""

@@ -30,8 +30,8 @@ LASTING = (
     Lasting(
         "payoff",
         "",
-        "about three searches for each stiffness and each speed or flight time, 10 s to a minute each,"
-        " shared by the processors",
+        "about three searches for each knee at each speed or flight time (a knee without a spring, and a fixed and a"
+        " switched one for each stiffness), 5 s to a minute each, shared by the processors",
     ),
     Lasting("family", "", "some seconds to a minute for a hop, and minutes for a bound"),
     Lasting("sensitivity", "", "some seconds, and half a minute for a bound"),

@@ -15,17 +15,21 @@ from spear_pin.errors import SpearError, listed
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = (
-        "spear dynamics spear_ii --q 0 0.5 0.5 1",
-        "print SPEAR-II's mass matrix, gravity and other terms with its knee bent",
+        "spear dynamics my_robot.urdf",
+        "check that this file loads, and print the robot's mass matrix and gravity with all coordinates zero",
     )
     parser = add_command(
         commands, "dynamics", run, "check that a robot's file loads; print mass matrix and gravity", example
     )
     add_robot(parser)
-    parser.add_argument("--q", type=float, nargs="+", metavar="RAD", help="coordinates, in m and rad (default: zero)")
     parser.add_argument(
-        "--v", type=float, nargs="+", metavar="RAD/S", help="velocities, in m/s and rad/s (default: zero)"
+        "--q",
+        type=float,
+        nargs="+",
+        metavar="Q",
+        help="coordinates, in m and rad, in the order that the output names (default: zero)",
     )
+    parser.add_argument("--v", type=float, nargs="+", metavar="V", help="velocities, in m/s and rad/s (default: zero)")
     add_loading(parser)
     add_cut(parser)
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 BOUND = "long_stride"  # the one that is shown unless another is asked for
 WHAT = "hop|bound|GAIT"
-VARY = "solve for these parameters, one for each measure of --keep"
+VARY = "let these parameters change so that the measures of --keep do not, one for each"
 SPEED_SUFFIX = r"_(\d+(?:\.\d+)?)$"  # of a gait's name: in m/s
 
 

@@ -26,9 +26,9 @@ def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = (
         "spear hop --stiffness 55 --open",
-        "find SPEAR-II's hop with a stiffer spring, and open a page that plays it",
+        "find SPEAR-II's hop with a stiffer spring, print its multipliers and whether it is stable, and play it",
     )
-    parser = add_command(commands, "hop", run, "find and simulate a leg's hop in place", example)
+    parser = add_command(commands, "hop", run, "find and simulate a leg's hop in place, print its multipliers", example)
     wanted = parser.add_mutually_exclusive_group()
     wanted.add_argument(
         "--flight-time",
@@ -45,9 +45,9 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--frequency", type=float, metavar="HZ", help="frequency of the torque in stance (default: 2.56)"
     )
-    parser.add_argument("--stiffness", type=float, metavar="N·m/RAD", help="stiffness of the spring (default: 48.84)")
-    parser.add_argument("--damping", type=float, metavar="N·m·S/RAD", help="knee damping in stance (default: 1.3)")
-    parser.add_argument("--hardening", type=float, metavar="N·m/RAD³", help="hardening of the spring (default: 0)")
+    parser.add_argument("--stiffness", type=float, metavar="N·m/rad", help="stiffness of the spring (default: 48.84)")
+    parser.add_argument("--damping", type=float, metavar="N·m·s/rad", help="knee damping in stance (default: 1.3)")
+    parser.add_argument("--hardening", type=float, metavar="N·m/rad³", help="hardening of the spring (default: 0)")
     parser.add_argument("--preload", type=float, metavar="N·m", help="preload of the spring (default: 0)")
     parser.add_argument(
         "--friction", type=float, metavar="MU", help="friction of the ground (default: 0.8, an assumption)"

@@ -28,10 +28,11 @@ def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = (
         "spear identify lab.csv --volts-per-rad 1.06 --offset 0.4",
-        "estimate stiffness, damping and rest angle from lab.csv, which `spear push-test --write-csv lab` writes",
+        "estimate stiffness, damping and rest angle, each ± its standard deviation, from lab.csv, which"
+        " `spear push-test --write-csv lab` writes (for dry friction add --vary stiffness damping rest_angle coulomb)",
     )
     parser = add_command(
-        commands, "identify", run, "estimate a knee's spring, damping, friction from push-test logs", example
+        commands, "identify", run, "estimate a knee's stiffness, damping, friction from push tests", example
     )
     parser.add_argument("files", nargs="+", metavar="FILE", help="CSV or .mat: time, and voltage or angle of the knee")
     data = parser.add_argument_group("records")
@@ -52,9 +53,13 @@ def add(commands: Commands) -> None:
     smoothing = parser.add_argument_group("smoothing", "data and model are smoothed alike")
     smoothing.add_argument("--window", type=int, metavar="N", help="samples of a moving average (default: none)")
     smoothing.add_argument("--filter", metavar="KIND", help="centred or causal (default: centred)")
-    smoothing.add_argument("--smoothed-already", action="store_true", help="take the records as smoothed already")
-    smoothing.add_argument("--model-as-is", action="store_true", help="do not smooth the model: estimates are biased")
-    add_another(parser, "its leg is the one in the records")
+    smoothing.add_argument(
+        "--smoothed-already", action="store_true", help="the records are smoothed already; needs --window"
+    )
+    smoothing.add_argument(
+        "--model-as-is", action="store_true", help="do not smooth the model, only to see how that biases estimates"
+    )
+    add_another(parser, "its leg is the one in the records; without it, SPEAR-II's masses count")
     model = parser.add_argument_group("model", "without --robot, the leg is SPEAR-II's, with its masses and inertias")
     add_drive(model)
     model.add_argument(
@@ -63,7 +68,7 @@ def add(commands: Commands) -> None:
         type=names,
         default=[["stiffness", "damping", "rest_angle"]],
         metavar="NAME",
-        help=f"estimate these of {', '.join(KNOWN)}; coulomb is dry friction (default: stiffness damping rest_angle)",
+        help=f"estimate these of {', '.join(KNOWN)} (default: stiffness damping rest_angle; coulomb is dry friction)",
     )
     model.add_argument(
         "--per-release", nargs="+", type=names, default=[], metavar="NAME", help="estimate these anew for each release"

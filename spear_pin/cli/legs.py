@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 NAMES = {"spear_ii": "SPEAR-II", "q_spear": "Q-SPEAR", "q_spear_full": "Q-SPEAR", "hoppy": "HOPPY"}
 OPTIONS = ("leg", "bends", "body", "repair")
 SEEN = 1e-3  # modulus of a multiplier, below which it is counted, not written
-SIDE = "needed if the file does not say which"
+SIDE = "needed if the file does not tell"
 SIDES = "1 if posterior and anterior knees point forward, -1 if backward"
-BODY = "mass on the leg's slider (default: its share of the trunk)"
+BODY = "mass that the leg carries (default: its share of the trunk)"
 
 
 def add_leg(parser: Any, what: str) -> None:
@@ -54,7 +54,7 @@ def add_plane(parser: Any, what: str) -> None:
 def add_cut(parser: Any) -> None:
     """Declare --leg, --plane, --bends and --body; `cut_out` reads them. None unless they are given."""
     group = parser.add_argument_group(
-        "part of the robot", "the part has the coordinates and signs of SPEAR-II or Q-SPEAR"
+        "part of the robot", "its joints get the names and signs of SPEAR-II (--leg) or Q-SPEAR (--plane)"
     )
     part = group.add_mutually_exclusive_group()
     part.add_argument("--leg", metavar="NAME", help="take this leg, on a slider")

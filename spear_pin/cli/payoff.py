@@ -44,9 +44,15 @@ def add(commands: Commands) -> None:
     summary = "tell if a fixed or a switched spring in the knee saves energy"
     parser = add_command(commands, "payoff", run, summary, example)
     add_robot(parser)
-    parser.add_argument("--leg", metavar="NAME", help="let this leg hop in place (default: the whole robot bounds)")
     parser.add_argument(
-        "--bends", type=int, nargs="+", metavar="±1", help=f"1 if a knee points forward, -1 if backward; {SIDE}"
+        "--leg", metavar="NAME", help="let this leg hop in place; help lists the legs (default: a quadruped bounds)"
+    )
+    parser.add_argument(
+        "--bends",
+        type=int,
+        nargs="+",
+        metavar="±1",
+        help=f"1 if a knee points forward, -1 if backward: one number with --leg, else two, posterior first; {SIDE}",
     )
     parser.add_argument("--body", type=float, metavar="KG", help=f"{BODY}; needs --leg")
     add_repair(parser)
@@ -62,11 +68,13 @@ def add(commands: Commands) -> None:
         help="stiffnesses of a leg's spring, in N·m/rad (default: five around the optimum)",
     )
     motors = parser.add_argument_group(
-        "motors", "by default those of the robot's TOML file, or else scaled ones of the catalogue"
+        "motors", "by default those of the robot's TOML file, else motors of the catalogue scaled to the robot"
     )
     for part in ("knee", "hip"):
         motors.add_argument(
-            f"--{part}-motor", metavar="NAME", help=f"motor of a {part}, from the catalogue, instead of the file's"
+            f"--{part}-motor",
+            metavar="NAME",
+            help=f"motor of a {part}, from the catalogue, instead of the default; help lists them",
         )
         motors.add_argument(
             f"--{part}-ratio",

@@ -39,7 +39,7 @@ def add(commands: Commands) -> None:
         help="stiffness of the spring (default: 48.25, or 47.12 without motor)",
     )
     parser.add_argument(
-        "--damping", type=float, metavar="N·m·S/RAD", help="knee damping (default: 1.03, or 0.80 without motor)"
+        "--damping", type=float, metavar="N·m·s/rad", help="knee damping (default: 1.03, or 0.80 without motor)"
     )
     parser.add_argument(
         "--coulomb", type=float, default=0.0, metavar="N·m", help="dry friction of the knee (default: 0)"

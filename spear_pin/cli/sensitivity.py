@@ -23,7 +23,7 @@ def add(commands: Commands) -> None:
         "spear sensitivity hop --over stiffness,knee_mass",
         "print how spring and shank change the hop's energy, speed, multipliers and other measures",
     )
-    summary = "compute how parameters change cost, torques, motor heat, ..."
+    summary = "compute how parameters change cost, torques, heat and more"
     parser = add_command(commands, "sensitivity", run, summary, example)
     add_gait(parser)
     parser.add_argument(
@@ -31,7 +31,8 @@ def add(commands: Commands) -> None:
         type=names,
         action="extend",
         metavar="NAME",
-        help="parameters, separated by commas (default: those of springs, gears and ground)",
+        help="parameters, separated by commas, such as a bound's torso_mass; help lists all (default: those of springs,"
+        " gears and ground)",
     )
     add_kept(parser)
     add_motors(parser)

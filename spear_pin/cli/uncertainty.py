@@ -28,7 +28,7 @@ def add(commands: Commands) -> None:
         "spear uncertainty hop --sigma stiffness=1%,damping=0.05",
         "print the standard deviation of each measure, and which parameter to measure better",
     )
-    summary = "tell how sure cost and torques are, and which parameter matters"
+    summary = "tell how sure cost and torques are for parameters known to 3 %"
     parser = add_command(commands, "uncertainty", run, summary, example)
     add_gait(parser)
     parser.add_argument(

@@ -94,8 +94,8 @@ def differentiate_return_map(system: HybridSystem, state: State, rtol: float = 1
 def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: float = STEP) -> NDArray[np.complex128]:
     """Finds the Floquet multipliers of a periodic orbit, by decreasing modulus.
 
-    Out of the plane they come from exact derivatives. In the plane, and for cycles that have none, they come from differences
-    of the return map.
+    Out of the plane they come from exact derivatives. In the plane, and for cycles that have none, they come from
+    differences of the return map.
 
     Raises:
         NoGait: a perturbed cycle does not close.

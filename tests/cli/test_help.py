@@ -71,7 +71,8 @@ class TestOfACommand:
         status, out, err = run(capsys, name, "--help")
         assert (status, err) == (0, "")
         usage, sentence, example = out.split("\n\n")[:3]
-        assert usage.startswith(f"usage: spear {name} [options]") and len(usage.splitlines()) <= 2
+        assert usage.startswith(f"usage: spear {name} ") and usage.endswith("[options]")
+        assert len(usage.splitlines()) <= 2
         said = next(each.help for each in commands()._get_subactions() if each.dest == name)
         assert " ".join(sentence.split()).startswith(f"{said[0].upper()}{said[1:]}.")
         assert example.startswith("Example: ") and example.splitlines()[-1].startswith("  ")
