@@ -12,10 +12,10 @@ from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.contact import OPEN as OPEN
+from spear_pin.hybrid.contact import PINNED, Contact
 from spear_pin.hybrid.contact import SLIP_BACKWARD as SLIP_BACKWARD
 from spear_pin.hybrid.contact import SLIP_FORWARD as SLIP_FORWARD
 from spear_pin.hybrid.contact import STICK as STICK
-from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.domain import Domain as Domain
 from spear_pin.hybrid.domain import Guard as Guard
 from spear_pin.hybrid.domain import Mount as Mount
@@ -119,6 +119,11 @@ class HybridSystem:
     def ground(self) -> Ground:
         """The ground."""
         return as_ground(self.contact)
+
+    @cached_property
+    def pins(self) -> bool:
+        """Whether it pins toes where they strike, which only the reference engine does."""
+        return any(PINNED in domain.contacts for domain in self.domains)
 
     @cached_property
     def phases(self) -> tuple[str, ...]:

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import PINNED
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import NONZERO
 from spear_pin.hybrid.lanes.numbers import OTHERS
@@ -147,7 +146,7 @@ def check_lanes(system: HybridSystem) -> None:
         BadValue: see `check_equations`; or it has a pinned toe, or its robot goes round a post.
     """
     check_equations(system)
-    if any(PINNED in domain.contacts for domain in system.domains):
+    if system.pins:
         raise BadValue("system", system.kind, "one without pinned toes")
     if system.robot.post is not None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
@@ -166,7 +165,7 @@ def has_lanes(system: HybridSystem, names: Iterable[str]) -> bool:
 
     In space compiling takes longer than the reference engine does.
     """
-    return system.robot.planar and taylor.available() and may_vary(system, names)
+    return system.robot.planar and not system.pins and taylor.available() and may_vary(system, names)
 
 
 def may_vary(system: HybridSystem, names: Iterable[str]) -> bool:

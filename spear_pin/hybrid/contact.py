@@ -14,7 +14,7 @@ from spear_pin.kinds import typed
 
 CONTACTS = OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD, SLIP, PINNED = "open", "stick", "slip+", "slip-", "slip", "pinned"
 SIGN = {SLIP_FORWARD: 1.0, SLIP_BACKWARD: -1.0}
-SLIPS = (SLIP_FORWARD, SLIP_BACKWARD, SLIP)
+SLIPS, RESTS = (SLIP_FORWARD, SLIP_BACKWARD, SLIP), (STICK, PINNED)
 WAYS = {2: (SLIP_FORWARD, SLIP_BACKWARD), 3: (SLIP,)}
 """Modes of a toe that slides, in the plane and in space, where it does along a direction of its own."""
 SLOW = 3e-6  # m/s: a toe in space that slides more slowly, and decelerates, is stopped

@@ -108,7 +108,7 @@ def struck(
 
 
 def pins(system: HybridSystem, domain: Domain, reset: Reset) -> bool:
-    """Tells whether toes that strike are pinned where they do."""
+    """Tells whether toes that strike in an event are pinned where they do."""
     return PINNED in system.of_phase(reset.phase or domain.phase)[0].contacts
 
 

@@ -138,8 +138,11 @@ class Robot(Shown):
 
     @cached_property
     def arm(self) -> float | None:
-        """Distance from its post to the plane in which its leg moves, in m; None without a post."""
-        if self.post is None:
+        """Distance from its post to the plane in which its leg moves, with the boom level, in m.
+
+        It is None for a robot that does not go round a post.
+        """
+        if self.post is None or not self.legs or self.model.joints[1].shortname() != "JointModelRZ":
             return None
         _, y, _ = self.frame_position(np.zeros(self.nq), self.legs[0].hip)
         return abs(float(y) - self.post[1])

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from spear_pin import Contact, Gait, Ground, Spring, continue_gait, find_gait, load, simulate, simulate_many
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadFile, BadValue
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.round_hopping import RoundHoppingLaw, bezier, limb_of, round_hopping
 from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.gaits.singly import find_each
 from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart, return_map
@@ -269,6 +270,13 @@ class TestDerivatives:
         with pytest.raises(BadValue, match="built into the law"):
             gait.sensitivity([name])
 
+    def test_points_without_a_gait_leave_the_others(self, gait):
+        system = round_hopping(gait.system.robot, ground=Ground())
+        heights = {"height": np.array([0.0, 0.9, 0.0]), "placement": np.array([0.1, 0.1, 0.1])}
+        found = find_each(system, heights, (), {}, gait.state, 1e-9)
+        assert found.reason.tolist() == ["converged", "not_valid", "converged"]
+        assert np.isnan(found.residual).tolist() == [False, True, False]
+
     @pytest.mark.slow
     def test_a_family(self, gait):
         value = gait.system.spring.stiffness
@@ -278,9 +286,11 @@ class TestDerivatives:
 
     @pytest.mark.extra("xarray", "zarr", "joblib")
     def test_a_sweep(self, gait, tmp_path):
-        values = gait.system.spring.stiffness * np.array([0.99, 1.01])
-        found = table(sweep(gait.system, {"stiffness": values}, tmp_path / "round.zarr", guess=gait.state, n_jobs=1))
+        values, out = gait.system.spring.stiffness * np.array([0.99, 1.01]), tmp_path / "round.zarr"
+        found = table(sweep(gait.system, {"stiffness": values}, out, guess=gait.state, n_jobs=1))
         again = find_gait(with_numbers(gait.system, {"stiffness": values[1]}), guess=gait.state)
+        with pytest.raises(BadFile, match="another sweep, which differs in guess"):
+            sweep(gait.system, {"stiffness": values}, out, n_jobs=1, resume=True)
         assert found.converged.all() and np.isfinite(found.multipliers).sum(axis=1).tolist() == [4, 4]
         assert found.durations["flight"][1] == pytest.approx(again.durations["flight"], rel=1e-8)
 
@@ -324,10 +334,12 @@ class TestLaw:
 
 
 class TestBadInput:
-    @pytest.mark.parametrize("name", ["hoppy_leg", "q_spear_full"])
-    def test_other_robot(self, name):
+    @pytest.mark.parametrize(
+        ("name", "locked"), [("hoppy_leg", []), ("q_spear_full", []), ("hoppy", ["hip"]), ("hoppy", ["boom_yaw"])]
+    )
+    def test_other_robot(self, name, locked):
         with pytest.raises(BadValue, match="^robot is .*load..hoppy"):
-            round_hopping(load(name))
+            round_hopping(load(name, locked=locked))
 
     @pytest.mark.parametrize("spring", [Spring(), Spring(rest=0.2), Spring(unilateral=False)])
     def test_other_spring(self, hoppy, spring):

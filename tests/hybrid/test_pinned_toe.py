@@ -1,14 +1,18 @@
 """A pinned toe, and a system without cycles: against the constraint's forces by hand and the energy's balance."""
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pytest
 
-from spear_pin import Contact, Spring, load, simulate, simulate_many
+from spear_pin import Contact, Spring, find_gait, hopping, load, simulate, simulate_many
 from spear_pin.errors import BadValue
+from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import PINNED
+from spear_pin.hybrid.contact import OPEN, PINNED
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dry_friction import with_dry_friction
+from spear_pin.hybrid.parameters import changed, number, with_numbers
 from spear_pin.hybrid.phases import contact_domains
 from spear_pin.hybrid.result import Moment
 from tests.lagrangian import monopod
@@ -79,3 +83,30 @@ def test_contact_domains_leave_it_alone():
 def test_lanes_refuse_it():
     with pytest.raises(BadValue, match="without pinned toes"):
         simulate_many(pinned(), BENT[None], np.zeros((1, 3)))
+
+
+@dataclass(frozen=True)
+class Pinned:
+    """The change of a hop that pins its toe in stance: no friction is asked for, and nothing slips."""
+
+    def __call__(self, system):
+        stance, *_, flight = system.domains
+        kept = tuple(guard for guard in stance.guards if guard.name != "slip")
+        assert flight.contacts == (OPEN,)
+        return replace(system, domains=(replace(stance, contacts=(PINNED,), guards=kept), flight))
+
+
+def test_a_hop_with_a_pinned_toe_is_found_and_differentiated():
+    """In the plane too: the compiled engine leaves it to the reference engine."""
+    gait = find_gait(changed(hopping(ROBOT), Pinned()))
+    assert gait.residual < 1e-9 and not gait.system.domains[0].rubs
+    name, value = "stiffness", number(gait.system, "stiffness")
+    table = gait.sensitivity([name])
+
+    def at(k):
+        again = find_gait(with_numbers(gait.system, {name: value * (1.0 + 1e-3 * k)}), guess=gait.state, rtol=1e-12)
+        return np.array([Orbit(again.system, again.state, ()).measures[each].value for each in ("period", "effort")])
+
+    expected = (8.0 * (at(1) - at(-1)) - (at(2) - at(-2))) / (12e-3 * value)
+    got = [table.derivatives[each][0] for each in ("period", "effort")]
+    np.testing.assert_allclose(got, expected, rtol=1e-6)

@@ -115,9 +115,9 @@ class Design(Shown):
     def __str__(self) -> str:
         lines = [f"{self.minimize}: {self.start:.6g} -> {self.objective:.6g}{_behind(self.unit)}; {self.reason}"]
         if self.path[0][1] > MISSED:
-            lines.append(f"  it began beyond bounds, by {self.path[0][1]:.3g} of them in all")
+            lines.append(f"  it began beyond its bounds: {_excess(self.path[0][1])}")
         if self.missed > MISSED:
-            lines.append(f"  BOUNDS ARE MISSED, by {self.missed:.3g} of them in all: nothing nearby keeps them")
+            lines.append(f"  BOUNDS ARE MISSED: {_excess(self.missed)}; nothing nearby keeps them")
         for name, each in self.parameters.items():
             unit, ends = _behind(each.unit), f"{each.low:g} to {each.high:g}"
             lines.append(f"  {name:24} {each.start:10.5g} -> {each.value:10.5g}{unit} of {ends}")
@@ -158,6 +158,10 @@ class Design(Shown):
             "assumptions": {name: vars(each) for name, each in self.assumptions.items()},
         }
         return json.dumps(plain(data), indent=1, allow_nan=False)
+
+
+def _excess(violation: float) -> str:
+    return f"the excesses add up to {100.0 * violation:.3g} % of a bound"
 
 
 def _behind(unit: str) -> str:

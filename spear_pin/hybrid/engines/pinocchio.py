@@ -347,7 +347,7 @@ class Flow:
         driven = [self._actuated[column] for column in motors]
         equations, forces = system[driven], right[driven]
         weights = [[0.0] * len(right) for _ in rows]
-        for weight, row in zip(weights, rows, strict=True):
+        for weight, row, _ in zip(weights, rows, driven, strict=True):
             for index, value in row:
                 weight[index] += value
         system[driven], right[driven] = weights, wanted

@@ -14,7 +14,7 @@ from typing import Any
 
 from spear_pin.errors import BadFunction, NotSymbolic
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, PINNED, SIGN, SLIP, STICK
+from spear_pin.hybrid.contact import OPEN, RESTS, SIGN, SLIP
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.elimination import Matrix, factorize, solve, solve_sparse, substitute
@@ -26,8 +26,6 @@ from spear_pin.hybrid.rules.footing import size
 from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
 from spear_pin.model.spring import Spring
-
-RESTS = (STICK, PINNED)  # modes of a toe that is at rest
 
 
 @dataclass(frozen=True)

@@ -230,7 +230,7 @@ def compiled(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, n
 
 def compiles(structure: Structure) -> bool:
     """Tells whether derivatives of a structure are compiled: not in space, where that takes longer than many cycles."""
-    return taylor.available() and structure.system.robot.planar
+    return taylor.available() and structure.system.robot.planar and not structure.system.pins
 
 
 @lru_cache(taylor.MOST)

@@ -79,16 +79,16 @@ class Recorder:
 
     def __init__(self, system: HybridSystem, numbers: Numbers | None = None, lane: int = 0) -> None:
         self._numbers = many(system, {}) if numbers is None else numbers
-        self.system, self._nv, self._beyond_plane = system, system.robot.nv, not system.robot.planar
+        self.system, self._nv, self._uncompiled = system, system.robot.nv, not system.robot.planar or system.pins
         self.mechanism, self.law = self._numbers.mechanism, self._numbers.law_of(lane)
-        alone = self._beyond_plane or (numbers is None and not taylor.available())
+        alone = self._uncompiled or (numbers is None and not taylor.available())
         own = self._numbers.of_lane(lane)
         itself = with_parameters(system, own) if alone and own else system
         self._runner: Runner = ReferenceRunner(itself) if alone else CompiledRunner(self._numbers, lane)
         self.numbers = np.array(self._numbers.constants(lane), dtype=float)
         self.end = np.empty(0)
         self.order: Order = ()
-        self._own = {domain.name: domain for domain in system.domains} if self._beyond_plane else {}
+        self._own = {domain.name: domain for domain in system.domains} if self._uncompiled else {}
         # the system keeps its domains, so that their ids stay the same
         self._fields = _fields.setdefault(self._numbers.compilation, {})
         self._feet = _feet.setdefault(self._numbers.compilation, {})
@@ -133,7 +133,7 @@ class Recorder:
 
     def field(self, domain: Domain, held: Held) -> TangentField:
         """Returns the tangent field that gives a domain's derivatives."""
-        if self._beyond_plane:  # the runner's system may have other numbers, and domains of its own
+        if self._uncompiled:  # the runner's system may have other numbers, and domains of its own
             domain = self._own[domain.name]
         key = id(domain), shape_of(held)
         if key not in self._fields:

@@ -85,4 +85,4 @@ def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float
     knees, hips = points(gait, "knee"), points(gait, "hip")
     positive = sum(hips.curves.positive(power) for power in (hips.torque * hips.speed).T)
     energy = energy_drawn(knees, knee, regeneration) + PAIR * positive
-    return energy / (gait.system.robot.weight * gait.period * mean_speed(gait))
+    return energy / (gait.system.robot.weight * gait.period * abs(mean_speed(gait)))

@@ -25,7 +25,7 @@ from spear_pin.studies import workers
 from spear_pin.studies.sweep import store
 from spear_pin.studies.sweep.job import Job, Rows, asked
 
-CHUNK = 512
+CHUNK = 512  # points, where they are solved together
 PURPOSE = "a sweep"
 
 
@@ -39,14 +39,15 @@ def sweep(
     *,
     guess: State | None = None,
     rtol: float = 1e-9,
-    chunk: int = CHUNK,
+    chunk: int | None = None,
     n_jobs: int | None = None,
     resume: bool = False,
     on_points: Callable[[int, int], object] = lambda done, total: None,
 ) -> Any:
     """Finds the gaits at many points, and stores them as an xarray Dataset in zarr.
 
-    In space they are found one after the other, each in seconds to minutes: there a small `chunk` loses little.
+    In the plane the points of a chunk are solved together. In space, and round a post, gaits are found one after the
+    other, each in seconds to minutes.
 
     Each finished chunk is on disk. After a kill, the same call with `resume` loses no chunk and repeats none.
 
@@ -60,7 +61,7 @@ def sweep(
         guess: a state (q, v) on the section from which the system's own gait is searched for; by default the system's
             own. Gaits in 3-D need one.
         rtol: relative tolerance; see `find_many`.
-        chunk: number of points that are solved together, and lost together.
+        chunk: number of points that are solved together, and lost together; by default 512, in space 1.
         n_jobs: number of processes; by default that of `joblib.parallel_config`, in which a Dask cluster can be named,
             else one.
         resume: whether to continue an interrupted sweep.
@@ -82,10 +83,13 @@ def sweep(
     out, target = Path(out), dict(target or {})
     Options(rtol)
     job = asked(system, points, tuple(vary), target, rtol)
+    if chunk is None:
+        chunk = CHUNK if system.robot.planar else 1
     if chunk < 1 or chunk % 1:
         raise BadValue("chunk", chunk, "a whole number, at least 1")
     n = len(next(iter(job.points.values())))
-    described = store.description(job, chunk, n)
+    described = store.description(job, chunk, n, guess)
+    system.robot.bias(*(guess or system.guess()))  # it says what is wrong with them
     if store.begin(out, described, resume):
         start = store.started(out, lambda: _start(system, job, guess))
         begun, guess = with_parameters(system, start["values"]), (np.array(start["q"]), np.array(start["v"]))

@@ -16,10 +16,10 @@ from spear_pin.gaits.gait import KINDS, built_as_named
 from spear_pin.gaits.gait_table import REASONS
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
-from spear_pin.gaits.one_by_one import find_each
+from spear_pin.gaits.singly import find_each
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import check_equations
+from spear_pin.hybrid.batch import check_equations, check_lanes
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
 from spear_pin.hybrid.result import State
@@ -135,7 +135,7 @@ def _check_system(system: HybridSystem) -> dict[str, Any]:
     """Returns fields that were replaced in a system and that other processes can replace; refuses others."""
     if system.kind not in KINDS or not built_as_named(system):
         raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
-    check_equations(system)
+    (check_lanes if system.robot.planar else check_equations)(system)
     kept = replaced(system)
     for name in kept:
         if name not in CARRIED:

@@ -24,6 +24,7 @@ import spear_pin
 from spear_pin.errors import BadFile, MissingExtra, listed
 from spear_pin.files import atomic, parse_json, read_bytes, write_text
 from spear_pin.gaits.gait_table import CONVERGED, REASONS
+from spear_pin.hybrid.result import State
 from spear_pin.model.origin import origin
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS
@@ -59,7 +60,7 @@ def size(n: int, chunk: int, index: int) -> int:
     return min(chunk, n - index * chunk)
 
 
-def description(job: Job, chunk: int, n: int) -> dict[str, Any]:
+def description(job: Job, chunk: int, n: int, guess: State | None) -> dict[str, Any]:
     """Returns a description of the request as JSON, by which two sweeps can be distinguished."""
     return {
         "format": FORMAT,
@@ -79,6 +80,7 @@ def description(job: Job, chunk: int, n: int) -> dict[str, Any]:
         "vary": list(job.vary),
         "target": dict(job.target),
         "rtol": job.rtol,
+        "guess": None if guess is None else [np.asarray(part).tolist() for part in guess],
     }
 
 

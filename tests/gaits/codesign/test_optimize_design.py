@@ -166,7 +166,7 @@ def test_bounds_that_nothing_keeps_are_told(hop):
         hop, "work", {"stiffness": (42.0, 60.0)}, {"flight_time": 0.2}, at_least={"margin_spring_switch": 5.0}
     )
     assert not found.converged and found.missed == pytest.approx(1.0 - found.margins["spring_switch"] / 5.0, rel=1e-3)
-    assert "it began beyond bounds" in str(found) and "BOUNDS ARE MISSED, by 0.98" in str(found)
+    assert "it began beyond its bounds" in str(found) and "BOUNDS ARE MISSED: the excesses add up to 98" in str(found)
 
 
 def test_over_a_number_of_a_body(hop):

@@ -47,6 +47,8 @@ def find_each(
                 break
             except NoGait:
                 reason[lane] = NO_CONVERGENCE
+            except SpearError:  # a toe below the ground
+                reason[lane] = NOT_VALID
         if lane in found:
             reason[lane] = CONVERGED
     return _table(system, parameters, vary, found, reason)
