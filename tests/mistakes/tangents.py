@@ -80,6 +80,29 @@ MUTATIONS = [
         {"derivatives in space: the last impulse alone": ("self.changes[toe] + own if toe in counted else own", "own")},
     ),
     *mistakes_in(
+        "model/spatial",
+        ["gaits/test_round_hopping"],
+        {
+            "the circle's direction does not turn": ("- y * drift[0] - turning)", "- y * drift[0])"),
+            "it turns the other way": ("- y * drift[0] - turning)", "- y * drift[0] + turning)"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/cycle",
+        ["gaits/test_round_hopping"],
+        {"a pinned toe strikes with friction": ("if pins(self.system", "if False and pins(self.system")},
+    ),
+    *mistakes_in(
+        "gaits/sensitivity/measures",
+        ["gaits/test_round_hopping"],
+        {"a distance back is negative": ("sign = math.copysign(1.0, stride.value)", "sign = 1.0")},
+    ),
+    *mistakes_in(
+        "gaits/singly",
+        ["gaits/test_round_hopping"],
+        {"one bad point ends a sweep": ("except SpearError:  # a toe below the ground", "except MemoryError:")},
+    ),
+    *mistakes_in(
         "hybrid/spatial_section",
         ["hybrid/tangent/test_in_space"],
         {"changes of ξ in a fixed heading": ("np.outer([aside, -ahead], dq[YAW])", "0.0")},
