@@ -15,6 +15,7 @@ MUTATIONS = [
             ),
             "D in space without the arm": ("add(torque, cross(joints[j].arm, force)), above", "torque, above"),
             "a push that acts at the joint": ("subtract(loads[i][1], cross(offset, own))", "loads[i][1]"),
+            "round a post the circle's direction does not turn": ("- y * drift[0] - turning)", "- y * drift[0])"),
         },
     ),
     *mistakes_in(

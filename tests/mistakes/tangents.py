@@ -80,14 +80,6 @@ MUTATIONS = [
         {"derivatives in space: the last impulse alone": ("self.changes[toe] + own if toe in counted else own", "own")},
     ),
     *mistakes_in(
-        "model/spatial",
-        ["gaits/test_round_hopping"],
-        {
-            "the circle's direction does not turn": ("- y * drift[0] - turning)", "- y * drift[0])"),
-            "it turns the other way": ("- y * drift[0] - turning)", "- y * drift[0] + turning)"),
-        },
-    ),
-    *mistakes_in(
         "hybrid/tangent/cycle",
         ["gaits/test_round_hopping"],
         {"a pinned toe strikes with friction": ("if pins(self.system", "if False and pins(self.system")},

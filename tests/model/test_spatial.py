@@ -156,3 +156,13 @@ def test_symbols():
 def test_refuses_a_quaternion():
     with pytest.raises(BadValue, match="chain"):
         Spatial(load("q_spear_full"))
+
+
+def test_toes_round_a_post():
+    """Along the circle on which they stand, which turns as they move, and vertically."""
+    robot, rng = load("hoppy"), np.random.default_rng(3)
+    for q, v in rng.uniform(-1.0, 1.0, (STATES, 2, robot.nv)):
+        q[:2] *= 0.3
+        feet = Spatial(robot).feet(q.tolist(), v.tolist(), math)
+        np.testing.assert_allclose(feet.jacobians["toe"], robot.toe_jacobian(q, "toe"), rtol=0, atol=1e-14)
+        np.testing.assert_allclose(feet.drifts["toe"], robot.toe_drift(q, v, "toe"), rtol=0, atol=1e-12)
