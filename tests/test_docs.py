@@ -265,7 +265,7 @@ class TestReference:
     def test_has_the_options_with_their_units_and_defaults(self, reference):
         parser = reference.parsers()["hop"]
         options = {option.usage: option for group in reference.options(parser) for option in group.options}
-        assert options["--stiffness N·m/RAD"].default == "48.84"
+        assert options["--stiffness N·m/rad"].default == "48.84"
         assert options["--open"].default == "" and options["--cycles N"].default == "11"
         assert not any("default:" in option.text or "--json" in option.usage for option in options.values())
         assert reference.options(reference.parsers()["dynamics"])[0].options[0].default == "required"

@@ -99,9 +99,7 @@ def parameter(system: HybridSystem, name: str) -> float:
         UnknownName: no part has a numeric field of that name.
         BadValue: the field holds no number to begin from.
     """
-    part, inner = _owner(system, name)
-    owner = _parts(system)[part]
-    value = getattr(owner if inner is None else getattr(owner, inner), name)
+    value = _held(system, *_owner(system, name), name)
     if value is None:
         raise BadValue(name, value, "a number: set it in the law, spring or ground first")
     return float(value)
@@ -183,7 +181,7 @@ def _owner(system: HybridSystem, name: str) -> tuple[str, str | None]:
 
     Raises:
         UnknownName: no part has such a number.
-        BadValue: two parts have one.
+        BadValue: two parts have one, with different values.
     """
     owners: dict[str, tuple[str, str | None]] = {}
     for part, whole in _parts(system).items():
@@ -194,12 +192,18 @@ def _owner(system: HybridSystem, name: str) -> tuple[str, str | None]:
                 own |= {inner.name: (part, field.name) for inner in fields(value) if _numeric(value, inner.name)}
             elif _numeric(whole, field.name):
                 own[field.name] = part, None
-        if name in own and name in owners:
+        if name in own and name in owners and _held(system, *own[name], name) != _held(system, *owners[name], name):
             raise BadValue("name", name, f"a number of one part, not of {owners[name][0]} and {part}: rename the law's")
         owners |= own
     if name not in owners:
         raise UnknownName("parameter", name, owners)
     return owners[name]
+
+
+def _held(system: HybridSystem, part: str, inner: str | None, name: str) -> Any:
+    """Returns what a part, or a dataclass within it, holds by a name."""
+    whole = _parts(system)[part]
+    return getattr(whole if inner is None else getattr(whole, inner), name)
 
 
 def _numeric(owner: Any, name: str) -> bool:
