@@ -15,7 +15,8 @@ from spear_pin.model.loading import ROBOTS
 from tests.durations import Durations
 from tests.nightly import left_to_the_nightly
 
-SOLVED = Path(__file__).parent / "solved"
+HERE = Path(__file__).parent
+SOLVED = HERE / "solved"
 
 
 def pytest_addoption(parser):
@@ -46,8 +47,10 @@ def pytest_collection():
 def pytest_collection_modifyitems(config, items):
     """A test skips where a module, or a package without one, that its marker `extra` names is missing.
 
-    What `nightly.toml` names is marked `nightly`, and slow, too.
+    What `nightly.toml` names is marked `nightly`, and slow, too. The files of this folder itself, which take longest,
+    come first, so that no worker is left with one of them at the end.
     """
+    items.sort(key=lambda item: item.path.parent != HERE)
     left_to_the_nightly(items, whole=config.args_source is pytest.Config.ArgsSource.TESTPATHS)
     for item in items:
         needed = {module for marker in item.iter_markers("extra") for module in marker.args}

@@ -104,9 +104,6 @@ class Dynamics(Protocol):
         The force is affine in the torques.
         """
 
-    def response(self) -> tuple[Sequence[Any], Sequence[Sequence[Any]]]:
-        """Returns (a, A) of v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""
-
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[Any], motors: Sequence[int], others: Sequence[tuple[int, Any]]
     ) -> Sequence[Any]:

@@ -59,7 +59,6 @@ class Flow:
         self._holding = np.zeros(len(self._stuck))
         self._passive, self._applied = np.zeros(robot.nv), np.zeros(robot.nv)
         self._motors = robot.actuation_matrix
-        self._acting = np.column_stack([self._zeros, self._motors])
         self._hardware = system.hardware
         self._nx = len(system.hardware.names) if system.hardware is not None else 0
         self._nw = len(flow_names(system))
@@ -294,32 +293,13 @@ class Flow:
         The force is affine in `u`.
 
         A controller does not know that its foot slips. A torque that jumped at the onset of slip might be consistent
-        with neither mode. A controller does not know of dry friction either, here and in `response`.
+        with neither mode. A controller does not know of dry friction either.
         """
         applied = self._passive + self._motors @ np.asarray(u, dtype=float)
         if self._has_friction:
             applied += self._viscous
         _, multipliers = self._resting(self._at_rest, applied)
         return multipliers[self._k * (self._at_rest.index(toe) + 1) - 1]
-
-    def response(self) -> tuple[list[float], list[list[float]]]:
-        """Returns (a, A) of v̇ = a + A u with the toes on the ground at rest: (nv,) and nv rows of nu."""
-        free, gains = self._response()
-        return free.tolist(), gains.tolist()
-
-    def _response(self) -> tuple[Array, Array]:
-        applied = self._passive - self._data.nle
-        if self._has_friction:
-            applied += self._viscous
-        forces = self._acting.copy()
-        forces[:, 0] = applied
-        if self._at_rest:
-            rows, drifts = self._rows(self._at_rest)
-            jacobian = np.concatenate(rows)
-            forced, _, _ = constrained(self._data.M, forces, jacobian, jacobian.T, np.concatenate(drifts))
-        else:
-            forced = solve(self._data.M, forces)
-        return forced[:, 0], forced[:, 1:]
 
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[float], motors: Sequence[int], others: Sequence[tuple[int, float]]

@@ -231,16 +231,6 @@ class Motion:
         _, multipliers, _ = self._constrained(applied, rows, rows, drift)
         return multipliers[self._k * (self._taken.index(toe) + 1) - 1]
 
-    def response(self) -> tuple[list[Any], Matrix]:
-        """Returns (a, A) of v̇ = a + A u with the toes on the ground at rest: nv, and nv rows of nu."""
-        rows, drift = self._at_rest()
-        free, _, _ = self._constrained(self._passive, rows, rows, drift)
-        columns = []
-        for index in self._motors:
-            unit = [1.0 if i == index else 0.0 for i in range(self.mechanism.nv)]
-            columns.append(self._constrained(unit, rows, rows, [0.0] * len(rows), moving=False)[0])
-        return free, [list(row) for row in zip(*columns, strict=True)]
-
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[Any], motors: Sequence[int], others: Sequence[tuple[int, Any]]
     ) -> Sequence[Any]:
@@ -353,10 +343,10 @@ class Motion:
         return system, [*force, *map(negated, drift)]
 
     def _constrained(
-        self, applied: Sequence[Any], rows: Matrix, directions: Matrix, drift: Sequence[Any], moving: bool = True
+        self, applied: Sequence[Any], rows: Matrix, directions: Matrix, drift: Sequence[Any]
     ) -> tuple[list[Any], list[Any], Matrix]:
-        """Solves D a = applied - bias + G λ under A a + drift = 0; without `moving` there is no bias."""
-        force = [f - h for f, h in zip(applied, self.bias, strict=True)] if moving else list(applied)
+        """Solves D a = applied - bias + G λ under A a + drift = 0."""
+        force = [f - h for f, h in zip(applied, self.bias, strict=True)]
         if directions is rows and rows:
             solution = solve_sparse(*self._bordered(force, rows, drift))
             return solution[: len(force)], solution[len(force) :], []
