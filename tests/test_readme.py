@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from benchmarks import beside
-from spear_pin.cli import _parser
+from spear_pin.cli import _parser, main
 from spear_pin.errors import MissingProgram
 from tests.documentation import NOTEBOOKS, PAGES, ROOT, blocks, fenced
 
@@ -33,6 +33,7 @@ SLOW = {
     *("hardware.md-1", "hardware.md-2", "motors.md-2"),
     *("quadruped_in_space.md-2", "make_a_figure.md-1", "gait_of_your_own.md-2"),
 }
+ELSEWHERE = ("explore", "report")  # served until it is stopped, tested in a browser; made by the gate as a whole
 QUIET = pytest.mark.filterwarnings("default")  # a cluster's warnings are not ours
 
 
@@ -72,6 +73,28 @@ def test_block_runs(block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         runpy.run_path(str(script))
     except MissingProgram as missing:
         pytest.skip(f"{missing}: not here")
+
+
+def first_commands():
+    """The first commands of pages that begin with some: but of results, and what installs, serves or runs elsewhere."""
+    for page in PAGES[1:]:
+        begins = re.search(r"^```(\w+)\n", page.read_text(encoding="utf-8"), re.M)
+        if page.parent.name == "results" or begins is None or begins[1] != "sh":
+            continue
+        lines = [shlex.split(line, comments=True) for line in fenced(page, "sh")[0].splitlines()]
+        lines = [words[1:] for words in lines if words[0] == "spear" and words[1] not in ELSEWHERE]
+        needs = [pytest.mark.extra("example-robot-data", "casadi")] if "solo12" in str(lines) else []
+        if lines:
+            yield pytest.param(lines, id=page.name, marks=needs)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lines", [*first_commands()])
+def test_the_first_commands_of_a_page_run(lines, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    for words in lines:
+        assert main([word for word in words if word != "--open"]) == 0, capsys.readouterr().err
 
 
 def test_the_readme_shows_python():

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg.lapack import dgesv
 
 from spear_pin.arrays import Array
@@ -89,3 +91,35 @@ def constrained(D: Array, force: Array, A: Array, G: Array, drift: Array) -> tup
     if force.ndim == 1:
         a, multiplier = a[:, 0], multiplier[:, 0]
     return np.asarray(a, np.float64), np.asarray(multiplier, np.float64), np.asarray(schur, np.float64)
+
+
+def imposed(
+    D: Array, force: Array, J: Array, drift: Array, rows: ArrayLike, wanted: Sequence[float], driven: Sequence[int]
+) -> Array:
+    """Finds forces along some coordinates that make rows · a = wanted while toes stay at rest.
+
+    The equations are D a = force + Jᵀ λ + u and J a + drift = 0, (3.17)-(3.18), where u acts on the driven coordinates
+    alone. The rows take the place of the equations of these coordinates, from which u follows.
+
+    Args:
+        D: mass matrix, (nv, nv).
+        force: all other generalised forces, minus the bias, (nv,).
+        J: Jacobians of the toes, (m, nv).
+        drift: J̇ v, (m,).
+        rows: rows over the coordinates, (k, nv).
+        wanted: values of rows · a, (k,).
+        driven: indices of k coordinates.
+
+    Returns:
+        the forces along the driven coordinates, (k,).
+
+    Raises:
+        numpy.linalg.LinAlgError: the decoupling matrix is singular.
+    """
+    nv, n = len(D), len(D) + len(J)
+    system, right = np.zeros((n, n)), np.concatenate((force, -drift))
+    system[:nv, :nv], system[nv:, :nv], system[:nv, nv:] = D, J, -J.T
+    equations, forces = system[driven], right[driven]
+    system[driven], right[driven] = 0.0, wanted
+    system[driven, :nv] = rows
+    return np.asarray(equations @ solve(system, right) - forces, np.float64)

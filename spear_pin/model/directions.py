@@ -11,15 +11,16 @@ A sticking toe keeps the ψ at which it landed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import hypot
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import pinocchio as pin
 
 from spear_pin.arrays import Array
+from spear_pin.model.scalars import dot, times
 
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
@@ -99,6 +100,26 @@ class Round:
         arms = places()[..., :2] - self.post
         ahead = components[..., 0] / np.linalg.norm(arms, axis=-1)
         return np.stack([-ahead * arms[..., 1], ahead * arms[..., 0], components[..., 1]], axis=-1)
+
+    def moving(
+        self, place: Sequence[Any], rows: Sequence[Sequence[Any]], drift: Sequence[Any], v: Sequence[Any], ops: Any
+    ) -> tuple[list[list[Any]], tuple[Any, Any]]:
+        """Returns J, two rows of nv, and J̇ v, in m/s², along the circle and vertically, for scalars of any kind.
+
+        Args:
+            place: position of the toe in the world, x, y and z in m.
+            rows: its J in the world, three rows of nv.
+            drift: its J̇ v in the world, in m/s².
+            v: nv scalars.
+            ops: has `sqrt` for them.
+        """
+        x, y = place[0] - self.post[0], place[1] - self.post[1]
+        radius = ops.sqrt(x * x + y * y)
+        ahead = [times(x, across) - times(y, along) for along, across in zip(rows[0], rows[1], strict=True)]
+        outward = times(x, dot(rows[0], v)) + times(y, dot(rows[1], v))
+        turning = dot(ahead, v) * outward / (radius * radius)
+        along = (x * drift[1] - y * drift[0] - turning) / radius
+        return [[each / radius for each in ahead], list(rows[2])], (along, drift[2])
 
     def _arm(self, model: pin.Model, data: pin.Data, frame: int) -> tuple[float, float, float]:
         """Returns x, y and the distance from the post to a frame, in m."""

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any, NamedTuple, Self
 
+from spear_pin.model.directions import Round
+
 
 class Feet(NamedTuple):
     """Kinematics of the toes at a state, in two dimensions or in three.
@@ -53,7 +55,7 @@ class Mechanism(ABC):
         frames: of each frame the number of its body, -1 for the world, and its place there, in m.
         toes: the same of each toe.
         lift: acceleration of the ground, which does what gravity does, in m/s²; a vector of two or three.
-        post: position, x and y in m, of the post about which it goes, if it does.
+        circle: directions of contact, if it goes round a post.
     """
 
     coordinates: tuple[str, ...]
@@ -62,7 +64,7 @@ class Mechanism(ABC):
     frames: dict[str, tuple[int, Any]]
     toes: dict[str, tuple[int, Any]]
     lift: Any
-    post: tuple[float, float] | None = None
+    circle: Round | None = None
 
     @abstractmethod
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
@@ -98,4 +100,4 @@ class Mechanism(ABC):
     def shape(self) -> Any:
         """All of it but its numbers, and which of these are zero."""
         other = self.with_numbers([float(number != 0.0) for number in self.numbers])
-        return other.bodies, tuple(other.toes.items()), tuple(sorted(other.frames.items())), self.lift, self.post
+        return other.bodies, tuple(other.toes.items()), tuple(sorted(other.frames.items())), self.lift, self.circle

@@ -18,6 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.directions import Round
 from spear_pin.model.mechanism import Feet, Mechanism, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import dot, negated, plus, times, vanishes
@@ -129,7 +130,7 @@ class Spatial(Mechanism):
         for frame in robot.model.frames:  # of several of a name the first, as Pinocchio finds it
             self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, floats_of(frame.placement.translation)))
         self.toes = {toe: self.frames[toe] for toe in robot.toes}
-        self.post = robot.post
+        self.circle = robot.directions if isinstance(robot.directions, Round) else None
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
         """Returns the equations of motion at (q, v).
@@ -251,8 +252,8 @@ class Spatial(Mechanism):
                 for row, value in zip(rows, column, strict=True):
                     row[i] = value
                 i = body.parent
-            if self.post is not None:
-                jacobians[toe], drifts[toe] = _round(self.post, position, rows, drifts[toe], v, ops)
+            if self.circle is not None:
+                jacobians[toe], drifts[toe] = self.circle.moving(position, rows, drifts[toe], v, ops)
         return Feet(positions, jacobians, drifts)
 
     def moving_feet(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any) -> dict[str, Toe]:
@@ -346,26 +347,6 @@ def _hung(above: _Composite, load: _Composite, joint: _Joint) -> _Composite:
 
     first, second, third = (vector_of(entry(i, j) for j in range(3)) for i in range(3))
     return _Composite(plus(above.mass, mass), add(above.moment, add(moment, scale(mass, arm))), (first, second, third))
-
-
-def _round(
-    post: tuple[float, float],
-    position: Vector,
-    rows: Sequence[Sequence[Any]],
-    drift: Vector,
-    v: Sequence[Any],
-    ops: Any,
-) -> tuple[list[list[Any]], tuple[Any, Any]]:
-    """Returns J and J̇ v of a toe along the circle about a post and vertically, by the equation of `directions`."""
-    x, y = position[0] - post[0], position[1] - post[1]
-    radius = ops.sqrt(x * x + y * y)
-    ahead = [times(x, across) - times(y, along) for along, across in zip(rows[0], rows[1], strict=True)]
-    outward = times(x, dot(rows[0], v)) + times(y, dot(rows[1], v))
-    turning = dot(ahead, v) * outward / (radius * radius)
-    return [[each / radius for each in ahead], list(rows[2])], (
-        (x * drift[1] - y * drift[0] - turning) / radius,
-        drift[2],
-    )
 
 
 def _inertial(body: Body, joint: _Joint) -> tuple[Vector, Vector]:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from spear_pin import Contact
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.contact import constrained
+from spear_pin.hybrid.contact import constrained, imposed
 from tests.hybrid.impacts import impacts, many, rod
 
 
@@ -60,3 +60,18 @@ class TestContact:
 
     def test_default_is_the_documented_assumption(self):
         assert Contact().friction == 0.8
+
+
+@pytest.mark.parametrize("m", [0, 2])
+def test_forces_that_impose_accelerations(m):
+    """Against the accelerations that they give, on toes at rest and in the air."""
+    rng, nv, driven = np.random.default_rng(8), 6, [5, 2, 3]
+    root = rng.normal(size=(nv, nv))
+    D, force = root @ root.T + np.eye(nv), rng.normal(size=nv)
+    J, drift = rng.normal(size=(m, nv)), rng.normal(size=m)
+    rows, wanted = rng.normal(size=(3, nv)), rng.normal(size=3)
+    applied = force.copy()
+    applied[driven] += imposed(D, force, J, drift, rows, wanted.tolist(), driven)
+    a = constrained(D, applied, J, J.T, drift)[0] if m else np.linalg.solve(D, applied)
+    np.testing.assert_allclose(rows @ a, wanted, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(J @ a + drift, 0.0, atol=1e-11)

@@ -15,7 +15,6 @@ MUTATIONS = [
             ),
             "D in space without the arm": ("add(torque, cross(joints[j].arm, force)), above", "torque, above"),
             "a push that acts at the joint": ("subtract(loads[i][1], cross(offset, own))", "loads[i][1]"),
-            "round a post the circle's direction does not turn": ("- y * drift[0] - turning)", "- y * drift[0])"),
         },
     ),
     *mistakes_in(
@@ -70,7 +69,7 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "model/directions",
-        ["model/test_directions", "model/test_dynamics", "hybrid/test_equations_of_motion"],
+        ["model/test_directions", "model/test_spatial", "model/test_dynamics", "hybrid/test_equations_of_motion"],
         {
             "rows x and y of a toe": ("return vectors[0 : 3 : 4 - self.dimension]", "return vectors[: self.dimension]"),
             "drift along x and y": (
@@ -79,6 +78,7 @@ MUTATIONS = [
             ),
             "round a post the other way": ("(x * vectors[1] - y * vectors[0])", "(y * vectors[0] - x * vectors[1])"),
             "a circle's direction that does not turn": (" - (x * vy - y * vx) * (x * vx + y * vy) / radius**3", ""),
+            "for any scalars it does not turn": ("- y * drift[0] - turning)", "- y * drift[0])"),
             "a circle about the origin": ("float(place[0]) - self.post[0]", "float(place[0])"),
             "forces round the origin": ("arms = places()[..., :2] - self.post", "arms = places()[..., :2]"),
         },

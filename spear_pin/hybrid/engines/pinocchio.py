@@ -15,7 +15,7 @@ import pinocchio as pin
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SLIPS, constrained, solve
+from spear_pin.hybrid.contact import OPEN, SLIPS, constrained, imposed, solve
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
@@ -59,6 +59,7 @@ class Flow:
         self._holding = np.zeros(len(self._stuck))
         self._passive, self._applied = np.zeros(robot.nv), np.zeros(robot.nv)
         self._motors = robot.actuation_matrix
+        self._nowhere = np.empty((0, robot.nv)), np.empty(0)
         self._hardware = system.hardware
         self._nx = len(system.hardware.names) if system.hardware is not None else 0
         self._nw = len(flow_names(system))
@@ -322,29 +323,16 @@ class Flow:
             force += self._viscous
         for column, torque in others:
             force[self._actuated[column]] += torque
-        # rows take the place of the motors' equations, as in `symbolic`
-        system, right = self._at_rest_system(force)
-        driven = [self._actuated[column] for column in motors]
-        equations, forces = system[driven], right[driven]
-        weights = [[0.0] * len(right) for _ in rows]
-        for weight, row, _ in zip(weights, rows, driven, strict=True):
+        weights = [[0.0] * self._nv for _ in rows]
+        for weight, row, _ in zip(weights, rows, motors, strict=True):
             for index, value in row:
                 weight[index] += value
-        system[driven], right[driven] = weights, wanted
-        torques: list[float] = (equations @ solve(system, right) - forces).tolist()
+        jacobian, drift = self._nowhere
+        if self._at_rest:
+            jacobian, drift = (np.concatenate(parts) for parts in self._rows(self._at_rest))
+        driven = [self._actuated[column] for column in motors]
+        torques: list[float] = imposed(self._data.M, force, jacobian, drift, weights, wanted, driven).tolist()
         return torques
-
-    def _at_rest_system(self, force: Array) -> tuple[Array, Array]:
-        """Returns matrix and right-hand side for (v̇, ground forces), with the toes on the ground at rest."""
-        nv, toes = self._nv, self._at_rest
-        n = nv + self._k * len(toes)
-        system, right = np.zeros((n, n)), np.zeros(n)
-        system[:nv, :nv], right[:nv] = self._data.M, force
-        if toes:
-            for i, (jacobian, drift) in enumerate(zip(*self._rows(toes), strict=True)):
-                begin, end = nv + self._k * i, nv + self._k * (i + 1)
-                system[begin:end, :nv], system[:nv, begin:end], right[begin:end] = jacobian, -jacobian.T, -drift
-        return system, right
 
     # accelerations for each kind of contact
 
