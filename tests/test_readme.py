@@ -3,6 +3,8 @@
 import re
 import runpy
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -33,7 +35,8 @@ SLOW = {
     *("hardware.md-1", "hardware.md-2", "motors.md-2"),
     *("quadruped_in_space.md-2", "make_a_figure.md-1", "gait_of_your_own.md-2"),
 }
-ELSEWHERE = ("explore", "report")  # served until it is stopped, tested in a browser; made by the gate as a whole
+# a server, tested in a browser; made by the gate as a whole; an example of the site; a minute of timing
+ELSEWHERE = {"explore", "report", "examples/hop.py", "benchmarks.beside"}
 QUIET = pytest.mark.filterwarnings("default")  # a cluster's warnings are not ours
 
 
@@ -82,7 +85,7 @@ def first_commands():
         if page.parent.name == "results" or begins is None or begins[1] != "sh":
             continue
         lines = [shlex.split(line, comments=True) for line in fenced(page, "sh")[0].splitlines()]
-        lines = [words[1:] for words in lines if words[0] == "spear" and words[1] not in ELSEWHERE]
+        lines = [words for words in lines if words[0] in ("spear", "python") and not ELSEWHERE & {*words}]
         needs = [pytest.mark.extra("example-robot-data", "casadi")] if "solo12" in str(lines) else []
         if lines:
             yield pytest.param(lines, id=page.name, marks=needs)
@@ -93,8 +96,12 @@ def first_commands():
 def test_the_first_commands_of_a_page_run(lines, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
-    for words in lines:
-        assert main([word for word in words if word != "--open"]) == 0, capsys.readouterr().err
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    for program, *words in lines:
+        if program == "python":
+            subprocess.run([sys.executable, *words], check=True, capture_output=True)
+        else:
+            assert main([word for word in words if word != "--open"]) == 0, capsys.readouterr().err
 
 
 def test_the_readme_shows_python():
