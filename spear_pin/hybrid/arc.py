@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
+import numpy as np
+
 from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.orders import Order
@@ -70,18 +72,17 @@ class Record(Protocol):
     def arcs(self) -> Sequence[Arc]: ...  # noqa: D102
 
 
-class Runner(Protocol):
-    """Runs cycles and records them.
+def states_over(pieces: Sequence[Piece], rows: int) -> Callable[[Array], Array]:
+    """Returns a function from times, (n,), to states, (rows, n), by an integrator's own interpolants."""
+    ends = np.array([piece.end for piece in pieces[:-1]])
 
-    Attributes:
-        why: why the last cycle that was refused was refused.
-    """
+    def states(times: Array) -> Array:
+        found, of = np.empty((rows, len(times))), np.searchsorted(ends, times)
+        for i in np.unique(of):
+            found[:, of == i] = pieces[i].state(times[of == i])[:rows]
+        return found
 
-    @property
-    def why(self) -> str: ...  # noqa: D102
-
-    def lap(self, phase: str, y: Array, held: Held) -> Record | None:
-        """Runs the cycle from the beginning of a phase just after the section; returns None if it is not plain."""
+    return states
 
 
 def motion_of(domains: Sequence[Domain], start: State, record: Record) -> Run:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
@@ -35,7 +35,7 @@ def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[],
         UnknownName: one of these names does not exist; the message lists the valid ones.
         BadValue: contacts are not one for each toe, or an event both resets and ends.
     """
-    phases = dict.fromkeys(domain.phase for domain in domains)
+    phases = {domain.phase: domain.contacts for domain in reversed(domains)}  # with the contacts of its first domain
     for domain in domains:
         _check_domain(robot, domain)
         for name, reset, ends in _events(domain):
@@ -47,7 +47,7 @@ def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[],
                 _known("reason of {!r} in domain {!r}", place, [ends], REASONS)
             if reset is not None:
                 _check_reset(robot, domain, reset, phases, place)
-                _check_pinned(reset, domains, place)
+                _check_pinned(reset, phases, place)
     _check_rests(domains, law, guess)
 
 
@@ -77,9 +77,9 @@ def _check_reset(robot: Robot, domain: Domain, reset: Reset, phases: Iterable[st
     _known("joint whose spring is released by the reset of {!r} in domain {!r}", place, reset.release, engaged)
 
 
-def _check_pinned(reset: Reset, domains: Sequence[Domain], place: tuple[str, ...]) -> None:
+def _check_pinned(reset: Reset, phases: Mapping[str, Sequence[str]], place: tuple[str, ...]) -> None:
     """Refuses an impact that pins some toes, and leaves others to friction."""
-    after = next((domain.contacts for domain in domains if domain.phase == reset.phase), ())
+    after = phases.get(reset.phase or "", ())
     closed = {mode for mode in after if mode != OPEN}
     if reset.impact and PINNED in closed and len(closed) > 1:
         what = "contacts of phase {!r}, which the reset of {!r} in domain {!r} enters by an impact"

@@ -115,7 +115,6 @@ class Compiled:
         closed: toes on the ground, with their modes.
         state: symbols of q and v.
         numbers: the system's numbers, as symbols.
-        field: the domain at a time and a state, of symbols.
         here: the domain at `state`.
         kinks: number of kinks.
         level: level of LLVM's optimisation.
@@ -130,24 +129,19 @@ class Compiled:
         mechanism, self.numbers, kept = symbols(system, mechanism_of(system.robot), held, hy.par)
 
         flat: list[Any] = []
-
-        def field(t: Any, y: list[Any]) -> Field:
-            kinks: list[Any] = []
-            q, v, ops = y[: self.nv], y[self.nv :], operations(kinks, flat)
-            motion = (
-                Motion(system, domain, mechanism, t, q, v, kept, self.numbers, ops)
-                if domain.between is None
-                else Alternating(system, domain, mechanism, q, v, kept, self.numbers, ops)
-            )
-            slopes, guards = [*v, *map(_expression, motion.a)], list(map(_expression, motion.guards))
-            for guard, value in zip(domain.guards, guards, strict=True):
-                if not isinstance(value, hy.expression):
-                    what = f"guard {guard.name!r} of domain {domain.name!r}"
-                    raise mistake(what, guard.value, f"it gives {brief(value)}; expected a number")
-            return Field(slopes, guards, kinks, motion)
-
-        self.field = field
-        self.here = slopes, guards, kinks, _ = field(hy.time, self.state)
+        kinks: list[Any] = []
+        q, v, ops = self.state[: self.nv], self.state[self.nv :], operations(kinks, flat)
+        motion = (
+            Motion(system, domain, mechanism, hy.time, q, v, kept, self.numbers, ops)
+            if domain.between is None
+            else Alternating(system, domain, mechanism, q, v, kept, self.numbers, ops)
+        )
+        slopes, guards = [*v, *map(_expression, motion.a)], list(map(_expression, motion.guards))
+        for guard, value in zip(domain.guards, guards, strict=True):
+            if not isinstance(value, hy.expression):
+                what = f"guard {guard.name!r} of domain {domain.name!r}"
+                raise mistake(what, guard.value, f"it gives {brief(value)}; expected a number")
+        self.here = Field(slopes, guards, kinks, motion)
         self.kinks = len(kinks)
         moving = [_changes(value) for value in guards]  # others never fall
         watched = [i for i, guard in enumerate(domain.guards) if moving[i] and (code.observing or not guard.observes)]
@@ -171,20 +165,6 @@ class Compiled:
         feet = [number for toe, mode in self.closed for number in footing(motion, toe, mode, operations([]))]
         outputs = [*slopes, *guards, *kinks, *feet]
         return require().cfunc([_expression(output) for output in outputs], self.state, opt_level=self.level)
-
-    @cached_property
-    def moment_later(self) -> Any:
-        """Compiles a function that returns state, guards and kinks `AHEAD` later, by Kutta's third order.
-
-        Second order is too coarse where toes begin to slide.
-        """
-        hy, y, k1 = require(), self.state, self.here.slopes
-        k2 = self.field(hy.time + 0.5 * AHEAD, [x + 0.5 * AHEAD * k for x, k in zip(y, k1, strict=True)]).slopes
-        ends = [x + AHEAD * (2.0 * b - a) for x, a, b in zip(y, k1, k2, strict=True)]
-        k3 = self.field(hy.time + AHEAD, ends).slopes
-        state = [x + AHEAD / 6.0 * (a + 4.0 * b + c) for x, a, b, c in zip(y, k1, k2, k3, strict=True)]
-        later = self.field(hy.time + AHEAD, state)
-        return hy.cfunc(list(map(_expression, [*state, *later.guards, *later.kinks])), y, opt_level=self.level)
 
     @cached_property
     def _integrator(self) -> Any:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from itertools import chain
 from typing import Any
 
 from spear_pin.hybrid.automaton import HybridSystem
@@ -35,12 +34,15 @@ class Compilation:
         self._singles: dict[Any, Single] = {}
         self._impacts: dict[str, CompiledImpact] = {}
         self._reader = Reader()
-        for function in chain.from_iterable(map(structure.functions, system.domains)):
-            self._reader.identity(function)
 
     def current(self) -> bool:
-        """Tells whether the functions of the system's domains are unchanged since they were compiled."""
+        """Tells whether the functions of the compiled domains are unchanged since they were compiled."""
         return self._reader.current()
+
+    def watch(self, domain: Domain) -> None:
+        """Watches the functions of a domain that is compiled."""
+        for function in structure.functions(domain):
+            self._reader.identity(function)
 
     def domain(self, domain: Domain, held: Held) -> Ready:
         """Returns a domain compiled for the held values.
@@ -50,6 +52,7 @@ class Compilation:
         """
         key = id(domain), structure.shape_of(held)
         if key not in self._domains:
+            self.watch(domain)
             one = structure.Structure(self.system, domain, held, self.mechanism)
             self._domains[key] = Ready(domain, taylor.compiled(one, self._code))
         return self._domains[key]

@@ -19,12 +19,13 @@ from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
-from spear_pin.hybrid.engines.structure import flattened, shape_of
+from spear_pin.hybrid.engines.structure import OF_GROUND, flattened, shape_of
 from spear_pin.hybrid.engines.taylor import AHEAD, KINK, TIME_LIMIT
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry, Single
 from spear_pin.hybrid.lanes.groups import Group, Held, alone, spread
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.lanes.reference_arc import follow
 from spear_pin.hybrid.modes import in_place
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order
 from spear_pin.hybrid.parameters import with_parameters
@@ -36,6 +37,7 @@ from spear_pin.hybrid.strikes import Overlap, struck
 
 EVENTS = 50  # most events in a cycle
 FEW_AT_ONCE = 4  # most events in an instant
+GROUND = ("friction", *OF_GROUND)
 RISES = "a toe that comes down rises"
 
 
@@ -167,7 +169,10 @@ class LoneRunner:
     def _next(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
         """Enters a domain, integrates to its next event, and returns both; the event is None if it changes nothing."""
         begun, start = now.t, now.y
-        ready, (_, now.t, now.y, end) = self._enter(now)
+        entered = self._enter(now)
+        if entered is None:
+            return self._slowly(now)
+        ready, (_, now.t, now.y, end) = entered
         domain = ready.domain
         if end == UNCLEAR:
             raise _Unclear(f"two events crowd in an instant as {domain.name} begins")
@@ -190,6 +195,23 @@ class LoneRunner:
         if isinstance(event, Guard) and event.observes:
             now.observed[event.name] = now.y
             return domain, None
+        return domain, event
+
+    def _slowly(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
+        """Does what `_next` does by the reference engine."""
+        begun, start, last = now.t, now.y, self._system.phase_limit
+
+        def due_in(domain: Domain) -> float:
+            return min(float(due(domain, now.switches, self._law)), last)
+
+        slow = follow(self._wholly, now.phase, now.held, begun, start, due_in, keep=self._keep)
+        domain = self._domains.get(slow.domain.name)
+        if domain is None or bounces(self._system, domain):
+            raise _Unclear(f"a toe bounces, or toes alternate, in {now.phase}")
+        now.t, now.y = slow.t, slow.y
+        now.observed |= slow.observed
+        event = self._event(now, domain, slow.end, slow.t < last)
+        now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, slow.motion))
         return domain, event
 
     def _seen_again(self, now: _Now, domain: Domain, end: int) -> bool:
@@ -275,9 +297,18 @@ class LoneRunner:
 
     @cached_property
     def _itself(self) -> HybridSystem:
-        """The system with the numbers of this lane."""
-        own = self._numbers.of_lane(self._lane)
-        return with_parameters(self._system, own) if own else self._system
+        """The system on this lane's ground; its impacts depend on no other number in which lanes differ."""
+        own = self._numbers.of_lane(self._lane).items()
+        return with_parameters(self._system, {name: value for name, value in own if name in GROUND})
+
+    @cached_property
+    def _wholly(self) -> HybridSystem:
+        """The system with all numbers of this lane."""
+        return with_parameters(self._system, self._numbers.of_lane(self._lane))
+
+    @cached_property
+    def _domains(self) -> Mapping[str, Domain]:
+        return {domain.name: domain for domain in self._system.domains}
 
     def _latch(self, now: _Now, reset: Reset) -> None:
         y = now.y.tolist()
@@ -295,8 +326,8 @@ class LoneRunner:
         order = in_order(now.happened)
         return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago, order, now.arcs)
 
-    def _enter(self, now: _Now) -> tuple[Single, Entry]:
-        """Returns the domain that fits best."""
+    def _enter(self, now: _Now) -> tuple[Single, Entry] | None:
+        """Returns the domain that fits best, None where the reference engine has to find it."""
         if self._in_space:
             return self._enter_in_space(now)
         best = None
@@ -315,25 +346,19 @@ class LoneRunner:
             raise _Unclear(f"toes alternate in {now.phase}, or neither stick, slide nor leave")
         return best
 
-    def _enter_in_space(self, now: _Now) -> tuple[Single, Entry]:
-        """Returns the first domain whose bouncing toes are where they are, if it fits: others are left to `runner`.
+    def _enter_in_space(self, now: _Now) -> tuple[Single, Entry] | None:
+        """Returns the first domain whose bouncing toes are where they are, if it fits, else None.
 
-        A toe in space begins to slide in a direction that only the reference engine finds, and each of the many domains
-        would have to be compiled.
+        Each of the many others would have to be compiled.
         """
-        for domain in now.domains:
-            if not in_place(self._itself, domain, now.y):
-                continue
-            ready = now.singles.get(id(domain))
-            if ready is None:
-                ready = now.singles[id(domain)] = self._compiled.single(domain, now.held)
-            entry = ready.enter(now.t, now.y, now.parameters)
-            modes = zip(self._system.robot.toes, domain.contacts, strict=True)
-            bounces = any(mode == OPEN and toe in domain.bouncing for toe, mode in modes)
-            if entry is not None and entry.fitness == math.inf and not bounces:
-                return ready, entry
-            break
-        raise _Unclear(f"a toe slides or bounces in {now.phase}")
+        domain = next(each for each in now.domains if in_place(self._itself, each, now.y))
+        if bounces(self._system, domain):
+            return None
+        ready = now.singles.get(id(domain))
+        if ready is None:
+            ready = now.singles[id(domain)] = self._compiled.single(domain, now.held)
+        entry = ready.enter(now.t, now.y, now.parameters)
+        return None if entry is None or entry.fitness < math.inf else (ready, entry)
 
     def _given(self, held: Held) -> tuple[dict[int, Single], Array]:
         """Returns the domains compiled so far for the held values, and the run-time parameters.
@@ -345,3 +370,9 @@ class LoneRunner:
             self._parameters = parameters = np.array(self._constants + now)
         parameters[len(self._constants) :] = now
         return self._singles.setdefault(shape_of(held), {}), parameters
+
+
+def bounces(system: HybridSystem, domain: Domain) -> bool:
+    """Tells whether a toe that bounces is in the air in a domain."""
+    modes = zip(system.robot.toes, domain.contacts, strict=True)
+    return any(mode == OPEN and toe in domain.bouncing for toe, mode in modes)

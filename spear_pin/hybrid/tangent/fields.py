@@ -22,6 +22,8 @@ from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, derivatives, operations, value_of
+from spear_pin.hybrid.tangent.terms import ArrayMechanism
+from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.scalars import dot
 
 
@@ -101,6 +103,10 @@ class TangentField:
         return 2 * robot.nv, 2 * robot.nv + guards, 2 * robot.nv + guards + robot.nu
 
     @cached_property
+    def _mechanism(self) -> Mechanism:
+        return mechanism(self.structure)
+
+    @cached_property
     def _function(self) -> Any:
         """Compiles the function that returns values, then derivatives."""
         system, mechanism, held = self.structure.system, self.structure.mechanism, self.structure.held
@@ -112,7 +118,7 @@ class TangentField:
         """Returns all outputs, for scalars of any kind."""
         system, domain, nv = self.structure.system, self.structure.domain, self.structure.system.robot.nv
         t, q, v = duals[0], duals[1 : 1 + nv], duals[1 + nv : 1 + 2 * nv]
-        mechanism, numbers, held = symbols(system, self.structure.mechanism, self.structure.held, duals[1 + 2 * nv :])
+        mechanism, numbers, held = symbols(system, self._mechanism, self.structure.held, duals[1 + 2 * nv :])
         motion = Motion(system, domain, mechanism, t, q, v, held, numbers, ops)
         feet = [force for toe, _ in closed_toes(system.robot.toes, domain) for force in motion.force(toe)]
         return [*v, *motion.a, *motion.guards, *motion.u, *feet]
@@ -166,6 +172,10 @@ class TangentFeet:
         return ToeNumbers(rows[0], *(rows[part].reshape(*shape, *rest) for part, shape in self._parts))
 
     @cached_property
+    def _mechanism(self) -> Mechanism:
+        return mechanism(self.structure)
+
+    @cached_property
     def _parts(self) -> list[tuple[slice, tuple[int, ...]]]:
         """Place among the outputs, and shape, of each of `ToeNumbers` except the first."""
         nv, k, m = self.structure.system.robot.nv, self.structure.system.robot.dimension, len(self.toes)
@@ -181,7 +191,7 @@ class TangentFeet:
 
     def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
         nv = self.structure.system.robot.nv
-        mechanism, numbers, _ = symbols(self.structure.system, self.structure.mechanism, {}, duals[2 * nv :])
+        mechanism, numbers, _ = symbols(self.structure.system, self._mechanism, {}, duals[2 * nv :])
         terms = mechanism.terms(duals[:nv], duals[nv : 2 * nv], ops)
         feet, factors = numbers.ground.seen(terms, ops), factorize(terms.mass_matrix)
         rows = [row for toe in self.toes for row in feet.jacobians[toe]]
@@ -231,6 +241,12 @@ def compiled(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, n
 def compiles(structure: Structure) -> bool:
     """Tells whether derivatives of a structure are compiled: not in space, where that takes longer than many cycles."""
     return taylor.available() and structure.system.robot.planar and not structure.system.pins
+
+
+def mechanism(structure: Structure) -> Mechanism:
+    """Returns the mechanism that is differentiated: itself compiled, where a whole domain is not."""
+    plain = structure.mechanism
+    return ArrayMechanism(plain) if taylor.available() and not compiles(structure) else plain
 
 
 @lru_cache(taylor.MOST)

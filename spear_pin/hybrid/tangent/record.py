@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.arc import Arc, Record, Runner
+from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines import taylor
@@ -30,6 +30,7 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 PLAIN = "the cycle does not close, or has an event without a derivative"
 TOL = 1e-15
+CYCLES = 3  # cycles in space that take as long as compiling
 _fields: WeakKeyDictionary[Compilation, dict[Any, TangentField]] = WeakKeyDictionary()
 _feet: WeakKeyDictionary[Compilation, dict[tuple[str, ...], TangentFeet]] = WeakKeyDictionary()
 
@@ -41,7 +42,7 @@ def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
 
 
 class CompiledRunner:
-    """Runs the cycles of a lane by the fast engine, see `hybrid.arc.Runner`.
+    """Runs the cycles of a lane by the fast engine.
 
     Args:
         numbers: numbers of the lanes.
@@ -59,6 +60,24 @@ class CompiledRunner:
     def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
         """Runs the cycle from the beginning of a phase just after the section; returns None if it is not simple."""
         return self._runner.lap(phase, y, held, [math.inf] * self._toes)
+
+
+class Patience:
+    """Counts the cycles of a system in space that the reference engine runs before the fast one is compiled."""
+
+    def __init__(self) -> None:
+        self._left = CYCLES
+
+    def over(self) -> bool:
+        """Counts a cycle, and tells whether it is left to the fast engine."""
+        self._left -= 1
+        return self._left < 0
+
+
+@lru_cache(taylor.MOST)
+def patience(structure: Structure) -> Patience:
+    """Returns the patience of a system's cycles, one for each structure."""
+    return Patience()
 
 
 class Recorder:
@@ -79,16 +98,16 @@ class Recorder:
 
     def __init__(self, system: HybridSystem, numbers: Numbers | None = None, lane: int = 0) -> None:
         self._numbers = many(system, {}) if numbers is None else numbers
-        self.system, self._nv, self._uncompiled = system, system.robot.nv, not system.robot.planar or system.pins
+        self.system, self._nv = system, system.robot.nv
         self.mechanism, self.law = self._numbers.mechanism, self._numbers.law_of(lane)
-        alone = self._uncompiled or (numbers is None and not taylor.available())
-        own = self._numbers.of_lane(lane)
-        itself = with_parameters(system, own) if alone and own else system
-        self._runner: Runner = ReferenceRunner(itself) if alone else CompiledRunner(self._numbers, lane)
+        fast = taylor.available() and not system.pins
+        if fast and not system.robot.planar:
+            fast = patience(Structure(system, system.domains[0], {}, self.mechanism)).over()
+        self._lane, self._fast = lane, CompiledRunner(self._numbers, lane) if fast else None
         self.numbers = np.array(self._numbers.constants(lane), dtype=float)
-        self.end = np.empty(0)
+        self.end, self._why = np.empty(0), ""
         self.order: Order = ()
-        self._own = {domain.name: domain for domain in system.domains} if self._uncompiled else {}
+        self._own = {domain.name: domain for domain in system.domains}
         # the system keeps its domains, so that their ids stay the same
         self._fields = _fields.setdefault(self._numbers.compilation, {})
         self._feet = _feet.setdefault(self._numbers.compilation, {})
@@ -118,7 +137,7 @@ class Recorder:
         held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
         lap = self.motion(phase, y, held)
         if lap is None:
-            raise NotDifferentiable(f"{PLAIN}: {self._runner.why}")
+            raise NotDifferentiable(f"{PLAIN}: {self._why}")
         return lap
 
     def motion(self, phase: str, y: Array, held: Held) -> Record | None:
@@ -129,14 +148,23 @@ class Recorder:
             y: state at the beginning of the phase, (2 nv,).
             held: values held at that state.
         """
-        return self._runner.lap(phase, y, held)
+        found: Record | None = None
+        if self._fast is not None:
+            found, self._why = self._fast.lap(phase, y, held), self._fast.why
+        if found is None and not (self._fast and self.system.robot.planar):  # in space, what is rare as well
+            found, self._why = self._slow.lap(phase, y, held), self._slow.why
+        return found
+
+    @cached_property
+    def _slow(self) -> ReferenceRunner:
+        return ReferenceRunner(with_parameters(self.system, self._numbers.of_lane(self._lane)))
 
     def field(self, domain: Domain, held: Held) -> TangentField:
         """Returns the tangent field that gives a domain's derivatives."""
-        if self._uncompiled:  # the runner's system may have other numbers, and domains of its own
-            domain = self._own[domain.name]
+        domain = self._own[domain.name]  # a runner's system may have other numbers, and domains of its own
         key = id(domain), shape_of(held)
         if key not in self._fields:
+            self._numbers.compilation.watch(domain)
             self._fields[key] = tangent_field(Structure(self.system, domain, held, self.mechanism))
         return self._fields[key]
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.arc import Arc, states_over
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard, Held, Switch
 from spear_pin.hybrid.orders import Order, order_of
@@ -31,10 +31,13 @@ class ReferenceLap:
 
 
 class ReferenceRunner:
-    """Runs the cycles of a system, see `hybrid.arc.Runner`.
+    """Runs the cycles of a system.
 
     Args:
         system: the system.
+
+    Attributes:
+        why: why the last cycle that was refused was refused.
     """
 
     def __init__(self, system: HybridSystem) -> None:
@@ -82,22 +85,9 @@ class ReferenceRunner:
         return ""
 
     def _arc(self, segment: Segment, event: Any, switches: int) -> Arc:
-        motion, begin, end = self._motion(segment), segment.pieces[0].begin, segment.pieces[-1].end
+        motion, begin, end = states_over(segment.pieces, 2 * self._nv), segment.pieces[0].begin, segment.pieces[-1].end
         y, after = motion(np.array([begin, end])).T
         return Arc(segment.domain, segment.held, begin, y, end, after, event, switches, motion)
-
-    def _motion(self, segment: Segment) -> Callable[[Array], Array]:
-        """Returns a function that gives states over time, by the integrator's own interpolants."""
-        pieces = segment.pieces
-        ends = np.array([piece.end for piece in pieces[:-1]])
-
-        def states(times: Array) -> Array:
-            found, of = np.empty((2 * self._nv, len(times))), np.searchsorted(ends, times)
-            for i in np.unique(of):
-                found[:, of == i] = pieces[i].state(times[of == i])[: 2 * self._nv]
-            return found
-
-        return states
 
 
 def _event(segment: Segment) -> Guard | Switch | None:

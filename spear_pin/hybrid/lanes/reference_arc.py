@@ -1,0 +1,82 @@
+"""Follows one arc of a lane by the reference engine, where a toe in space slides.
+
+A toe that begins to slide has a direction that only the reference engine finds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from spear_pin.arrays import Array
+from spear_pin.hybrid.arc import states_over
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain, Held
+from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT
+from spear_pin.hybrid.events import Watch
+from spear_pin.hybrid.flow_names import flow_names
+from spear_pin.hybrid.integration import DUE, KNOT, accuracy, integrated
+from spear_pin.hybrid.modes import choose
+from spear_pin.hybrid.result import FINEST, Options
+from spear_pin.hybrid.rules.entry import NONE
+
+ACCURACY = accuracy(Options(FINEST), None)
+ENDS = {DUE: TIME_LIMIT, KNOT: KINK}
+
+
+class Slow(NamedTuple):
+    """An arc.
+
+    Attributes:
+        domain: its domain.
+        t: time at which it ends, in s since the phase began.
+        y: state there, (2 nv,).
+        end: the guard's index, or `TIME_LIMIT`, `KINK` or `FAILED`.
+        observed: states at events that change nothing, by name.
+        motion: function from times to states; None if it is not kept, or the event is immediate.
+    """
+
+    domain: Domain
+    t: float
+    y: Array
+    end: int
+    observed: dict[str, Array]
+    motion: Callable[[Array], Array] | None
+
+
+def follow(
+    system: HybridSystem,
+    phase: str,
+    held: Held,
+    t: float,
+    y: Array,
+    until: Callable[[Domain], float],
+    *,
+    keep: bool,
+) -> Slow:
+    """Follows the motion in the domain that fits up to its first event, or up to a time, at the finest tolerance.
+
+    Args:
+        system: the system, with the numbers of the lane.
+        phase: the phase.
+        held: held values.
+        t: time since the phase began, in s.
+        y: the state, (2 nv,).
+        until: returns the latest time at which the motion in a domain ends.
+        keep: whether the motion is kept.
+    """
+    whole = np.concatenate([y, np.zeros(len(flow_names(system)))])
+    flow = choose(system, phase, held, t, whole)
+    watch = Watch(flow, t, whole)
+    if watch.at_once != NONE or watch.undefined:
+        return Slow(flow.domain, t, y, FAILED if watch.undefined else watch.at_once, {}, None)
+    last, most = until(flow.domain), Options().max_evaluations
+    motion = integrated(flow, watch, t, whole, last, ACCURACY, keep=keep, most=most)
+    n = len(y)
+    end = ENDS.get(motion.why, FAILED)
+    if motion.event is not None:
+        end = next(i for i, guard in enumerate(flow.domain.guards) if guard is motion.event)
+    observed = {name: state[:n] for name, _, state in motion.observed}
+    return Slow(flow.domain, motion.t, motion.y[:n], end, observed, states_over(motion.pieces, n) if keep else None)
