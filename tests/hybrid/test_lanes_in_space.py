@@ -15,7 +15,7 @@ LANES, SPREAD = 3, (2e-4, 2e-3)  # the first lane is the gait itself; m and rad,
 
 @compiles
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "cycles"), [("trot", 1), ("pronk", 1)])
+@pytest.mark.parametrize(("name", "cycles"), [("trot", 1), ("pronk", 1), ("turn_9", 1)])
 def test_pushed(name, cycles):
     gait = Gait.load(name)
     rng = np.random.default_rng(5)
