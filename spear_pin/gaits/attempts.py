@@ -92,12 +92,8 @@ class Search:
     effort: Effort = field(default_factory=Effort)
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
-        """Finds the system and state that meet the targets by Newton's method.
-
-        In space with exact derivatives a rough solution first would save nothing, as each takes several cycles' time.
-        """
-        dear = self.exact is not None and bool(system.section_toes)
-        start = (system, state) if dear else self.roughly(system, state, self.wanted)
+        """Finds the system and state that meet the targets by Newton's method."""
+        start = self.roughly(system, state, self.wanted)
         return self.newton(*start, self.wanted, self.rtol, min(TOLERANCE, self.rtol))
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:

@@ -94,13 +94,9 @@ class TangentCycles:
     def otherwise(self, cycle: Cycle) -> Cycle:
         """Returns cycles with derivatives where there are some, else another engine's; differences use the latter.
 
-        In space all are the other engine's, because derivatives take several times as long as a cycle.
-
         Args:
             cycle: cycles of the other engine.
         """
-        if self.system.section_toes:
-            return cycle
 
         def cycles(lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
             found = self.one(q[0], v[0], values[0]) if len(lanes) == 1 else None

@@ -98,7 +98,7 @@ class Family:
 
     def recorder(self, values: Array) -> Recorder:
         """Returns what runs and records the cycles of a member."""
-        if self.of_robot or not self.system.robot.planar:  # in space nothing is compiled that members could share
+        if self.of_robot:
             return Recorder(self.member(values.tolist()))
         given = {name: np.array([value]) for name, value in zip(self.names, values.tolist(), strict=True)}
         return Recorder(self.system, many(self.system, given))

@@ -17,7 +17,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, RESTS, SIGN, SLIP
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.dynamics import Row
-from spear_pin.hybrid.elimination import Matrix, factorize, solve, solve_sparse, substitute
+from spear_pin.hybrid.elimination import Matrix, factorize, solve, substitute
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.structure import Scalars, with_fields
 from spear_pin.hybrid.engines.trial import mistaken
@@ -79,7 +79,6 @@ class Motion:
         self._terms = mechanism.terms(q, v, ops)
         ground = numbers.ground
         self._feet: Feet = self._asked("the ground", ground.above, ground.seen, (self._terms, ops))
-        self._factors = factorize(self._terms.mass_matrix)
         self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
         self._taken = [toe for toe in robot.toes if toe in bearing] if at_rest is None else list(at_rest)
@@ -251,7 +250,7 @@ class Motion:
             system[i], right[i] = [0.0] * (n + len(contacts)), a
             for k, weight in row:
                 system[i][k] = plus(system[i][k], weight)
-        solution = solve_sparse(system, right)
+        solution = self.ops.solve(system, right)
         a, pushes = solution[:n], solution[n:]
         pulls = [dot([row[i] for row in contacts], pushes) for i in range(n)]
         torques = [dot(self.mass_matrix[i], a) - force[i] - pulls[i] for i in (self._motors[j] for j in motors)]
@@ -310,6 +309,10 @@ class Motion:
         }
         return with_fields(mount.spring, shared)
 
+    @cached_property
+    def _factors(self) -> tuple[Matrix, list[Any]]:
+        return factorize(self.mass_matrix)
+
     def _at_rest(self) -> tuple[Matrix, list[Any]]:
         rows: Matrix = []
         drift: list[Any] = []
@@ -348,7 +351,7 @@ class Motion:
         """Solves D a = applied - bias + G λ under A a + drift = 0."""
         force = [f - h for f, h in zip(applied, self.bias, strict=True)]
         if directions is rows and rows:
-            solution = solve_sparse(*self._bordered(force, rows, drift))
+            solution = self.ops.solve(*self._bordered(force, rows, drift))
             return solution[: len(force)], solution[len(force) :], []
         free = substitute(self._factors, force)
         if not rows:

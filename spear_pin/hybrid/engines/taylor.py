@@ -20,7 +20,7 @@ from spear_pin.errors import MissingExtra, brief
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dynamics import Operations
-from spear_pin.hybrid.elimination import solve
+from spear_pin.hybrid.elimination import solve_sparse
 from spear_pin.hybrid.engines.alternating import Alternating
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
@@ -314,7 +314,7 @@ def operations(kinks: list[Any], flat: list[Any] | None = None) -> Operations:
         return hy.exp(a)
 
     functions = {name: getattr(hy, name) for name in ("sin", "cos", "tan", "sqrt", "atan2")}
-    return Operations(**functions, tanh=tanh, exp=exp, maximum=maximum, solve=solve)
+    return Operations(**functions, tanh=tanh, exp=exp, maximum=maximum, solve=solve_sparse)
 
 
 def _changes(value: Any) -> bool:

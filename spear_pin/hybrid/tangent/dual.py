@@ -15,7 +15,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.dynamics import Operations
-from spear_pin.hybrid.elimination import solve
+from spear_pin.hybrid.elimination import solve_sparse
 from spear_pin.model.scalars import negated, plus, times, vanishes
 
 
@@ -143,12 +143,13 @@ def derivatives(scalars: Sequence[Any], c: int) -> Array:
     return found
 
 
-def operations(base: Any, step: Callable[[Any], Any]) -> Operations:
+def operations(base: Any, step: Callable[[Any], Any], solve: Callable[[Any, Any], Any] = solve_sparse) -> Operations:
     """Returns the elementary functions of dual and other numbers.
 
     Args:
         base: elementary functions of the values.
         step: the derivative of max(x, 0).
+        solve: the solution of a linear system.
     """
 
     def chain(name: str, slope: Callable[[Any, Any], Any]) -> Callable[[Any], Any]:
@@ -185,6 +186,35 @@ def operations(base: Any, step: Callable[[Any], Any]) -> Operations:
         maximum=maximum,
         solve=solve,
     )
+
+
+def solve_arrays(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> Sequence[Any]:
+    """Solves a linear system of dual numbers whose derivatives, or values too, are arrays."""
+    return solve_all(matrix, [right])[0]
+
+
+def solve_all(matrix: Sequence[Sequence[Any]], rights: Sequence[Sequence[Any]]) -> list[list[Any]]:
+    """Solves linear systems of one matrix as `solve_arrays` does; it pivots by values. M x = r has M x' = r' - M' x."""
+    entries = [each for row in (*matrix, *rights) for each in row]
+    found = [each for each in entries if isinstance(each, Dual)]
+    if not found:
+        return [solve_sparse(matrix, right) for right in rights]
+    *lead, c = np.broadcast_shapes(*{np.shape(part) for each in found for part in (each.x, each.d)})
+    m, k = len(matrix), len(rights)
+    values, slopes = np.zeros((len(entries), *lead, 1)), np.zeros((len(entries), *lead, c))
+    for i, each in enumerate(entries):
+        if isinstance(each, Dual):
+            values[i], slopes[i] = each.x, each.d
+        elif not vanishes(each):
+            values[i] = each
+    M = np.moveaxis(values[: m * m, ..., 0].reshape(m, m, *lead), (0, 1), (-2, -1))
+    x = np.linalg.solve(M, np.moveaxis(values[m * m :, ..., 0].reshape(k, m, *lead), (0, 1), (-1, -2)))
+    dM, dr = slopes[: m * m].reshape(m, m, *lead, c), slopes[m * m :].reshape(k, m, *lead, c)
+    left = np.moveaxis(dr, (0, 1), (-2, -3)) - np.einsum("ij...c,...jk->...ikc", dM, x)
+    dx = np.linalg.solve(M, left.reshape(*lead, m, k * c)).reshape(*lead, m, k, c)
+    return [
+        [Dual(x[..., i, j, None] if lead else float(x[i, j]), dx[..., i, j, :]) for i in range(m)] for j in range(k)
+    ]
 
 
 def _larger(a: Any, b: Any) -> Any:
@@ -227,8 +257,8 @@ class _Arrays:
     sqrt, exp, atan2, maximum = np.sqrt, np.exp, np.arctan2, np.maximum
 
 
-NUMBERS = operations(_Math, lambda x: float(x > 0.0))
+NUMBERS = operations(_Math, lambda x: float(x > 0.0), solve_arrays)
 """Those of numbers with arrays of derivatives."""
 
-ARRAYS = operations(_Arrays, lambda x: np.heaviside(x, 0.0))
+ARRAYS = operations(_Arrays, lambda x: np.heaviside(x, 0.0), solve_arrays)
 """Those of arrays, with arrays of derivatives or without."""

@@ -16,12 +16,12 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.dynamics import Operations
-from spear_pin.hybrid.elimination import factorize, substitute
+from spear_pin.hybrid.elimination import Matrix, factorize, substitute
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, derivatives, operations, value_of
+from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, derivatives, operations, solve_all, value_of
 from spear_pin.hybrid.tangent.terms import ArrayMechanism
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.scalars import dot
@@ -137,6 +137,12 @@ class TangentField:
         return Values(values, self._ends), Values(slopes, self._ends)
 
 
+def eliminated(matrix: Matrix, rights: Matrix) -> Matrix:
+    """Solves linear systems of one symmetric positive definite matrix, for scalars of any kind."""
+    factors = factorize(matrix)
+    return [substitute(factors, right) for right in rights]
+
+
 @dataclass(frozen=True, eq=False)
 class TangentFeet:
     """Numbers of toes and of the mass matrix on which impacts and sections depend, with derivatives.
@@ -160,7 +166,8 @@ class TangentFeet:
         """
         x, d = np.concatenate([y, numbers]), np.concatenate([dy, dnumbers])
         if not compiles(self.structure):
-            outputs = self._of([Dual(value, slopes) for value, slopes in zip(x.tolist(), d, strict=True)], ARRAYS)
+            parts = [Dual(value, slopes) for value, slopes in zip(x.tolist(), d, strict=True)]
+            outputs = self._of(parts, ARRAYS, solve_all)
             values = np.array([value_of(each) for each in outputs])
             return self._named(values), self._named(derivatives(outputs, d.shape[1]))
         found = self._function(np.concatenate([np.repeat(x[:, None], d.shape[1], axis=1), d]))
@@ -189,13 +196,15 @@ class TangentFeet:
         symbols(self.structure.system, self.structure.mechanism, {}, counter)
         return compiled(self._of, 2 * robot.nv + counter.count, robot.nv)
 
-    def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
+    def _of(
+        self, duals: Sequence[Any], ops: Operations, solved: Callable[[Matrix, Matrix], Matrix] = eliminated
+    ) -> list[Any]:
         nv = self.structure.system.robot.nv
         mechanism, numbers, _ = symbols(self.structure.system, self._mechanism, {}, duals[2 * nv :])
         terms = mechanism.terms(duals[:nv], duals[nv : 2 * nv], ops)
-        feet, factors = numbers.ground.seen(terms, ops), factorize(terms.mass_matrix)
+        feet = numbers.ground.seen(terms, ops)
         rows = [row for toe in self.toes for row in feet.jacobians[toe]]
-        responses = [substitute(factors, row) for row in rows]
+        responses = solved(terms.mass_matrix, rows)
         outputs = [numbers.ground.friction, *(feet.positions[toe][-1] for toe in self.toes)]
         outputs += [number for each in (rows, responses) for row in each for number in row]
         outputs += [dot(row, response) for row in rows for response in responses]

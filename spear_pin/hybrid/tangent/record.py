@@ -100,10 +100,7 @@ class Recorder:
         self._numbers = many(system, {}) if numbers is None else numbers
         self.system, self._nv = system, system.robot.nv
         self.mechanism, self.law = self._numbers.mechanism, self._numbers.law_of(lane)
-        fast = taylor.available() and not system.pins
-        if fast and not system.robot.planar:
-            fast = patience(Structure(system, system.domains[0], {}, self.mechanism)).over()
-        self._lane, self._fast = lane, CompiledRunner(self._numbers, lane) if fast else None
+        self._lane = lane
         self.numbers = np.array(self._numbers.constants(lane), dtype=float)
         self.end, self._why = np.empty(0), ""
         self.order: Order = ()
@@ -154,6 +151,15 @@ class Recorder:
         if found is None and not (self._fast and self.system.robot.planar):  # in space, what is rare as well
             found, self._why = self._slow.lap(phase, y, held), self._slow.why
         return found
+
+    @cached_property
+    def _fast(self) -> CompiledRunner | None:
+        system = self.system
+        if not taylor.available() or system.pins:
+            return None
+        own = Structure(system, system.domains[0], {}, self.mechanism)
+        ready = system.robot.planar or patience(own).over()
+        return CompiledRunner(self._numbers, self._lane) if ready else None
 
     @cached_property
     def _slow(self) -> ReferenceRunner:

@@ -52,7 +52,7 @@ def test_they_are_the_same(mechanism, shape):
         for mine, theirs in zip(spread(flat(one), shape), spread(flat(other), shape), strict=True):
             np.testing.assert_allclose(mine, theirs, rtol=0, atol=1e-12 * max(1.0, np.abs(theirs).max()))
     # what is zero whatever the state is stays the number zero, which elimination leaves out
-    zeros = [[type(each) for each in flat(getattr(terms, "mass_matrix"))] for terms in (found, expected)]
+    zeros = [[type(each) for each in flat(terms.mass_matrix)] for terms in (found, expected)]
     assert zeros[0] == zeros[1]
 
 
