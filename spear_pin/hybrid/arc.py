@@ -27,6 +27,7 @@ class Arc(NamedTuple):
         switches: scheduled events of the phase so far, this one included.
         motion: function from times, (n,), to states, (2 nv, n); None if it was not kept, or the event is immediate.
         steps: number of steps of Taylor's method, 0 for another method.
+        again: whether toes only touch again in the event, which then closes no cycle.
     """
 
     domain: Domain
@@ -39,6 +40,7 @@ class Arc(NamedTuple):
     switches: int
     motion: Callable[[Array], Array] | None = None
     steps: int = 0
+    again: bool = False
 
 
 class Record(Protocol):

@@ -29,7 +29,7 @@ from spear_pin.hybrid.lanes.reference_arc import follow
 from spear_pin.hybrid.modes import in_place
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.rules.cycles import crowded, due, retouches, turns_back, whole
+from spear_pin.hybrid.rules.cycles import RETOUCH, counts_to, crowded, due, retouches, turns_back, whole
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
@@ -151,8 +151,8 @@ class LoneRunner:
                 if event is None:
                     now.domains = (domain,)
                     continue
-                reset = self._happen(now, domain, event)
-                if event.name == self._system.section:
+                reset, again = self._happen(now, domain, event)
+                if event.name == self._system.section and not again:
                     return self._closed(now, domain, reset)
             self.why = f"more than {EVENTS} events happen"
         except _Unclear as unclear:
@@ -237,17 +237,19 @@ class LoneRunner:
             return None
         raise _Unclear(f"{domain.name} does not end" if end == TIME_LIMIT else f"the motion in {domain.name} diverges")
 
-    def _happen(self, now: _Now, domain: Domain, event: Guard | Switch) -> Reset:
-        """Carries out an event: impact, latch, and change of phase."""
+    def _happen(self, now: _Now, domain: Domain, event: Guard | Switch) -> tuple[Reset, bool]:
+        """Carries out an event: impact, latch, and change of phase; tells whether toes only touch again."""
         time, reset = now.past + now.t, event.reset
         now.crowd, now.last = crowded(now.crowd, time - now.last), time
         if reset is None:
             raise _Unclear(f"the run ends: {event.name}")
         if now.crowd == FEW_AT_ONCE:
             raise _Unclear("events crowd in an instant")
-        now.happened.append(happening(domain, event, reset, event.name, time))
         for i in domain.on_ground:
             now.grounded[i] = time
+        again = bool(retouches(self._system, reset, [time - last for last in now.grounded]))
+        now.arcs[-1] = now.arcs[-1]._replace(again=again)
+        now.happened.append(happening(domain, event, reset, RETOUCH if again else event.name, time))
         if self._in_space and (reset.impact or reset.stop):
             self._strike_in_space(now, domain, reset)
         elif reset.impact:
@@ -255,11 +257,11 @@ class LoneRunner:
         if reset.latch is not None:
             self._latch(now, reset)
         if reset.phase is not None:
-            now.spent[now.phase] += now.t
+            now.spent[counts_to(domain, reset, again)] += now.t
             now.before = now.phase
             now.phase, now.past, now.t, now.switches = reset.phase, time, 0.0, 0
         now.domains = self._phases[now.phase]
-        return reset
+        return reset, again
 
     def _strike(self, now: _Now, domain: Domain, reset: Reset) -> None:
         """Applies the impact of a toe that was in the air to it and to the toes on the ground."""
@@ -267,8 +269,6 @@ class LoneRunner:
         if key not in self._struck:
             self._struck[key] = struck_toes(self._system, domain, reset)
         toes = self._struck[key]
-        if retouches(self._system, reset, [now.last - time for time in now.grounded]):
-            raise _Unclear("a toe bounces")
         if len(toes) == 1:
             struck = self._compiled.impact(toes[0])(now.y, now.parameters)
             if struck is None:
@@ -286,8 +286,6 @@ class LoneRunner:
     def _strike_in_space(self, now: _Now, domain: Domain, reset: Reset) -> None:
         """Applies an impact, or the end of sliding, as the reference engine does."""
         nv = self._nv
-        if retouches(self._system, reset, [now.last - time for time in now.grounded]):
-            raise _Unclear("a toe bounces")
         strike = struck(self._itself, domain, reset, now.y[:nv], now.y[nv:], now.overlap, now.last)
         assert strike is not None
         now.y = np.concatenate([now.y[:nv], strike.v])

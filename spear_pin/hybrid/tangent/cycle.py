@@ -21,6 +21,7 @@ from spear_pin.hybrid.automaton import KELLER, HybridSystem
 from spear_pin.hybrid.contact import OPEN, SLIP
 from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.engines.structure import symbols
+from spear_pin.hybrid.rules.cycles import counts_to
 from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
@@ -186,8 +187,8 @@ class _Whole:
         q, v = state[: self.nv], state[self.nv :]
         now.held = dict(latched(now.held, [reset], q, v, self.law))
         if reset.phase is not None:
-            spent = now.durations.get(arc.domain.phase, 0.0)
-            now.durations[arc.domain.phase] = spent + Dual(arc.end, tau)
+            phase = counts_to(arc.domain, reset, arc.again)
+            now.durations[phase] = now.durations.get(phase, 0.0) + Dual(arc.end, tau)
             now.tau, now.past = np.zeros(self.c), now.past + arc.end
         else:
             now.tau, now.behind = tau, True

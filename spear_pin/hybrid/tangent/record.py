@@ -148,7 +148,7 @@ class Recorder:
         found: Record | None = None
         if self._fast is not None:
             found, self._why = self._fast.lap(phase, y, held), self._fast.why
-        if found is None and not (self._fast and self.system.robot.planar):  # in space, what is rare as well
+        if found is None:  # what is rare
             found, self._why = self._slow.lap(phase, y, held), self._slow.why
         return found
 

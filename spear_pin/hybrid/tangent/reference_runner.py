@@ -14,7 +14,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard, Held, Switch
 from spear_pin.hybrid.orders import Order, order_of
 from spear_pin.hybrid.result import FINEST, Moment, Options, Segment
-from spear_pin.hybrid.rules.cycles import RETOUCH, turns_back
+from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.run import run
 
 
@@ -45,44 +45,28 @@ class ReferenceRunner:
         self.why = ""
 
     def lap(self, phase: str, y: Array, held: Held) -> ReferenceLap | None:
-        """Runs the cycle at the finest tolerance; returns None if it does not close, or toes bounce or alternate."""
+        """Runs the cycle at the finest tolerance; returns None if it does not close, or toes alternate."""
         begun = Moment(y[: self._nv], y[self._nv :], phase, held)
         found = run(self._system, begun, 1, Options(FINEST, keep=True))
         self.why = ""
         if found.reason != "complete":
             self.why = found.message
-        elif any(event.name == RETOUCH for event in found.events):
-            self.why = "a toe bounces"
-        before, phase = "", phase
-        for segment in found.segments:
-            if segment.domain.phase != phase:
-                before, phase = phase, segment.domain.phase
-            self.why = self.why or self._not_plain(segment, before)
+        own = {id(domain) for domain in self._system.domains}
+        foreign = (segment.domain for segment in found.segments if id(segment.domain) not in own)
+        if not self.why and (other := next(foreign, None)) is not None:
+            self.why = f"toes alternate in {other.phase}"
         if self.why:
             return None
         arcs, switches, came = list[Arc](), 0, -1.0
+        retouched = {event.time for event in found.events if event.name == RETOUCH}
         for segment in found.segments:
             switches, came = 0 if segment.began != came else switches, segment.began
             event = _event(segment)
             switches += isinstance(event, Switch)
-            arcs.append(self._arc(segment, event, switches))
+            again = event is not None and segment.began + segment.pieces[-1].end in retouched
+            arcs.append(self._arc(segment, event, switches)._replace(again=again))
         end = np.concatenate(found.state)
         return ReferenceLap(end, found.domain.phase, found.held, found.durations, order_of(self._system, found), arcs)
-
-    def _not_plain(self, segment: Segment, before: str) -> str:
-        """Returns why a cycle that contains a motion is not recorded, "" if it is.
-
-        Args:
-            segment: the motion.
-            before: the phase before, "" in the first one.
-        """
-        domain = segment.domain
-        if not any(domain is each for each in self._system.domains):
-            return f"toes alternate in {domain.phase}"
-        event = _event(segment)
-        if isinstance(event, Guard) and turns_back(self._system, event, segment.pieces[-1].end, before):
-            return f"{domain.name} ends as it begins: a toe bounces"
-        return ""
 
     def _arc(self, segment: Segment, event: Any, switches: int) -> Arc:
         motion, begin, end = states_over(segment.pieces, 2 * self._nv), segment.pieces[0].begin, segment.pieces[-1].end

@@ -1,4 +1,4 @@
-"""Derivatives of cycles and gaits of a bound, a biped and both kinds of hop, against differences in all directions."""
+"""Derivatives of cycles and gaits of a bound, a biped and hops, one with a bounce, against differences."""
 
 from functools import cache
 
@@ -9,6 +9,8 @@ from spear_pin import Gait, find_gait, hopping, load
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.sensitivity.sensitivity import sensitivity
 from spear_pin.hybrid.parameters import with_numbers
+from spear_pin.hybrid.periodic import differentiate_return_map, return_map
+from spear_pin.hybrid.tangent.record import Recorder
 from tests import biped
 from tests.gaits.sensitivity import oracle
 
@@ -27,7 +29,10 @@ OF_HOP = (
     *("knee_gain", "knee_damping", "knee_ratio", "hip_ratio", "knee_rotor", "knee_mass", "hip_mass", "hip_com_z"),
     *("knee_inertia", "hip_to_knee", "knee_to_toe", "boom_z_mass"),
 )
-HOPS = {"hop": 7.826, "other hop": 6.5}  # stance torques, in N·m
+BOUNCING = "hop that bounces"
+HOPS = {"hop": {"stance_torque": 7.826}, "other hop": {"stance_torque": 6.5}}  # N·m
+HOPS[BOUNCING] = {"stance_torque": 7.826, "stiffness": 60.0}  # N·m, N·m/rad
+NEAR = np.array([0.5723, 0.4708, 0.9019]), np.array([-0.593, 2.161, 4.281])  # the hop that bounces
 UNTOLD = ("spring_switch",)  # a knee's spring grows slack where its toe is lifted off: the torque does not jump
 WORST = {True: 1e-8, False: 1e-6}  # of a row's scale: what is allowed, of hops and of others
 ENOUGH = 1e-2  # of that: closer differences are not looked for
@@ -42,7 +47,8 @@ def gait_of(name):
         gait, over = find_gait(biped.system(), guess=biped.NEAR, rtol=1e-11), OF_BIPED
     else:
         system = hopping(load("spear_ii", locked=["boom_x"]))
-        gait, over = find_gait(with_numbers(system, {"stance_torque": HOPS[name]}), rtol=1e-11), OF_HOP
+        guess, over = NEAR if name == BOUNCING else None, OF_HOP
+        gait = find_gait(with_numbers(system, HOPS[name]), guess=guess, rtol=1e-11)
     there = oracle.again(Orbit(gait.system, gait.state, over), over[0], 0.0)
     return Orbit(there.system, there.state, over)
 
@@ -69,6 +75,7 @@ def test_cycles(name):
         ("biped", ("thrust", "knee_ratio", "pitch_mass")),
         ("hop", OF_HOP),
         ("other hop", OF_HOP),
+        (BOUNCING, ("stance_torque", "stiffness", "friction", "knee_mass")),
     ],
 )
 def test_gaits_found_again(name, over):
@@ -79,3 +86,21 @@ def test_gaits_found_again(name, over):
     for errors, of_multipliers, _ in found.values():
         assert errors.max() < worst
         assert of_multipliers.max() < worst
+
+
+def test_a_toe_that_bounces_begins_no_hop():
+    """The flight of a bounce counts to stance; both engines say so, and where it is."""
+    orbit = gait_of(BOUNCING)
+    arcs = [stretch.arc for stretch in orbit.cycle.stretches]
+    assert [(arc.domain.name, arc.event.name) for arc in arcs if arc.again] == [("flight", "touchdown")]
+    run = return_map(orbit.system, orbit.state, 1e-12)
+    assert [event.name for event in run.events].count("retouch") == 1
+    assert {phase: seconds.x for phase, seconds in orbit.cycle.durations.items()} == pytest.approx(run.durations)
+    y, engines = np.concatenate(orbit.state), (Recorder(orbit.system), Recorder(orbit.system))
+    engines[1]._fast = None
+    fast, slow = (engine.lap(y) for engine in engines)
+    assert fast.order == slow.order and [arc.again for arc in fast.arcs] == [arc.again for arc in slow.arcs]
+    assert fast.spent == pytest.approx(dict(slow.spent), abs=1e-9)
+    np.testing.assert_allclose(fast.y, slow.y, rtol=0, atol=1e-8)
+    expected = differentiate_return_map(orbit.system, orbit.state, 1e-12)
+    np.testing.assert_allclose(orbit.jacobian, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
