@@ -114,4 +114,34 @@ MUTATIONS = [
             ),
         },
     ),
+    *mistakes_in(
+        "hybrid/tangent/dual",
+        ["hybrid/tangent/test_dual"],
+        {
+            "the matrix of a system never changes": (
+                '"ij...c,...jk->...ikc", dM, x',
+                '"ij...c,...jk->...ikc", 0.0 * dM, x',
+            )
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/terms",
+        ["hybrid/tangent/test_terms"],
+        {
+            "numbers of a robot keep their values": (
+                "own != 0.0]\n        return other",
+                "own > 0.0]\n        return other",
+            )
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/cycle",
+        ["gaits/sensitivity/test_bounces"],
+        {"the flight of a bounce counts to flight": ("counts_to(arc.domain, reset, arc.again)", "arc.domain.phase")},
+    ),
+    *mistakes_in(
+        "hybrid/lanes/lone_runner",
+        ["gaits/sensitivity/test_bounces"],
+        {"a bounce closes a cycle": ("== self._system.section and not again", "== self._system.section")},
+    ),
 ]

@@ -9,8 +9,6 @@ from spear_pin import Gait, find_gait, hopping, load
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.sensitivity.sensitivity import sensitivity
 from spear_pin.hybrid.parameters import with_numbers
-from spear_pin.hybrid.periodic import differentiate_return_map, return_map
-from spear_pin.hybrid.tangent.record import Recorder
 from tests import biped
 from tests.gaits.sensitivity import oracle
 
@@ -86,21 +84,3 @@ def test_gaits_found_again(name, over):
     for errors, of_multipliers, _ in found.values():
         assert errors.max() < worst
         assert of_multipliers.max() < worst
-
-
-def test_a_toe_that_bounces_begins_no_hop():
-    """The flight of a bounce counts to stance; both engines say so, and where it is."""
-    orbit = gait_of(BOUNCING)
-    arcs = [stretch.arc for stretch in orbit.cycle.stretches]
-    assert [(arc.domain.name, arc.event.name) for arc in arcs if arc.again] == [("flight", "touchdown")]
-    run = return_map(orbit.system, orbit.state, 1e-12)
-    assert [event.name for event in run.events].count("retouch") == 1
-    assert {phase: seconds.x for phase, seconds in orbit.cycle.durations.items()} == pytest.approx(run.durations)
-    y, engines = np.concatenate(orbit.state), (Recorder(orbit.system), Recorder(orbit.system))
-    engines[1]._fast = None
-    fast, slow = (engine.lap(y) for engine in engines)
-    assert fast.order == slow.order and [arc.again for arc in fast.arcs] == [arc.again for arc in slow.arcs]
-    assert fast.spent == pytest.approx(dict(slow.spent), abs=1e-9)
-    np.testing.assert_allclose(fast.y, slow.y, rtol=0, atol=1e-8)
-    expected = differentiate_return_map(orbit.system, orbit.state, 1e-12)
-    np.testing.assert_allclose(orbit.jacobian, expected, rtol=0, atol=1e-6 * np.abs(expected).max())

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from spear_pin.hybrid.tangent.dual import NUMBERS, Dual, derivative_of, value_of
+from spear_pin.hybrid.elimination import solve_sparse
+from spear_pin.hybrid.tangent.dual import NUMBERS, Dual, derivative_of, solve_all, value_of
 
 H = 1e-6
 FUNCTIONS = {
@@ -35,3 +36,23 @@ def test_against_differences(name):
 def test_a_derivative_is_never_lost():
     with pytest.raises(TypeError):
         float(Dual(1.0, 2.0))
+
+
+def test_systems_of_arrays_are_those_of_numbers():
+    """Each point of an array is a system of its own, which needs a pivot off the diagonal; right sides may be many."""
+    rng = np.random.default_rng(1)
+    points, c, m = 3, 4, 3
+    values, slopes = rng.normal(size=(m, m + 2, points)), rng.normal(size=(m, m + 2, points, c))
+    values[0, 0], slopes[0, 0] = 0.0, 0.0
+
+    def system(scalar):
+        entries = [[scalar(i, j) if (i, j) != (0, 0) else 0.0 for j in range(m + 2)] for i in range(m)]
+        return [row[:m] for row in entries], [[row[m + k] for row in entries] for k in range(2)]
+
+    found = solve_all(*system(lambda i, j: Dual(values[i, j][:, None], slopes[i, j])))
+    for point in range(points):
+        matrix, rights = system(lambda i, j, at=point: Dual(float(values[i, j, at]), slopes[i, j, at]))
+        for k, right in enumerate(rights):
+            for one, other in zip(found[k], solve_sparse(matrix, right), strict=True):
+                np.testing.assert_allclose(value_of(one)[point, 0], value_of(other), rtol=1e-12)
+                np.testing.assert_allclose(derivative_of(one)[point], derivative_of(other), rtol=1e-10)
