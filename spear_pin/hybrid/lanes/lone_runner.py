@@ -171,7 +171,7 @@ class LoneRunner:
         begun, start = now.t, now.y
         entered = self._enter(now)
         if entered is None:
-            return self._slowly(now)
+            return self._by_reference(now)
         ready, (_, now.t, now.y, end) = entered
         domain = ready.domain
         if end == UNCLEAR:
@@ -197,21 +197,21 @@ class LoneRunner:
             return domain, None
         return domain, event
 
-    def _slowly(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
+    def _by_reference(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
         """Does what `_next` does by the reference engine."""
         begun, start, last = now.t, now.y, self._system.phase_limit
 
         def due_in(domain: Domain) -> float:
             return min(float(due(domain, now.switches, self._law)), last)
 
-        slow = follow(self._wholly, now.phase, now.held, begun, start, due_in, keep=self._keep)
-        domain = self._domains.get(slow.domain.name)
+        arc = follow(self._lane_system, now.phase, now.held, begun, start, due_in, keep=self._keep)
+        domain = self._domains.get(arc.domain.name)
         if domain is None or bounces(self._system, domain):
             raise _Unclear(f"a toe bounces, or toes alternate, in {now.phase}")
-        now.t, now.y = slow.t, slow.y
-        now.observed |= slow.observed
-        event = self._event(now, domain, slow.end, slow.t < last)
-        now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, slow.motion))
+        now.t, now.y = arc.t, arc.y
+        now.observed |= arc.observed
+        event = self._event(now, domain, arc.end, arc.t < last)
+        now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, arc.motion))
         return domain, event
 
     def _seen_again(self, now: _Now, domain: Domain, end: int) -> bool:
@@ -300,7 +300,7 @@ class LoneRunner:
         return with_parameters(self._system, {name: value for name, value in own if name in GROUND})
 
     @cached_property
-    def _wholly(self) -> HybridSystem:
+    def _lane_system(self) -> HybridSystem:
         """The system with all numbers of this lane."""
         return with_parameters(self._system, self._numbers.of_lane(self._lane))
 

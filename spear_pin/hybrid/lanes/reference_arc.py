@@ -26,7 +26,7 @@ ACCURACY = accuracy(Options(FINEST), None)
 ENDS = {DUE: TIME_LIMIT, KNOT: KINK}
 
 
-class Slow(NamedTuple):
+class ReferenceArc(NamedTuple):
     """An arc.
 
     Attributes:
@@ -55,7 +55,7 @@ def follow(
     until: Callable[[Domain], float],
     *,
     keep: bool,
-) -> Slow:
+) -> ReferenceArc:
     """Follows the motion in the domain that fits up to its first event, or up to a time, at the finest tolerance.
 
     Args:
@@ -71,7 +71,7 @@ def follow(
     flow = choose(system, phase, held, t, whole)
     watch = Watch(flow, t, whole)
     if watch.at_once != NONE or watch.undefined:
-        return Slow(flow.domain, t, y, FAILED if watch.undefined else watch.at_once, {}, None)
+        return ReferenceArc(flow.domain, t, y, FAILED if watch.undefined else watch.at_once, {}, None)
     last, most = until(flow.domain), Options().max_evaluations
     motion = integrated(flow, watch, t, whole, last, ACCURACY, keep=keep, most=most)
     n = len(y)
@@ -79,4 +79,6 @@ def follow(
     if motion.event is not None:
         end = next(i for i, guard in enumerate(flow.domain.guards) if guard is motion.event)
     observed = {name: state[:n] for name, _, state in motion.observed}
-    return Slow(flow.domain, motion.t, motion.y[:n], end, observed, states_over(motion.pieces, n) if keep else None)
+    return ReferenceArc(
+        flow.domain, motion.t, motion.y[:n], end, observed, states_over(motion.pieces, n) if keep else None
+    )

@@ -127,15 +127,23 @@ class Recorder:
     def lap(self, y: Array) -> Record:
         """Runs a cycle from a state just after the section, (2 nv,), and returns its record.
 
+        What the fast engine refuses the reference engine runs.
+
         Raises:
             NotDifferentiable: the cycle does not close, or has an event without a derivative.
         """
-        phase, resets = self.start
-        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
-        lap = self.motion(phase, y, held)
-        if lap is None:
+        begun = self.begin(y)
+        found = self.motion(*begun)
+        if found is None and self._fast is not None:
+            found, self._why = self._slow.lap(*begun), self._slow.why
+        if found is None:
             raise NotDifferentiable(f"{PLAIN}: {self._why}")
-        return lap
+        return found
+
+    def begin(self, y: Array) -> tuple[str, Array, Held]:
+        """Returns the phase, the state and the held values with which a cycle begins at a state, (2 nv,)."""
+        phase, resets = self.start
+        return phase, y, latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
 
     def motion(self, phase: str, y: Array, held: Held) -> Record | None:
         """Runs the motion from the beginning of a phase to the section; returns None if it does not close plainly.
@@ -145,11 +153,8 @@ class Recorder:
             y: state at the beginning of the phase, (2 nv,).
             held: values held at that state.
         """
-        found: Record | None = None
-        if self._fast is not None:
-            found, self._why = self._fast.lap(phase, y, held), self._fast.why
-        if found is None:  # what is rare
-            found, self._why = self._slow.lap(phase, y, held), self._slow.why
+        runner = self._fast or self._slow
+        found, self._why = runner.lap(phase, y, held), runner.why
         return found
 
     @cached_property
