@@ -15,7 +15,7 @@ A_CYCLE = 10_000  # evaluations; a cycle in space takes some 2,500
 
 def patience(cycles: int) -> int:
     """How many evaluations a motion in space may take: enough for its cycles, and for one in which it is lost."""
-    from spear_pin.hybrid.periodic import EVALUATIONS
+    from spear_pin.hybrid.result import EVALUATIONS
 
     return EVALUATIONS + cycles * A_CYCLE
 

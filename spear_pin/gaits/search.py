@@ -14,8 +14,7 @@ from spear_pin.gaits.targets import check_wanted
 from spear_pin.gaits.tolerances import TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import EVALUATIONS
-from spear_pin.hybrid.result import State
+from spear_pin.hybrid.result import EVALUATIONS, State
 from spear_pin.kinds import typed
 
 FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # factors on the varied parameters' starting values, tried in turn

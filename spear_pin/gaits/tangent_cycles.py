@@ -82,8 +82,7 @@ class TangentCycles:
         """Returns the record of the cycle of one lane, or None where it does not close plainly."""
         try:
             with LOCK:
-                recorder = self._recorder(values)
-                return recorder.motion(*recorder.begin(np.concatenate([q, v])))
+                return self._recorder(values).lap(np.concatenate([q, v]))
         except REFUSALS:
             return None
 

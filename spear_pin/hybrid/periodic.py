@@ -12,7 +12,7 @@ from spear_pin.errors import NoGait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import may_vary
 from spear_pin.hybrid.newton import STEP, Lanes, jacobian
-from spear_pin.hybrid.result import Options, Run, State
+from spear_pin.hybrid.result import EVALUATIONS, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart as chart
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting
@@ -20,8 +20,6 @@ from spear_pin.hybrid.spatial_section import seen
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.section import exact_jacobian
 from spear_pin.hybrid.translation import translations, without
-
-EVALUATIONS = 60_000  # most right-hand sides of one cycle; a gait's cycle takes some thousands, even at rtol 1e-13
 
 
 def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:

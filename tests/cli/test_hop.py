@@ -201,7 +201,8 @@ class TestMistakes:
 
     @pytest.mark.slow
     def test_a_hop_that_cannot_be(self, capsys, tmp_path):
-        assert "no gait found" in refused(capsys, "hop", "--out", tmp_path, "--flight-time", "5")
+        status, _, err = run(capsys, "hop", "--out", tmp_path, "--flight-time", "5")
+        assert status == 2 and "no gait found" in err.splitlines()[-1]  # a slow machine says before how far it is
 
     @pytest.mark.parametrize("place", ["missing", "file"])
     def test_where_nothing_can_be_written(self, capsys, tmp_path, place):

@@ -53,10 +53,14 @@ class TestLanes:
         assert refused == 0 if spread < 0.1 else 0 < refused < len(laps) / 2
         assert_same(alone, together)
 
-    def test_one_by_one_with_their_own_numbers(self, hop, monkeypatch):
-        q, v = around(hop, 0.01, 8)
+    @pytest.mark.parametrize("spread", [0.01, 0.1])
+    def test_one_by_one_with_their_own_numbers(self, hop, spread, monkeypatch):
+        q, v = around(hop, spread, 8)
         given = {"stiffness": np.linspace(47.0, 50.0, 8), "stance_torque": np.full(8, 7.9), "friction": np.full(8, 0.7)}
+        laps, lap = [], LoneRunner.lap
+        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
         alone = simulate_many(hop.system, q, v, 2, parameters=given)
+        assert (None in laps) == (spread == 0.1)  # toes of some alternate
         monkeypatch.setattr(runner, "FEW", 0)
         assert_same(alone, simulate_many(hop.system, q, v, 2, parameters=given))
 

@@ -9,7 +9,8 @@ import pytest
 from spear_pin import HoppingLaw, find_gait, hopping, simulate
 from spear_pin.errors import NoGait
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.periodic import EVALUATIONS, chart, eigenvalues, multipliers, residual, return_map
+from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, residual, return_map
+from spear_pin.hybrid.result import EVALUATIONS
 from tests.hybrid.by_hand import Hopper
 
 

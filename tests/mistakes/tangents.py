@@ -144,14 +144,4 @@ MUTATIONS = [
         ["gaits/sensitivity/test_bounces"],
         {"a bounce closes a cycle": ("== self._system.section and not again", "== self._system.section")},
     ),
-    *mistakes_in(
-        "gaits/tangent_cycles",
-        ["gaits/sensitivity/test_bounces"],
-        {
-            "a trial cycle that bounces runs twice": (
-                "recorder.motion(*recorder.begin(np.concatenate([q, v])))",
-                "recorder.lap(np.concatenate([q, v]))",
-            )
-        },
-    ),
 ]

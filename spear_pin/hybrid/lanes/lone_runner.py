@@ -29,7 +29,7 @@ from spear_pin.hybrid.lanes.reference_arc import follow
 from spear_pin.hybrid.modes import in_place
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.rules.cycles import RETOUCH, counts_to, crowded, due, retouches, turns_back, whole
+from spear_pin.hybrid.rules.cycles import ALTERNATE, RETOUCH, counts_to, crowded, due, retouches, whole
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
@@ -88,7 +88,7 @@ class _Now:
         grounded: time at which each toe was last on the ground, in s.
         happened: the events so far.
         overlap: impacts in space that may not be over.
-        before: the phase before.
+        instant: resets into other phases in this instant.
     """
 
     phase: str
@@ -100,7 +100,7 @@ class _Now:
     grounded: list[float]
     spent: dict[str, float]
     overlap: Overlap
-    before: str = ""
+    instant: list[Reset] = field(default_factory=list)
     observed: dict[str, Array] = field(default_factory=dict)
     t: float = 0.0
     past: float = 0.0
@@ -176,8 +176,6 @@ class LoneRunner:
         domain = ready.domain
         if end == UNCLEAR:
             raise _Unclear(f"two events crowd in an instant as {domain.name} begins")
-        if end >= 0 and turns_back(self._system, domain.guards[end], now.t, now.before):
-            raise _Unclear(f"{domain.name} ends as it begins: a toe bounces")
         at = due(domain, now.switches, self._law)
         until = min(at, self._system.phase_limit)
         motion, steps = None, 0
@@ -245,6 +243,11 @@ class LoneRunner:
             raise _Unclear(f"the run ends: {event.name}")
         if now.crowd == FEW_AT_ONCE:
             raise _Unclear("events crowd in an instant")
+        now.instant = now.instant if now.crowd else []
+        if any(reset is each for each in now.instant):
+            raise _Unclear(ALTERNATE)
+        if reset.phase is not None:
+            now.instant.append(reset)
         for i in domain.on_ground:
             now.grounded[i] = time
         again = bool(retouches(self._system, reset, [time - last for last in now.grounded]))
@@ -258,7 +261,6 @@ class LoneRunner:
             self._latch(now, reset)
         if reset.phase is not None:
             now.spent[counts_to(domain, reset, again)] += now.t
-            now.before = now.phase
             now.phase, now.past, now.t, now.switches = reset.phase, time, 0.0, 0
         now.domains = self._phases[now.phase]
         return reset, again
@@ -341,7 +343,7 @@ class LoneRunner:
             if best is None or entry.fitness > best[1].fitness:
                 best = ready, entry
         if best is None:
-            raise _Unclear(f"toes alternate in {now.phase}, or neither stick, slide nor leave")
+            raise _Unclear(f"{ALTERNATE}, or neither stick, slide nor leave, in {now.phase}")
         return best
 
     def _enter_in_space(self, now: _Now) -> tuple[Single, Entry] | None:

@@ -279,6 +279,12 @@ class Lanes:
         if end != KINK:
             self.observed[ready.domain.guards[end].name][:, group.lanes] = group.y
         group = self.count(group)
+        again = (self.crowd[group.lanes] > 0) & (end != KINK)  # by rounding it was not passed
+        passed, left = away(self.numbers, ready, group.take(again))
+        self.give_up(left)
+        for each in passed:
+            self.fly(ready, each)
+        group = group.take(~again)
         self.watch(ready, group, self.numbers.at(ready, group), None)
 
     def happen(self, domain: Domain, index: int, group: Group) -> None:

@@ -23,6 +23,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Reset
 
 RETOUCH = "retouch"
+ALTERNATE = "toes alternate"
 INSTANT = 1e-7  # s: events closer together than this count as one instant
 AT_ONCE = 1e-9  # s: a phase shorter than this was left as soon as it was entered
 INSTANT_EVENTS = 20  # number of events in one instant that count as a Zeno point
@@ -69,16 +70,6 @@ def creeps(times: Sequence[float]) -> bool:
 def left_at_once(guard: Guard, t: Any) -> Any:
     """Tells whether a phase is left as soon as it was entered, t seconds ago, which may be chatter."""
     return (t <= AT_ONCE) & (guard.reset is not None and guard.reset.phase is not None)
-
-
-def turns_back(system: HybridSystem, guard: Guard, t: float, before: str) -> bool:
-    """Tells whether an event ends a phase as it begins, t seconds ago, and may be chatter.
-
-    In space it may be only if it leads to the phase before: feet that land at once lead on through phases without a
-    duration.
-    """
-    returns = system.robot.dimension == 2 or (guard.reset is not None and guard.reset.phase == before)
-    return returns and bool(left_at_once(guard, t))
 
 
 def whole(seconds: Any) -> Any:

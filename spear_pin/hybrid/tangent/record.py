@@ -127,23 +127,15 @@ class Recorder:
     def lap(self, y: Array) -> Record:
         """Runs a cycle from a state just after the section, (2 nv,), and returns its record.
 
-        What the fast engine refuses the reference engine runs.
-
         Raises:
             NotDifferentiable: the cycle does not close, or has an event without a derivative.
         """
-        begun = self.begin(y)
-        found = self.motion(*begun)
-        if found is None and self._fast is not None:
-            found, self._why = self._slow.lap(*begun), self._slow.why
+        phase, resets = self.start
+        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
+        found = self.motion(phase, y, held)
         if found is None:
             raise NotDifferentiable(f"{PLAIN}: {self._why}")
         return found
-
-    def begin(self, y: Array) -> tuple[str, Array, Held]:
-        """Returns the phase, the state and the held values with which a cycle begins at a state, (2 nv,)."""
-        phase, resets = self.start
-        return phase, y, latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
 
     def motion(self, phase: str, y: Array, held: Held) -> Record | None:
         """Runs the motion from the beginning of a phase to the section; returns None if it does not close plainly.

@@ -13,8 +13,8 @@ from spear_pin.hybrid.arc import Arc, states_over
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard, Held, Switch
 from spear_pin.hybrid.orders import Order, order_of
-from spear_pin.hybrid.result import FINEST, Moment, Options, Segment
-from spear_pin.hybrid.rules.cycles import RETOUCH
+from spear_pin.hybrid.result import EVALUATIONS, FINEST, Moment, Options, Segment
+from spear_pin.hybrid.rules.cycles import ALTERNATE, RETOUCH
 from spear_pin.hybrid.run import run
 
 
@@ -47,14 +47,10 @@ class ReferenceRunner:
     def lap(self, phase: str, y: Array, held: Held) -> ReferenceLap | None:
         """Runs the cycle at the finest tolerance; returns None if it does not close, or toes alternate."""
         begun = Moment(y[: self._nv], y[self._nv :], phase, held)
-        found = run(self._system, begun, 1, Options(FINEST, keep=True))
-        self.why = ""
-        if found.reason != "complete":
-            self.why = found.message
+        found = run(self._system, begun, 1, Options(FINEST, max_evaluations=EVALUATIONS, keep=True))
         own = {id(domain) for domain in self._system.domains}
-        foreign = (segment.domain for segment in found.segments if id(segment.domain) not in own)
-        if not self.why and (other := next(foreign, None)) is not None:
-            self.why = f"toes alternate in {other.phase}"
+        alternate = any(id(segment.domain) not in own for segment in found.segments)
+        self.why = found.message if found.reason != "complete" else ALTERNATE if alternate else ""
         if self.why:
             return None
         arcs, switches, came = list[Arc](), 0, -1.0

@@ -17,8 +17,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.newton import Lanes
 from spear_pin.hybrid.parameters import changed, parameter, rebuilt, with_parameters
-from spear_pin.hybrid.periodic import EVALUATIONS
-from spear_pin.hybrid.result import Options, Run, State
+from spear_pin.hybrid.result import EVALUATIONS, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.shooting import Cycles as Closing

@@ -7,7 +7,6 @@ import pytest
 
 from spear_pin import find_gait, hopping, load
 from spear_pin.gaits.sensitivity.orbit import Orbit
-from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.periodic import differentiate_return_map, return_map
 from spear_pin.hybrid.rules.latching import latched
@@ -35,15 +34,6 @@ def test_a_toe_that_bounces_begins_no_hop():
     np.testing.assert_allclose(fast.y, slow.y, rtol=0, atol=1e-8)
     expected = differentiate_return_map(orbit.system, orbit.state, 1e-12)
     np.testing.assert_allclose(orbit.jacobian, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
-
-
-def test_a_trial_cycle_that_bounces_is_left_to_the_engine_that_its_search_has():
-    """It would be run twice: a payoff took half as long again."""
-    system = with_numbers(hopping(load("spear_ii", locked=["boom_x"])), {"stance_torque": 7.826, "stiffness": 60.0})
-    gait = find_gait(system, guess=NEAR, rtol=1e-11)
-    cycles = tangent_cycles(gait.system, (), ())
-    assert cycles.record(*gait.state, np.empty(0)) is None
-    assert cycles.one(*gait.state, np.empty(0)) is not None
 
 
 def test_a_flight_that_counts_as_a_bounce_closes_no_cycle():

@@ -45,14 +45,6 @@ def test_the_second_way_takes_over_and_agrees(ran, monkeypatch):
             np.testing.assert_allclose(one.motion(times), other.motion(times), rtol=0, atol=1e-8)
 
 
-def test_what_is_refused_is_run_again_by_the_reference_engine(ran, monkeypatch):
-    monkeypatch.setattr(record, "CYCLES", 0)
-    monkeypatch.setattr("spear_pin.hybrid.lanes.lone_runner.EVENTS", 2)
-    gait = Gait.load("trot")
-    assert Recorder(gait.system).lap(np.concatenate(gait.state)).arcs
-    assert ran == [CompiledRunner, ReferenceRunner]
-
-
 def test_without_heyoka_it_never_takes_over(ran, monkeypatch):
     monkeypatch.setattr(record, "CYCLES", 0)
     monkeypatch.setattr(taylor, "available", lambda: False)

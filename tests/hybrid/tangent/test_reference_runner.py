@@ -62,7 +62,7 @@ class TestRefused:
                 {"stiffness": 41.0, "knee_ratio": 15.0, "friction": 1.1, "stance_torque": 7.943900986829394},
                 (0.5639487416125667, 0.49783450667292883, 0.9606365503168816),
                 (-0.739371467372395, 2.538546318312423, 5.031172318217591),
-                "toes alternate in flight",
+                "toes alternate",
             ),
             (
                 {"stiffness": 56.0, "knee_ratio": 24.0, "friction": 0.8, "stance_torque": 9.125033502281795},
