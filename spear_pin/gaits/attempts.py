@@ -19,14 +19,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import (
-    chart,
-    displacement,
-    eigenvalues,
-    multipliers,
-    one_by_one,
-    return_map,
-)
+from spear_pin.hybrid.periodic import chart, displacement, eigenvalues, multipliers, one_by_one, return_map
 from spear_pin.hybrid.result import EVALUATIONS, Moment, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import Chart

@@ -121,6 +121,27 @@ class TestInstants:
         np.testing.assert_allclose(found.q[0], expected.state[0], rtol=0, atol=1e-8)
 
 
+@pytest.mark.parametrize("few", [1, 0])
+def test_what_is_observed_is_passed(hop, few, monkeypatch):
+    """Rounding leaves every other event just ahead of where it was found, so that it would be found again and again."""
+
+    def falls_to(speed):
+        return lambda t, q, v, held, p, dyn, ops: v[0] - speed
+
+    guards = [Guard(f"speed {speed:.3f}", falls_to(speed)) for speed in np.linspace(-0.6, 0.6, 12)]
+    system = also(hop.system, "flight", *guards)
+    monkeypatch.setattr(runner, "FEW", few)
+    laps, lap = [], LoneRunner.lap
+    monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+    found = simulate_many(system, *(part[None] for part in hop.state), 3, observe=True)
+    assert len(laps) == 3 * few and None not in laps and not found.repeated.any()
+    expected = run(system, hop.state, 3, Options(FINE))
+    for guard in guards:
+        event = expected.event(guard.name)
+        np.testing.assert_allclose(found.observed[guard.name][0], [*event.q, *event.v], rtol=0, atol=1e-8)
+    np.testing.assert_allclose(found.q[0], expected.state[0], rtol=0, atol=1e-8)
+
+
 class TestSwitches:
     def test_begin_anew_with_a_phase(self, hop):
         """Of stance and flight, which both have some."""

@@ -383,6 +383,10 @@ MUTATIONS = [
         "hybrid/lanes/runner",
         ["hybrid/test_lone_runner"],
         {
+            "lanes together: an apex is seen again and again": (
+                "(self.crowd[group.lanes] > 0) & (end",
+                "(group.t < 0.0) & (end",
+            ),
             "lane alone: time stands still": ("began += sum(spent.values())", "pass"),
             "lane alone: repeated from its beginning": (
                 "if came[1] is self._fresh:\n                start, fresh",

@@ -142,6 +142,19 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/lanes/lone_runner",
         ["gaits/sensitivity/test_bounces"],
-        {"a bounce closes a cycle": ("== self._system.section and not again", "== self._system.section")},
+        {
+            "a bounce closes a cycle": ("== self._system.section and not again", "== self._system.section"),
+            "lane alone: an instant lasts for a cycle": ("now.instant if now.crowd else []", "now.instant"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/lanes/lone_runner",
+        ["hybrid/tangent/test_random_hops"],
+        {"lane alone: toes that alternate crowd": ("if any(reset is each for each in now.instant):", "if False:")},
+    ),
+    *mistakes_in(
+        "hybrid/tangent/reference_runner",
+        ["hybrid/tangent/test_reference_runner"],
+        {"a cycle of the reference engine without a cap": ("max_evaluations=EVALUATIONS, ", "")},
     ),
 ]

@@ -19,7 +19,7 @@ from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.integration import DUE, KNOT, accuracy, integrated
 from spear_pin.hybrid.modes import choose
-from spear_pin.hybrid.result import FINEST, Options
+from spear_pin.hybrid.result import EVALUATIONS, FINEST, Options
 from spear_pin.hybrid.rules.entry import NONE
 
 ACCURACY = accuracy(Options(FINEST), None)
@@ -72,8 +72,8 @@ def follow(
     watch = Watch(flow, t, whole)
     if watch.at_once != NONE or watch.undefined:
         return ReferenceArc(flow.domain, t, y, FAILED if watch.undefined else watch.at_once, {}, None)
-    last, most = until(flow.domain), Options().max_evaluations
-    motion = integrated(flow, watch, t, whole, last, ACCURACY, keep=keep, most=most)
+    last = until(flow.domain)
+    motion = integrated(flow, watch, t, whole, last, ACCURACY, keep=keep, most=EVALUATIONS)
     n = len(y)
     end = ENDS.get(motion.why, FAILED)
     if motion.event is not None:

