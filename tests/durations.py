@@ -2,7 +2,8 @@
 
 Processor time, of a test and of what it starts, stays the same on a busy machine; wall time does not. Each run prints
 the folders that take the most; `--durations-json FILE` writes every folder and file; `--budgets NAME` fails where a
-folder takes more than its budget of that name, and starts with the files that take longest.
+folder takes more than its budget of that name, and starts with the files that take longest. One machine takes more
+than twice the processor time of another; so budgets are multiplied by how much slower it is, by all folders together.
 """
 
 import json
@@ -16,6 +17,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 BUDGETS = Path(__file__).with_name("budgets.toml")
 SHOWN = 8
+MARGIN, ALWAYS = 2.0, 30.0  # times the measured seconds, and seconds more, are allowed
+SLOWEST = 3.0  # times a quiet machine's seconds that a slow one may take
 
 
 def processor_time() -> float:
@@ -68,11 +71,16 @@ class Durations:
         """Says which folders take more than their budgets, or have none."""
         if self.budgets is None:
             return []
-        allowed, taken = self.budgets["seconds"], self.folders()
+        measured, taken = self.budgets["seconds"], self.folders()
+        known = taken.keys() & measured.keys()
+        slower = sum(taken[folder] for folder in known) / max(sum(measured[folder] for folder in known), 1)
+        slower = min(max(slower, 1.0), SLOWEST)
+        allowed = {folder: slower * MARGIN * seconds + ALWAYS for folder, seconds in measured.items()}
         return [
-            f"{folder} took {seconds:.0f} s of a processor, its budget is {allowed.get(folder, 0)} s ({BUDGETS.name})"
+            f"{folder} took {seconds:.0f} s of a processor, its budget is {allowed.get(folder, 0.0):.0f} s"
+            f" on a machine {slower:.2g} times slower than a quiet one ({BUDGETS.name})"
             for folder, seconds in taken.items()
-            if seconds > allowed.get(folder, 0)
+            if seconds > allowed.get(folder, 0.0)
         ]
 
     @pytest.hookimpl(trylast=True)

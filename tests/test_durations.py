@@ -13,7 +13,8 @@ from tests.durations import ROOT, Durations
 @pytest.fixture
 def budgets(tmp_path, monkeypatch):
     path = tmp_path / "budgets.toml"
-    path.write_text('[quick]\nfirst = ["tests/b/test_b.py"]\n[quick.seconds]\n"tests/a" = 5\n', encoding="utf-8")
+    seconds = "".join(f'"tests/{folder}" = {10 * n}\n' for n, folder in enumerate("abcde", 1))
+    path.write_text(f'[quick]\nfirst = ["tests/b/test_b.py"]\n[quick.seconds]\n{seconds}', encoding="utf-8")
     monkeypatch.setattr(durations, "BUDGETS", path)
 
 
@@ -38,13 +39,24 @@ def test_phases_are_added_up_by_folder_and_written(tmp_path):
 
 
 @pytest.mark.usefixtures("budgets")
-@pytest.mark.parametrize(("folder", "seconds", "over"), [("a", 4.0, False), ("a", 6.0, True), ("c", 0.1, True)])
-def test_a_folder_beyond_its_budget_fails_the_run(folder, seconds, over):
-    plugin = told(Durations(None, "quick"), (f"tests/{folder}/test.py::test", "call", seconds))
+@pytest.mark.parametrize(
+    ("seconds", "over"),
+    [
+        ({"a": 49.0}, []),
+        ({"a": 57.0}, ["a"]),
+        ({"a": 69.0, "b": 40.0, "c": 60.0, "d": 80.0, "e": 51.0}, []),  # the machine is twice as slow
+        ({"a": 71.0, "b": 40.0, "c": 60.0, "d": 80.0, "e": 49.0}, ["a"]),
+        ({"a": 89.0, "b": 149.0, "c": 211.0, "d": 240.0, "e": 300.0}, ["c"]),  # slower than any may be
+        ({"f": 0.1}, ["f"]),
+    ],
+)
+def test_a_folder_beyond_its_budget_fails_the_run(seconds, over):
+    taken = {"a": 10.0, "b": 20.0, "c": 30.0, "d": 40.0, "e": 50.0} | seconds
+    plugin = told(Durations(None, "quick"), *((f"tests/{a}/test.py::test", "call", s) for a, s in taken.items()))
     session = SimpleNamespace(exitstatus=pytest.ExitCode.OK, config=SimpleNamespace())
     plugin.pytest_sessionfinish(session)
-    assert (session.exitstatus == pytest.ExitCode.TESTS_FAILED) == over
-    assert bool(plugin.exceeded()) == over
+    assert (session.exitstatus == pytest.ExitCode.TESTS_FAILED) == bool(over)
+    assert [each.split(" took")[0] for each in plugin.exceeded()] == [f"tests/{folder}" for folder in over]
 
 
 @pytest.mark.usefixtures("budgets")
@@ -55,6 +67,5 @@ def test_files_that_take_longest_begin():
 
 
 def test_budgets_name_what_there_is():
-
     for budget in tomllib.loads(durations.BUDGETS.read_text(encoding="utf-8")).values():
         assert all((ROOT / name).exists() for name in (*budget["first"], *budget["seconds"]))

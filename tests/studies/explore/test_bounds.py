@@ -1,13 +1,17 @@
 """A bound with its numbers turned: gaits carried from the nearest one that is known."""
 
+import math
 import runpy
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from spear_pin import Gait, find_gait
 from spear_pin.errors import BadValue, NoGait
-from spear_pin.studies.explore.bounds import bound_to_explore, stride
+from spear_pin.studies.explore import bounds
+from spear_pin.studies.explore.bounds import Underway, bound_to_explore, stride
 from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.studies.explore.figures import figures, script
 
@@ -66,9 +70,26 @@ def test_a_gait_at_another_speed_is_the_one_that_find_gait_finds(subject, found,
 
 
 @pytest.mark.slow
-def test_where_there_is_no_gait_it_says_how_far_the_way_led(subject):
+def test_where_there_is_no_gait_it_says_how_far_the_way_led(subject, monkeypatch):
+    monkeypatch.setattr(bounds, "PATIENCE", 3.0)
     with pytest.raises(NoGait, match="There is a gait at .*, and none was found beyond: "):
         stride(subject.at(friction=0.1), best_engine())
+
+
+@pytest.mark.slow
+def test_without_time_the_way_found_so_far_is_kept(subject, monkeypatch):
+    begun, engine = len(subject.known), best_engine()
+    monkeypatch.setattr(bounds, "time", SimpleNamespace(perf_counter=lambda: float(len(subject.known) - begun)))
+    monkeypatch.setattr(bounds, "PATIENCE", 0.5)
+
+    def first_step_alone(*asked):
+        if len(subject.known) > begun:
+            raise NoGait("Newton's method takes longer than a few seconds", math.inf)
+        return engine.beside(*asked[:-1], math.inf)
+
+    with pytest.raises(Underway, match="There is a gait at mean speed 2.[678]"):
+        stride(subject.at(speed=2.9), replace(engine, beside=first_step_alone))
+    assert len(subject.known) == begun + 1
 
 
 @pytest.mark.slow
