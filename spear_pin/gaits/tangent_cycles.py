@@ -149,7 +149,7 @@ class TangentCycles:
             with LOCK:
                 recorder = self._recorder(values)
                 fineness = ENDS if of_ends(self.measures) else INSIDE
-                cycle = differentiated(self.system, recorder, y, along, self._seeds, fineness)
+                cycle = differentiated(self.system, recorder, y, along, self.seeds, fineness)
             load = Measure(self.system.robot.weight, np.zeros(along.shape[1]), "N")  # which none of the numbers changes
             found = measures(cycle, along, load)
             measured = [found.get(name) for name in self.measures]
@@ -159,7 +159,7 @@ class TangentCycles:
         return _Differentiated(cycle, known, recorder.order) if len(known) == len(measured) else None
 
     @cached_property
-    def _seeds(self) -> Array:
+    def seeds(self) -> Array:
         """Derivatives of the system's numbers, which are linear in those that vary, (p, 2 nv + k)."""
         own = np.array([parameter(self.system, name) for name in self.vary])
         here = self._recorder(own).numbers

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from threading import Lock
 
 import numpy as np
@@ -13,7 +13,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.structure import NONZERO
+from spear_pin.hybrid.engines.structure import NONZERO, names_of
 from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.lanes.runner import FEW as FEW
 from spear_pin.hybrid.lanes.runner import Lanes
@@ -157,7 +157,7 @@ def may_differ(system: HybridSystem, name: str) -> bool:
 
     The numbers of the law, of the springs and of the ground may, except for a spring's fixed rest angle.
     """
-    return name in OTHERS or any(field.name == name for field in fields(system.law))
+    return name in OTHERS or name in names_of(system.law)
 
 
 def has_lanes(system: HybridSystem, names: Iterable[str]) -> bool:

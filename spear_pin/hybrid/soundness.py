@@ -19,6 +19,17 @@ class Latched(dict[str, Any]):
         raise UnknownName("latched value", name, self)
 
 
+class _Missing(Exception):
+    """Raised for a name without a value, as long as others may still be latched."""
+
+
+class _Probe(Latched):
+    """Held values; whoever asks for an unknown name is to wait."""
+
+    def __missing__(self, name: str) -> Any:
+        raise _Missing(name)
+
+
 def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]]) -> None:
     """Checks that every name in the domains exists.
 
@@ -97,23 +108,23 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
     except Exception:  # a user function may raise anything at a state that a run need not reach
         return
     if missing is not None:
-        raise missing
+        raise UnknownName("latched value", missing, held)
     for domain in domains:
         for mount in domain.mounts:
             place = mount.joint, domain.name
             _known("latched value of the spring on {!r} in domain {!r}", place, [mount.rest, mount.taut], held)
 
 
-def _held(latches: Sequence[Latch], q: list[float], v: list[float], law: Any) -> tuple[Latched, UnknownName | None]:
-    """Calls each latch once the values that it reads are held; returns the held values, and the first missing name."""
-    held, waiting = Latched(), latches
+def _held(latches: Sequence[Latch], q: list[float], v: list[float], law: Any) -> tuple[Latched, str | None]:
+    """Calls each latch once the values that it reads are held; returns the held values, and the last missing name."""
+    held, waiting = _Probe(), latches
     while True:
         asked, waiting, missing = waiting, list[Latch](), None
         for latch in asked:
             try:
                 held.update(latch(q, v, held, law))
-            except UnknownName as error:
-                waiting, missing = [*waiting, latch], error
+            except _Missing as error:
+                waiting, missing = [*waiting, latch], error.args[0]
         if len(waiting) in (0, len(asked)):
             return held, missing
 

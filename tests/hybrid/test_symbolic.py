@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spear_pin import Gait, Ground, HoppingLaw, Spring, hopping, load
+from spear_pin import Gait, Ground, HoppingLaw, SpatialLaw, Spring, hopping, load
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.elimination import factorize, solve, solve_sparse, substitute
 from spear_pin.hybrid.engines.pinocchio import Flow
@@ -178,3 +178,10 @@ def test_sparse_systems_of_units():
 def test_fields_need_not_be_valid():
     law = with_fields(HoppingLaw(), {"frequency": "f"})
     assert law.frequency == "f" and law.knee_gain == 63.25 and isinstance(law, HoppingLaw)
+
+
+def test_fields_of_a_part():
+    plane = Gait.load("long_stride").system.law
+    law = with_fields(SpatialLaw(plane), {"virtual_stiffness": "k", "posterior_adduction": "a"})
+    assert law.plane.virtual_stiffness == "k" and law.posterior_adduction == "a"
+    assert law.plane.knee_touchdown == plane.knee_touchdown

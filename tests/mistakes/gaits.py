@@ -5,6 +5,14 @@ from tests.mistakes.mutation import mistakes_in
 CONTINUED = ["gaits/continuation/test_maps", "gaits/continuation/test_bouncing_ball"]
 MUTATIONS = [
     *mistakes_in(
+        "gaits/orbits/strides",
+        ["gaits/orbits/test_steering"],
+        {
+            "strides: clocks that go on": ("begun, phase = begun + last", "begun, phase = begun"),
+            "strides: a turn to the right": ("[end[YAW] - begin[YAW], speed", "[begin[YAW] - end[YAW], speed"),
+        },
+    ),
+    *mistakes_in(
         "gaits/continuation/signs",
         [*CONTINUED, "gaits/continuation/test_kicked_oscillator"],
         {

@@ -30,6 +30,11 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/engines/structure",
+        ["hybrid/test_symbolic"],
+        {"numbers of a part of the law stay": ("value = with_fields(value, values)", "value = with_fields(value, {})")},
+    ),
+    *mistakes_in(
         "hybrid/symmetry",
         ["gaits/orbits/test_embedding"],
         {"a mirror without adductions": ("-float(np.sign(axes[1] @ (axes[0] * ACROSS)))", "1.0")},

@@ -31,8 +31,8 @@ def in_space(gait: Gait, law: SpatialLaw | None = None, *, robot: Robot | None =
     """Puts a planar bounding gait into space: finds its residual and multipliers, with those of a sideways fall.
 
     If left and right of the robot are not quite mirror images, the planar gait is only close to a gait in space.
-    Newton's method then finds the gait, with the numbers of the law unchanged. The multipliers take some sixty strides,
-    each about as long as a stride in the plane. The function takes about a minute, or a few with Newton's method.
+    Newton's method then finds the gait, with the numbers of the law unchanged. The function takes some seconds, and
+    longer with Newton's method.
 
     Args:
         gait: a gait of Q-SPEAR in the plane, or of a quadruped that `sagittal` cut, without feedback.

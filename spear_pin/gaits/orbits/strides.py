@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -11,25 +12,35 @@ from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.orbits.balance import unit_of
-from spear_pin.gaits.spatial.automaton import forward_speed
 from spear_pin.gaits.spatial.legs import SIDES
+from spear_pin.gaits.tangent_cycles import tangent_cycles
+from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import may_vary
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
-from spear_pin.hybrid.symmetry import YAW
+from spear_pin.hybrid.symmetry import YAW, X, Y
 from spear_pin.hybrid.tangent.collocation import ENDS
+from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.section import cycle_on_section
-from spear_pin.hybrid.tangent.seeds import seeds
 
 
-def footfall_gap(run: Run, pair: str, event: str = "touchdown") -> float:
-    """Returns the time from the first touchdown, or "lift_off", of a pair's left foot to the right foot's, in s."""
-    times = {each.name: each.time for each in reversed(run.events)}
-    left, right = (times.get(f"{pair}_{side}_{event}", np.nan) for side in SIDES)
-    return float(right - left)
+def footfall_gap(times: Mapping[str, Any], pair: str, event: str = "touchdown") -> Any:
+    """Returns the time from the first touchdown, or "lift_off", of a pair's left foot to the right foot's, in s.
+
+    Args:
+        times: times of events by name, in s, of any scalars; NaN is returned where one is missing.
+        pair: "posterior" or "anterior".
+        event: what the feet do.
+    """
+    left, right = (times.get(f"{pair}_{side}_{event}", math.nan) for side in SIDES)
+    return right - left
+
+
+def first_times(run: Run) -> dict[str, float]:
+    """Returns when each event happens first, in s, by name."""
+    return {each.name: each.time for each in reversed(run.events)}
 
 
 class Strides:
@@ -51,14 +62,19 @@ class Strides:
             rtol: relative tolerance of the integrator.
         """
         self._system, self._second, self._rtol, self._chart = system, second, rtol, chart(system, state)
+        self._cycles = tangent_cycles(system, inputs, ())
         self._inputs = [(name, parameter(system, name), unit_of(name, system.robot)) for name in inputs]
         self.n = self._chart.dimension
         self.unknowns = self.n + len(inputs)
 
+    def numbers(self, x: Array) -> dict[str, float]:
+        """Returns the changed inputs by name."""
+        changes = zip(self._inputs, x[self.n :].tolist(), strict=True)
+        return {name: value + unit * by for (name, value, unit), by in changes}
+
     def system(self, x: Array) -> HybridSystem:
         """Returns the system with the changed inputs."""
-        changes = zip(self._inputs, x[self.n :].tolist(), strict=True)
-        return with_parameters(self._system, {name: value + unit * by for (name, value, unit), by in changes})
+        return with_parameters(self._system, self.numbers(x))
 
     def state(self, x: Array) -> State:
         """Returns the state on the section."""
@@ -70,20 +86,35 @@ class Strides:
         Raises:
             NoGait: the stride does not close, or a foot does not land.
         """
-        system = self.system(x)
+        begin, numbers = self.state(x), np.array([*self.numbers(x).values()])
+        record = None if self._cycles is None else self._cycles.record(*begin, numbers)
+        if record is not None:
+            y, period = record.y, sum(record.spent.values())
+            times = _first_times(record.arcs, [arc.end for arc in record.arcs])
+        else:
+            run = self._run(x)
+            y, period, times = np.concatenate(run.state), sum(run.durations.values()), first_times(run)
+        closes = self._chart.coordinates((y[: len(y) // 2], y[len(y) // 2 :])) - x[: self.n]
+        found = np.array([*closes, *self._measured(begin[0], y, period, times)])
+        if not np.isfinite(found).all():
+            raise NoGait("a foot does not land in each stride", np.inf)
+        return found
+
+    def _run(self, x: Array) -> Run:
+        """Runs the stride by the reference engine."""
         try:
-            run = return_map(system, self.state(x), self._rtol)
+            run = return_map(self.system(x), self.state(x), self._rtol)
         except SpearError as error:
             raise NoGait(str(error), np.inf) from None
         if not run.cycles:
             raise NoGait(f"a stride does not close: {run.message}", np.inf)
-        closes = self._chart.coordinates(run.state) - x[: self.n]
-        measured = [system.measures["turn"](run), forward_speed(run)]
-        gaps = [footfall_gap(run, pair) / self._second for pair in LEGS]
-        found = np.array([*closes, *measured, *gaps])
-        if not np.isfinite(found).all():
-            raise NoGait("a foot does not land in each stride", np.inf)
-        return found
+        return run
+
+    def _measured(self, begin: Array, end: Any, period: Any, times: Mapping[str, Any]) -> list[Any]:
+        """Returns the turn, the speed along the first heading, and times between touchdowns, of any scalars."""
+        c, s = math.cos(begin[YAW]), math.sin(begin[YAW])
+        speed = (c * (end[X] - begin[X]) + s * (end[Y] - begin[Y])) / period
+        return [end[YAW] - begin[YAW], speed, *(footfall_gap(times, pair) / self._second for pair in LEGS)]
 
     def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
         """Returns derivatives of the values, (n + 4, n + k), exact where the stride has derivatives.
@@ -110,32 +141,30 @@ class Strides:
 
     def _exact(self, x: Array) -> Array | None:
         """Returns exact derivatives of the values, or None where two feet land at once, or there are none."""
-        system, n = self.system(x), self.n
-        if not may_vary(system, ()):
+        if self._cycles is None:
             return None
-        names, _, units = zip(*self._inputs, strict=True)
-        own = seeds(system, names).numbers * np.array(units)
-        whole = np.concatenate([np.zeros((len(own), n)), own], axis=1)
-        cycle = cycle_on_section(system, self._chart, whole, ENDS, x[:n])
+        n, units = self.n, np.array([unit for _, _, unit in self._inputs])
+        seeds = np.pad(self._cycles.seeds[:, -len(units) :] * units, ((0, 0), (n, 0)))
+        cycle = cycle_on_section(self.system(x), self._chart, seeds, ENDS, x[:n])
         if cycle.together:
             return None
-        period = sum(float(each.x) for each in cycle.durations.values())
-        longer = sum(np.asarray(each.d) for each in cycle.durations.values())
-        begin = cycle.stretches[0].arc.y
-        c, s = math.cos(begin[YAW]), math.sin(begin[YAW])
-        way, ways = (c * each[0] + s * each[1] for each in (cycle.y - begin, cycle.dy))
-        landing = dict[str, Array]()  # derivatives of the instants
-        begun, last = np.zeros(self.unknowns), np.zeros(self.unknowns)  # of the phase, whose clock begins at zero
-        for stretch in cycle.stretches:
-            begins = stretch.arc.t == 0.0 and not stretch.since.any()
-            begun, last = (begun + last if begins else begun), stretch.tau
-            if stretch.arc.event is not None:
-                landing.setdefault(stretch.arc.event.name, begun + last)
-        gaps = []
-        for pair in LEGS:
-            left, right = (landing.get(f"{pair}_{side}_touchdown") for side in SIDES)
-            if left is None or right is None:
-                return None
-            gaps.append((right - left) / self._second)
+        ends = [Dual(stretch.arc.end, stretch.tau) for stretch in cycle.stretches]
+        times = _first_times([stretch.arc for stretch in cycle.stretches], ends)
+        end = duals(cycle.y, cycle.dy)
+        measured = self._measured(cycle.stretches[0].arc.y, end, sum(cycle.durations.values()), times)
+        if not np.isfinite([float(value_of(each)) for each in measured]).all():
+            return None
         closes = self._chart.changes(cycle.y, cycle.dy) - np.eye(n, self.unknowns)
-        return np.array([*closes, cycle.dy[YAW], (ways - way / period * longer) / period, *gaps])
+        return np.concatenate([closes, derivatives(measured, self.unknowns)])
+
+
+def _first_times(arcs: Sequence[Arc], ends: Sequence[Any]) -> dict[str, Any]:
+    """Returns when each event happens first, in s, by name, from times since the arcs' phases began."""
+    begun, last, phase, found = 0.0, 0.0, arcs[0].domain.phase, dict[str, Any]()
+    for arc, end in zip(arcs, ends, strict=True):
+        if arc.domain.phase != phase:
+            begun, phase = begun + last, arc.domain.phase
+        last = end
+        if arc.event is not None:
+            found.setdefault(arc.event.name, begun + end)
+    return found

@@ -45,7 +45,7 @@ def turning(
     become constant. With these values as parameters, and without feedback, Newton's method finds the relative periodic
     orbit; it varies the adduction of the posterior pair. For turns larger than `FIRST` the turn then grows step by
     step, at the speed of the straight gait, by the inputs of `spear_pin.gaits.orbits.steering`. The function takes some
-    two minutes, and half a minute for each further degree.
+    two minutes, and some seconds for each further degree.
 
     Args:
         gait: a symmetric gait in space without feedback.

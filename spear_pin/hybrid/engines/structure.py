@@ -43,12 +43,27 @@ class Scalars:
 
 
 def with_fields(instance: D, values: Mapping[str, Any]) -> D:
-    """Returns a dataclass with other values in some fields; the values need not be valid numbers."""
+    """Returns a dataclass with other values in some fields, its own or those of dataclasses in it.
+
+    The values need not be valid numbers.
+    """
     assert is_dataclass(instance)
     other = object.__new__(type(instance))
     for field in fields(instance):
-        object.__setattr__(other, field.name, values.get(field.name, getattr(instance, field.name)))
+        value = getattr(instance, field.name)
+        if field.name in values:
+            value = values[field.name]
+        elif is_dataclass(value) and not isinstance(value, type):
+            value = with_fields(value, values)
+        object.__setattr__(other, field.name, value)
     return other
+
+
+def names_of(law: Any) -> set[str]:
+    """Returns the names of the fields of a law, and of dataclasses in it."""
+    inner = [getattr(law, field.name) for field in fields(law)]
+    nested = [names_of(part) for part in inner if is_dataclass(part) and not isinstance(part, type)]
+    return {field.name for field in fields(law)}.union(*nested)
 
 
 def others(system: HybridSystem) -> dict[str, float]:
@@ -71,7 +86,7 @@ def symbols(
     Zeros of the robot, the springs and the ground stay zero; values that are no numbers stay unchanged.
     """
     counter = _Counter(par)
-    law = with_fields(system.law, {f.name: counter.number(getattr(system.law, f.name)) for f in fields(system.law)})
+    law = counter.number(system.law)
     beside = {name: counter.number(value) for name, value in others(system).items()}
     spring, ground = with_fields(system.spring, beside), with_fields(system.ground, beside)
     moved = mechanism.with_numbers([counter.nonzero(number) for number in mechanism.numbers])
@@ -100,7 +115,7 @@ def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Va
         held: held values, numbers or arrays of n.
         n: number of lanes.
     """
-    flat = flattened((*(getattr(law, f.name) for f in fields(law)), *others, *robot, *held.values()))
+    flat = flattened((law, *others, *robot, *held.values()))
     rows = np.empty((len(flat), n))
     for i, value in enumerate(flat):
         rows[i] = value
@@ -147,10 +162,9 @@ class Structure:
         mounts = domain.mounts if domain.between is None else (*domain.mounts, *domain.between.grounded.mounts)
         springs = tuple(_mounted(mount, spring) for mount in mounts)
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
-        law = tuple((f.name, _shape(getattr(system.law, f.name))) for f in fields(system.law))
-        parts = spring.unilateral, spring.rest, tuple(others(system)), law, shape_of(self.held)
+        parts = spring.unilateral, spring.rest, tuple(others(system)), _shape(system.law), shape_of(self.held)
         ground = _shape_of_ground(system.ground)
-        return system.kind, type(system.law), robot, springs, rubbing, parts, ground, domain.contacts, _identity(domain)
+        return system.kind, robot, springs, rubbing, parts, ground, domain.contacts, _identity(domain)
 
     def __hash__(self) -> int:
         return hash(self.key)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 from spear_pin.arrays import Array
@@ -49,9 +49,7 @@ class Numbers:
     def constants(self, lane: int) -> list[float]:
         """Returns a lane's run-time parameters, which come before the held values."""
         law, others = self.law_of(lane), [float(take(value, lane)) for value in self._others.values()]
-        return structure.flattened(
-            (*(getattr(law, field.name) for field in fields(law)), *others, *self.compilation.robot)
-        )
+        return structure.flattened((law, *others, *self.compilation.robot))
 
     def law(self, lanes: Indices) -> Any:
         """Returns the parameters of the law in some lanes."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import fields, is_dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -100,10 +99,7 @@ def changes(system: HybridSystem, names: Sequence[str], of: Callable[[HybridSyst
 
 def _change(system: HybridSystem, name: str, of: Callable[[HybridSystem], Array]) -> Array:
     value = number(system, name)
-    parts = (getattr(system.law, field.name) for field in fields(system.law))
-    laws = [system.law, *filter(is_dataclass, parts)]
-    beside = {field.name for law in laws for field in fields(law)} - {"friction"}
-    if value == 0.0 and name not in beside:
+    if value == 0.0 and name not in structure.names_of(system.law) - {"friction"}:
         raise BadValue(name, value, "a number other than zero: at zero its terms are not in the equations")
     h = STEP * 2.0 ** round(math.log2(abs(value) if value else 1.0))
     ends = []

@@ -9,7 +9,7 @@ import pytest
 from spear_pin import Gait
 from spear_pin.gaits import library
 from spear_pin.gaits.orbits.steering import GAP, SECOND, STEERED_BY
-from spear_pin.gaits.orbits.strides import Strides, footfall_gap
+from spear_pin.gaits.orbits.strides import Strides, first_times, footfall_gap
 from spear_pin.gaits.spatial.automaton import forward_speed
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -47,7 +47,8 @@ class TestShipped:
 
     @pytest.mark.slow
     def test_feet_of_a_pair_land_soon_after_each_other(self, name):
-        assert all(abs(footfall_gap(stride(name), pair)) < GAP + 1e-5 for pair in ("posterior", "anterior"))
+        times = first_times(stride(name))
+        assert all(abs(footfall_gap(times, pair)) < GAP + 1e-5 for pair in ("posterior", "anterior"))
 
 
 @pytest.mark.slow
@@ -62,10 +63,14 @@ def test_a_step_to_a_sharper_turn_is_the_shortest():
 
 @pytest.mark.slow
 def test_slopes_of_a_stride_are_those_of_differences():
-    """With the turn, the speed and the times between the touchdowns of a pair."""
+    """With the turn, the speed and the times between the touchdowns of a pair, which are the reference engine's."""
     gait = Gait.load("turn_4")
     strides = Strides(gait.system, gait.state, STEERED_BY, SECOND, 1e-12)
     still, h = np.zeros(strides.unknowns), 1e-5
+    run = return_map(gait.system, gait.state)
+    gaps = [footfall_gap(first_times(run), pair) / SECOND for pair in ("posterior", "anterior")]
+    expected = [gait.system.measures["turn"](run), forward_speed(run), *gaps]
+    np.testing.assert_allclose(strides.values(still), [*strides.n * [0.0], *expected], atol=1e-7)
     found = strides._exact(still)  # `slopes` may take differences
     assert found is not None
     np.testing.assert_array_equal(strides.slopes(still, h), found)
