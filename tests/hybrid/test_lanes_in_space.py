@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait
+from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.lanes import lone_runner
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -11,7 +12,12 @@ from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from tests.hybrid.lanes import compiles
 
-VARIED = {"turn_9": ("posterior_hip_torque",)}
+VARIED = {
+    "turn_9": [
+        *(f"{pair}_{name}" for pair in LEGS for name in ("hip_torque", "knee_torque", "leg_touchdown", "stance_span")),
+        *("flight_1_span", "flight_2_span", "knee_touchdown", "knee_rest", "epsilon", "virtual_stiffness"),
+    ]
+}
 LANES, SPREAD = 3, (2e-4, 2e-3)  # the first lane is the gait itself; m and rad, m/s and rad/s
 
 
@@ -19,14 +25,14 @@ LANES, SPREAD = 3, (2e-4, 2e-3)  # the first lane is the gait itself; m and rad,
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "cycles"), [("trot", 1), ("pronk", 1), ("turn_9", 1)])
 def test_pushed(name, cycles):
-    """Also where they differ in a number of the plane's law, which is a part of the law in space."""
+    """Also where they differ in every number of the plane's law, which is a part of the law in space."""
     gait = Gait.load(name)
     rng = np.random.default_rng(5)
     q, v = (np.tile(part, (LANES, 1)) for part in gait.state)
     for part, spread in zip((q, v), SPREAD, strict=True):
         part[1:] += rng.uniform(-spread, spread, part[1:].shape)
     q[1:, 2] += 0.01  # no toe is below the ground, so these fly on first
-    numbers = {each: parameter(gait.system, each) + np.arange(LANES) for each in VARIED.get(name, ())}
+    numbers = {each: parameter(gait.system, each) * (1.0 + 1e-3 * np.arange(LANES)) for each in VARIED.get(name, ())}
     found = simulate_many(gait.system, q, v, cycles, parameters=numbers, unroll=False)
     for lane in range(LANES):
         own = with_parameters(gait.system, {each: float(values[lane]) for each, values in numbers.items()})

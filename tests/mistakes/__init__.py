@@ -1,8 +1,15 @@
 """Mistakes made on purpose, as data, by the layer that they are made in."""
 
-from tests.mistakes import fronts, gaits, hybrid, model, tangents
+from tests.mistakes import cycles, fronts, gaits, hybrid, model, tangents
 from tests.mistakes.mutation import Mutation
 
 __all__ = ["MUTATIONS", "Mutation"]
 
-MUTATIONS = [*model.MUTATIONS, *hybrid.MUTATIONS, *tangents.MUTATIONS, *gaits.MUTATIONS, *fronts.MUTATIONS]
+MUTATIONS = [
+    *model.MUTATIONS,
+    *hybrid.MUTATIONS,
+    *cycles.MUTATIONS,
+    *tangents.MUTATIONS,
+    *gaits.MUTATIONS,
+    *fronts.MUTATIONS,
+]

@@ -9,7 +9,7 @@ MUTATIONS = [
         ["gaits/orbits/test_steering"],
         {
             "strides: clocks that go on": ("begun, phase = begun + last", "begun, phase = begun"),
-            "strides: a turn to the right": ("[end[YAW] - begin[YAW], speed", "[begin[YAW] - end[YAW], speed"),
+            "strides: a turn to the right": ("return [end[YAW] - begin[YAW]", "return [begin[YAW] - end[YAW]"),
         },
     ),
     *mistakes_in(

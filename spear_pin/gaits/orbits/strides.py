@@ -12,6 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.orbits.balance import unit_of
+from spear_pin.gaits.spatial.automaton import speed_ahead
 from spear_pin.gaits.spatial.legs import SIDES
 from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.arc import Arc
@@ -19,7 +20,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
-from spear_pin.hybrid.symmetry import YAW, X, Y
+from spear_pin.hybrid.symmetry import YAW
 from spear_pin.hybrid.tangent.collocation import ENDS
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.resets import REFUSALS
@@ -112,9 +113,8 @@ class Strides:
 
     def _measured(self, begin: Array, end: Any, period: Any, times: Mapping[str, Any]) -> list[Any]:
         """Returns the turn, the speed along the first heading, and times between touchdowns, of any scalars."""
-        c, s = math.cos(begin[YAW]), math.sin(begin[YAW])
-        speed = (c * (end[X] - begin[X]) + s * (end[Y] - begin[Y])) / period
-        return [end[YAW] - begin[YAW], speed, *(footfall_gap(times, pair) / self._second for pair in LEGS)]
+        gaps = [footfall_gap(times, pair) / self._second for pair in LEGS]
+        return [end[YAW] - begin[YAW], speed_ahead(begin, end, period), *gaps]
 
     def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
         """Returns derivatives of the values, (n + 4, n + k), exact where the stride has derivatives.
@@ -144,7 +144,7 @@ class Strides:
         if self._cycles is None:
             return None
         n, units = self.n, np.array([unit for _, _, unit in self._inputs])
-        seeds = np.pad(self._cycles.seeds[:, -len(units) :] * units, ((0, 0), (n, 0)))
+        seeds = np.pad(self._cycles.seeds[:, 2 * self._system.robot.nv :] * units, ((0, 0), (n, 0)))
         cycle = cycle_on_section(self.system(x), self._chart, seeds, ENDS, x[:n])
         if cycle.together:
             return None

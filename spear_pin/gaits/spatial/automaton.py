@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, mount, overload
 from spear_pin.gaits.bounding_law import PAIR
@@ -30,7 +31,7 @@ from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, height, spring_switches
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.rules.guards import ON_GROUND, struck_together, touchdown
-from spear_pin.hybrid.symmetry import mirror_of
+from spear_pin.hybrid.symmetry import X, Y, mirror_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
 from spear_pin.model.spring import PAIR_STIFFNESS, Spring
@@ -281,9 +282,19 @@ def _passing(leg: Leg, others: Sequence[Leg]) -> Guard:
 
 def forward_speed(run: Run) -> float:
     """Returns the mean speed of a cycle along the heading with which it begins, in m/s."""
-    yaw = run.start[0][YAW]
-    dx, dy = run.state[0][:2] - run.start[0][:2]
-    return float(math.cos(yaw) * dx + math.sin(yaw) * dy) / sum(run.durations.values())
+    return float(speed_ahead(run.start[0], run.state[0], sum(run.durations.values())))
+
+
+def speed_ahead(begin: Array, end: Any, period: Any) -> Any:
+    """Returns the mean speed along the first heading, in m/s.
+
+    Args:
+        begin: configuration at the beginning, (nq,).
+        end: configuration at the end, of any scalars; the state may follow it.
+        period: the time between them, in s, of the same scalars.
+    """
+    yaw = begin[YAW]
+    return (math.cos(yaw) * (end[X] - begin[X]) + math.sin(yaw) * (end[Y] - begin[Y])) / period
 
 
 def _stride(run: Run) -> float:

@@ -1,0 +1,98 @@
+"""Mistakes in how cycles are run in lanes, mapped on the section, and closed."""
+
+from tests.mistakes.mutation import mistakes_in
+
+MUTATIONS = [
+    *mistakes_in(
+        "hybrid/section",
+        ["hybrid/test_section"],
+        {
+            "a direction of velocity missing from the chart": (
+                "null_spaces(velocity_rows(jacobians, slides)))",
+                "null_spaces(velocity_rows(jacobians, slides))[:, :, 1:])",
+            ),
+            "a sliding toe held along its path": ("np.column_stack([~slides,", "np.column_stack([slides | True,"),
+            "charts on the ground of the first lanes": (
+                "heights, jacobians[moving] = self.section.take(moving)",
+                "heights, jacobians[moving] = self.section.take(np.arange(len(moving)))",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/newton",
+        ["hybrid/test_newton", "hybrid/test_periodic"],
+        {
+            "steps of differences ten thousand times longer": ("STEP = 1e-5", "STEP = 1e-1"),
+            "differences over half their width": ("/ (2.0 * step)", "/ step"),
+            "Jacobians updated after every step": ("size / lanes.norm < quick", "size / lanes.norm < np.inf"),
+            "any step is taken": (
+                "smaller = np.abs(values).max(axis=1) < share",
+                "smaller = np.abs(values).max(axis=1) < np.inf",
+            ),
+            "the residual alone judges a step": ("np.asarray(smaller | nearer)", "np.asarray(smaller)"),
+            "steps are not damped": (
+                "np.where(lanes.fresh, 0.5 * lanes.damping, 1.0)",
+                "np.where(lanes.fresh, 0.0, 1.0)",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/shooting",
+        ["hybrid/test_shooting"],
+        {
+            "targets of other lanes": ("after.measured - self.wanted[lanes]", "after.measured - self.wanted[:1]"),
+            "a cycle of no length is one": ("(sum(after.durations.values()) < SHORTEST_CYCLE)", "False"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/periodic",
+        ["hybrid/test_periodic"],
+        {
+            "residual of positions only": (
+                "np.concatenate([without(translations(system), after[0] - before[0]), after[1] - before[1]])",
+                "without(translations(system), after[0] - before[0])",
+            ),
+            "multipliers by increasing modulus": ("-np.round(np.abs(values), 9)", "np.round(np.abs(values), 9)"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/engines/taylor_single",
+        ["hybrid/test_lone_runner"],
+        {
+            "lane alone: a guard that stays on zero": ("if stays_on_zero(guard, values[i], change)", "if False"),
+            "lane alone: a kink that stays on zero": ("], later[self._kinks])", "], [])"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/lanes/lone_runner",
+        ["hybrid/test_lone_runner", "hybrid/test_ties", "hybrid/test_lanes"],
+        {
+            "lane alone: an apex is seen again and again": (
+                "if self._seen_again(now, domain, end) and",
+                "if False and",
+            ),
+            "lane alone: any number of events in an instant": ("if now.crowd == FEW_AT_ONCE:", "if False:"),
+            "lane alone: a cycle of an instant": (" or not whole(now.past)", ""),
+            "lane alone: switches go on in the next phase": (
+                "now.past, now.t, now.switches = reset.phase, time, 0.0, 0",
+                "now.past, now.t = reset.phase, time, 0.0",
+            ),
+            "lane alone: the first mode that fits": ("if entry.fitness == math.inf", "if entry.fitness > -math.inf"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/lanes/runner",
+        ["hybrid/test_lone_runner"],
+        {
+            "lanes together: an apex is seen again and again": (
+                "(self.crowd[group.lanes] > 0) & (end",
+                "(group.t < 0.0) & (end",
+            ),
+            "lane alone: time stands still": ("began += sum(spent.values())", "pass"),
+            "lane alone: repeated from its beginning": (
+                "if came[1] is self._fresh:\n                start, fresh",
+                "if False:\n                start, fresh",
+            ),
+        },
+    ),
+]
