@@ -83,7 +83,7 @@ NONSENSE = {
     "half a line": (b"GET /ho", 400),
     "half a head": (b"GET / HTTP/1.1\r\nHost: loc", 400),
     "a version of words": (b"GET / HTTP/x.y\r\n\r\n", 400),
-    "a version of digits": (b"GET / HTTP/1." + b"1" * 400 + b"\r\n\r\n", 400),
+    "a version of digits": (b"GET / HTTP/1." + b"1" * 5000 + b"\r\n\r\n", 400),
     "a version to come": (b"GET / HTTP/2.0\r\n\r\n", 505),
     "TLS": (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n", 400),
     "zeros": (bytes(1000) + b"\r\n\r\n", 400),
