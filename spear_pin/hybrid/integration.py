@@ -20,6 +20,7 @@ from spear_pin.hybrid.rules import cycles as rules
 
 MAX_STEP = 0.05  # s
 KNOT, DUE = "knot", "due"  # ends besides events: a knot of a spring's curve, and the final time
+SET_OUT = "set out"  # the toes that began to slide have a velocity that defines their direction
 
 
 class Accuracy(NamedTuple):
@@ -51,7 +52,7 @@ class Motion:
         t: time since the phase began, in s.
         y: the state at that time.
         event: the guard that ends the motion, if one does.
-        why: any other end of the motion: `KNOT`, `DUE`, or a reason for a run to end.
+        why: any other end of the motion: `KNOT`, `DUE`, `SET_OUT`, or a reason for a run to end.
         pieces: the motion; only its last steps if it is not kept.
         observed: name, time and state of events that change nothing.
     """
@@ -65,7 +66,16 @@ class Motion:
 
 
 def integrated(
-    flow: Flow, watch: Watch, t: float, y: Array, until: float, how: Accuracy, *, keep: bool, most: int
+    flow: Flow,
+    watch: Watch,
+    t: float,
+    y: Array,
+    until: float,
+    how: Accuracy,
+    *,
+    keep: bool,
+    most: int,
+    onset: bool = False,
 ) -> Motion:
     """Integrates a motion up to its first event, or up to a time.
 
@@ -78,6 +88,7 @@ def integrated(
         how: accuracy of the integration.
         keep: whether the motion is kept.
         most: most evaluations of the vector field.
+        onset: whether the motion of toes that begin to slide ends where they have set out.
     """
     motion, solver, times = Motion(t, y), _solver(flow, t, y, until, how), deque[float](maxlen=rules.CREEP)
     while solver.status == "running":
@@ -98,7 +109,11 @@ def integrated(
         if watch.undefined:
             motion.why = "not_finite"
             return motion
+        began = onset and flow.sets_out
         flow.arrive(motion.t, motion.y)  # not earlier, as the motion does not go beyond an event
+        if began and not flow.sets_out:
+            motion.why = SET_OUT
+            return motion
     motion.why = DUE
     return motion
 

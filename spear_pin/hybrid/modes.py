@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, TypeVar
 
 import numpy as np
@@ -23,6 +23,7 @@ from spear_pin.hybrid.rules.footing import (
     fitness,
     footing,
     rate_fits,
+    still,
     torn_off,
 )
 from spear_pin.hybrid.rules.guards import ON_GROUND
@@ -52,6 +53,25 @@ def in_place(system: HybridSystem, domain: Domain, y: Array) -> bool:
             if aloft(height, float(jacobian[-1] @ v)):
                 return False
     return True
+
+
+def suiting(system: HybridSystem, domains: Iterable[Domain], y: Array) -> Iterator[Domain]:
+    """Returns the domains that suit the motion of the toes, in order; the forces may not suit them.
+
+    Bouncing toes in the air are open in them, toes that move along the ground slip, and others on the ground rest.
+    """
+    nq, nv = system.robot.nq, system.robot.nv
+    toes, v = system.robot.toes, y[nq : nq + nv]
+    feet = [system.ground.foot(system.robot, y[:nq], toe) for toe in toes]
+    up = [aloft(height, float(jacobian[-1] @ v)) for height, jacobian in feet]
+    moving = [not still(float(np.linalg.norm(jacobian[:-1] @ v))) for _, jacobian in feet]
+    for domain in domains:
+        modes = zip(toes, domain.contacts, up, moving, strict=True)
+        if all(
+            mode == OPEN or (not (toe in domain.bouncing and above) and (mode == PINNED or moves == (mode in SLIPS)))
+            for toe, mode, above, moves in modes
+        ):
+            yield domain
 
 
 def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:

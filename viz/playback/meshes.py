@@ -7,7 +7,7 @@ import os
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path, PurePosixPath
 from time import process_time
 from typing import Any, NamedTuple
@@ -44,12 +44,12 @@ class Mesh:
     faces: NDArray[np.intp]
     color: Color | None = None
 
-    @property
+    @cached_property
     def low(self) -> Array:
         """Least x, y and z, (3,), in m."""
         return np.asarray(self.vertices.min(axis=0))
 
-    @property
+    @cached_property
     def high(self) -> Array:
         """Largest x, y and z, (3,), in m."""
         return np.asarray(self.vertices.max(axis=0))
@@ -304,7 +304,7 @@ def lightened(mesh: Mesh, most: int) -> Mesh:
     while len(light.faces) > most and cells >= COARSEST:
         light = _joined(mesh, cells)
         # of a surface, faces are as the square of the cells
-        cells = int(cells * np.clip(np.sqrt(most / max(1, len(light.faces))), 0.5, 0.95))
+        cells = int(cells * np.clip(np.sqrt(most / max(1, len(light.faces))), 0.25, 0.95))
     return light
 
 

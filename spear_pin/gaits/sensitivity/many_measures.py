@@ -87,7 +87,7 @@ class _Part:
     field: Any
     domain: Any
     t: Array
-    length: float
+    lengths: Array
     y: Array
     numbers: Array
 
@@ -116,9 +116,9 @@ class _Recorders:
             return None
 
     def _part(self, recorder: Recorder, arc: Arc) -> _Part:
-        t, h, y = points(arc)
+        t, lengths, y = points(arc)
         numbers = np.concatenate([recorder.numbers, np.array(flattened(arc.held.values()), dtype=float)])
-        return _Part(self._fields.field(arc.domain, arc.held), arc.domain, t, h, y, numbers)
+        return _Part(self._fields.field(arc.domain, arc.held), arc.domain, t, lengths, y, numbers)
 
 
 @dataclass
@@ -240,8 +240,8 @@ class _Chunk:
 
     def _evaluated(self, parts: list[tuple[int, _Part]]) -> tuple[Panels, Any, Array, Any]:
         """Evaluates arcs in one domain: returns their panels, the domain's values at their points, and the states."""
-        lanes = np.concatenate([np.full(len(part.t) // POINTS, lane) for lane, part in parts])
-        lengths = np.concatenate([np.full(len(part.t) // POINTS, part.length) for _, part in parts])
+        lanes = np.concatenate([np.full(len(part.lengths), lane) for lane, part in parts])
+        lengths = np.concatenate([part.lengths for _, part in parts])
         t, y = np.concatenate([part.t for _, part in parts]), np.concatenate([part.y for _, part in parts], axis=1)
         numbers = np.repeat(
             np.column_stack([part.numbers for _, part in parts]), [len(part.t) for _, part in parts], axis=1

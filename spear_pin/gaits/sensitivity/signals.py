@@ -55,13 +55,14 @@ class Pieces:
 
     def panels(self) -> Iterator[tuple[float, float, Array, Array]]:
         """Yields the beginning and length of each panel, and Legendre coefficients of values and derivatives."""
-        arc, count = self.stretch.arc, len(self.values) // POINTS
-        h = (arc.end - arc.t) / count
-        for i in range(count):
-            begins, ends = i == 0, i == count - 1
+        lengths = self.stretch.carried.lengths.tolist()
+        begin = self.stretch.arc.t
+        for i, h in enumerate(lengths):
+            begins, ends = i == 0, i == len(lengths) - 1
             chosen = [*range(i * POINTS, (i + 1) * POINTS), *[BEGIN] * begins, *[END] * ends]
             to = through(*[-1.0] * begins, *[1.0] * ends)
-            yield arc.t + i * h, h, to @ self.values[chosen], to @ self.derivatives[chosen]
+            yield begin, h, to @ self.values[chosen], to @ self.derivatives[chosen]
+            begin += h
 
 
 def integral(pieces: Sequence[Pieces]) -> tuple[float, Array]:
@@ -111,7 +112,7 @@ def extremes(piece: Pieces) -> Iterator[tuple[float, float, Array]]:
     """Yields the values at an arc's ends and where the signal turns, with derivatives.
 
     Yields:
-        the place, 0 at the arc's beginning and 1 at its end; the value; its derivative.
+        the place, 0 at the arc's beginning and 1 at its end, by panels; the value; its derivative.
     """
     stretch, panels = piece.stretch, [each[2:] for each in piece.panels()]
     slopes, count = [legendre.legder(values) for values, _ in panels], len(panels)

@@ -106,10 +106,15 @@ class Flow:
         if self._at is None or self._at[0] != t or self._at[1] is not y:
             self(t, y)
 
+    @property
+    def sets_out(self) -> bool:
+        """Tells whether some toe begins to slide."""
+        return self._sliding.sets_out
+
     def arrive(self, t: float, y: Array) -> None:
         """Records that the motion has reached a state, rather than only tried it."""
         self.own.fault = None
-        if not self._sliding.sets_out:
+        if not self.sets_out:
             return
         self.visit(t, y)
         if not self._ways:

@@ -17,7 +17,6 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import OF_GROUND, flattened, shape_of
 from spear_pin.hybrid.engines.taylor import AHEAD, KINK, TIME_LIMIT
@@ -26,7 +25,7 @@ from spear_pin.hybrid.lanes.groups import Group, Held, alone, spread
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.reference_arc import follow
-from spear_pin.hybrid.modes import in_place
+from spear_pin.hybrid.modes import suiting
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.rules.cycles import ALTERNATE, RETOUCH, counts_to, crowded, due, retouches, whole
@@ -204,8 +203,8 @@ class LoneRunner:
 
         arc = follow(self._lane_system, now.phase, now.held, begun, start, due_in, keep=self._keep)
         domain = self._domains.get(arc.domain.name)
-        if domain is None or bounces(self._system, domain):
-            raise _Unclear(f"a toe bounces, or toes alternate, in {now.phase}")
+        if domain is None:
+            raise _Unclear(f"{ALTERNATE} in {now.phase}")
         now.t, now.y = arc.t, arc.y
         now.observed |= arc.observed
         event = self._event(now, domain, arc.end, arc.t < last)
@@ -347,12 +346,12 @@ class LoneRunner:
         return best
 
     def _enter_in_space(self, now: _Now) -> tuple[Single, Entry] | None:
-        """Returns the first domain whose bouncing toes are where they are, if it fits, else None.
+        """Returns the domain in which toes in the air are open, and sliding toes slide, if it fits, else None.
 
         Each of the many others would have to be compiled.
         """
-        domain = next(each for each in now.domains if in_place(self._itself, each, now.y))
-        if bounces(self._system, domain):
+        domain = next(suiting(self._itself, now.domains, now.y), None)
+        if domain is None:
             return None
         ready = now.singles.get(id(domain))
         if ready is None:
@@ -370,9 +369,3 @@ class LoneRunner:
             self._parameters = parameters = np.array(self._constants + now)
         parameters[len(self._constants) :] = now
         return self._singles.setdefault(shape_of(held), {}), parameters
-
-
-def bounces(system: HybridSystem, domain: Domain) -> bool:
-    """Tells whether a toe that bounces is in the air in a domain."""
-    modes = zip(system.robot.toes, domain.contacts, strict=True)
-    return any(mode == OPEN and toe in domain.bouncing for toe, mode in modes)

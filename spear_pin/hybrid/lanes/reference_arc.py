@@ -17,13 +17,13 @@ from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.flow_names import flow_names
-from spear_pin.hybrid.integration import DUE, KNOT, accuracy, integrated
+from spear_pin.hybrid.integration import DUE, KNOT, SET_OUT, accuracy, integrated
 from spear_pin.hybrid.modes import choose
 from spear_pin.hybrid.result import EVALUATIONS, FINEST, Options
 from spear_pin.hybrid.rules.entry import NONE
 
 ACCURACY = accuracy(Options(FINEST), None)
-ENDS = {DUE: TIME_LIMIT, KNOT: KINK}
+ENDS = {DUE: TIME_LIMIT, KNOT: KINK, SET_OUT: KINK}
 
 
 class ReferenceArc(NamedTuple):
@@ -73,7 +73,7 @@ def follow(
     if watch.at_once != NONE or watch.undefined:
         return ReferenceArc(flow.domain, t, y, FAILED if watch.undefined else watch.at_once, {}, None)
     last = until(flow.domain)
-    motion = integrated(flow, watch, t, whole, last, ACCURACY, keep=keep, most=EVALUATIONS)
+    motion = integrated(flow, watch, t, whole, last, ACCURACY, keep=keep, most=EVALUATIONS, onset=True)
     n = len(y)
     end = ENDS.get(motion.why, FAILED)
     if motion.event is not None:

@@ -92,15 +92,15 @@ def through(*ends: float) -> Array:
     return found
 
 
-def roughness(states: Array) -> float:
-    """Returns the size of a motion's last Legendre coefficients, relative to the motion.
+def roughness(states: Array) -> Array:
+    """Returns the size of a motion's last Legendre coefficients in each panel, relative to the motion, (panels,).
 
     The motion is given at the points, (panels, points, rows). Below `TAIL` polynomials are as accurate as the motion.
     """
-    rows = states.shape[2]
-    last = np.abs(rule(states.shape[1]).legendre[-2:] @ states).reshape(-1, rows).max(axis=0)
-    size = np.abs(states).reshape(-1, rows).max(axis=0)
-    return float((last / np.maximum(size, max(float(size.max()) * 1e-3, 1e-300))).max())
+    last = np.abs(rule(states.shape[1]).legendre[-2:] @ states).max(axis=1)
+    size = np.abs(states).max(axis=(0, 1))
+    found: Array = (last / np.maximum(size, max(float(size.max()) * 1e-3, 1e-300))).max(axis=1)
+    return found
 
 
 class Carried(NamedTuple):
@@ -109,12 +109,12 @@ class Carried(NamedTuple):
     Attributes:
         K: accelerations of S at the points, times h, (panels, nv, points, c).
         begins: S at the beginning of each panel and at the end of the last, (panels + 1, 2 nv, c).
-        h: length of a panel, in s.
+        lengths: length of each panel, in s, (panels,).
     """
 
     K: Array
     begins: Array
-    h: float
+    lengths: Array
 
     @property
     def end(self) -> Array:
@@ -125,40 +125,42 @@ class Carried(NamedTuple):
     def inside(self) -> Array:
         """Returns S at the points, (2 nv, panels · points, c)."""
         panels, nv, k, c = self.K.shape
-        gauss, h, begins = rule(k), self.h, self.begins[:-1]
-        q, v = begins[:, :nv, None], begins[:, nv:, None]
+        gauss, h, begins = rule(k), self.lengths[:, None, None, None], self.begins[:-1, :, None]
+        q, v = begins[:, :nv], begins[:, nv:]
         found = np.empty((2 * nv, panels, k, c))
         found[:nv] = (q + h * (gauss.nodes[:, None] * v + gauss.twice @ self.K)).swapaxes(0, 1)
         found[nv:] = (v + gauss.partial @ self.K).swapaxes(0, 1)
         return found.reshape(2 * nv, panels * k, c)
 
 
-def carried(slopes: Array, h: float, start: Array) -> Carried:
+def carried(slopes: Array, lengths: Array, start: Array) -> Carried:
     """Computes S along successive panels, where the state is (q, v) with q̇ = v.
 
     Args:
         slopes: derivatives of the acceleration at the points, with respect to the state and along c further
             directions, (panels, points, nv, 2 nv + c).
-        h: length of a panel, in s.
+        lengths: length of each panel, in s, (panels,).
         start: S at the beginning of the first panel, (2 nv, c).
     """
     panels, k, nv, columns = slopes.shape
     c, gauss, size = columns - 2 * nv, rule(k), k * nv
     # the unknowns are the accelerations at the points, times h: v_i = v_0 + Σ_j a_ij K_j,
     # q_i = q_0 + h c_i v_0 + h Σ_j a²_ij K_j
+    h = lengths[:, None, None, None]
     given = np.multiply(slopes, h, order="C")
     by = given[..., : 2 * nv].reshape(panels, k, nv, 2, nv).swapaxes(3, 4).reshape(panels, k, nv * nv, 2)
-    equations = (by @ (gauss.both * [[-h], [-1.0]]) + _unit(k, nv)).reshape(panels, size, size)
+    scale = np.stack([lengths, np.ones(panels)], axis=1)[:, None, :, None]  # of positions and of velocities
+    equations = (_unit(k, nv) - by @ (gauss.both * scale)).reshape(panels, size, size)
     given[..., nv : 2 * nv] += (h * gauss.nodes[:, None, None]) * given[..., :nv]
     given = given.reshape(panels, size, columns)
-    K, begins, ends = np.empty((panels, size, c)), np.empty((panels + 1, 2 * nv, c)), gauss.whole * [[h], [1.0]]
+    K, begins, ends = np.empty((panels, size, c)), np.empty((panels + 1, 2 * nv, c)), gauss.whole * scale[:, 0]
     begins[0] = start
     for i in range(panels):
         S, end = begins[i], begins[i + 1]
         K[i] = _solved(equations[i], given[i, :, : 2 * nv] @ S + given[i, :, 2 * nv :])
-        end[:] = S + (ends @ K[i].reshape(nv, k, c)).swapaxes(0, 1).reshape(2 * nv, c)
-        end[:nv] += h * S[nv:]
-    return Carried(K.reshape(panels, nv, k, c), begins, h)
+        end[:] = S + (ends[i] @ K[i].reshape(nv, k, c)).swapaxes(0, 1).reshape(2 * nv, c)
+        end[:nv] += lengths[i] * S[nv:]
+    return Carried(K.reshape(panels, nv, k, c), begins, lengths)
 
 
 @cache

@@ -118,7 +118,7 @@ class _Whole:
         raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
         held = {name: now.held[name] for name in arc.held}
         given = np.concatenate([self.seeds, derivatives(flat(held), c)])
-        t, h, y = points(arc, self.fineness)
+        t, lengths, y = points(arc, self.fineness)
         # directions: the state's, the given ones, the clock; places: the points, the beginning, the end
         directions = _directions(n, c)
         every = np.zeros((len(raw), n + c + 1))
@@ -136,7 +136,7 @@ class _Whole:
         if now.behind:
             now.dy, now.behind = now.dy - values.slopes[:, BEGIN, None] * now.tau, False
         motion = slopes.slopes[nv:, :-2, :-1].reshape(nv, -1, POINTS, n + c).transpose(1, 2, 0, 3)
-        S = carried(motion, h, now.dy)
+        S = carried(motion, lengths, now.dy)
         after = now.dy if arc.end - arc.t <= SHORTEST else S.end
         stretch = Stretch(arc, states, S, after, values, slopes, held, now.tau)
         if now.bent is not None:

@@ -52,7 +52,7 @@ class Stretch:
     @property
     def weights(self) -> Array:
         """Weights of an integral over the arc, (k,), zero at its ends."""
-        return np.append(np.tile(self.carried.h * rule().weights, len(self.carried.K)), [0.0, 0.0])
+        return np.append(np.outer(self.carried.lengths, rule().weights), [0.0, 0.0])
 
     @property
     def state(self) -> Array:

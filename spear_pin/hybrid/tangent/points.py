@@ -14,11 +14,14 @@ from spear_pin.hybrid.tangent.derivative import SHORTEST
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 MOST_PANELS = 64  # most panels of an arc
+MOST_PARTS = 4.0  # of a panel that is divided
 EARLY = 4  # number of points that do not count yet where panels are long
 
 
-def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, float, Array]:
-    """Returns the times of the points, in s, (k,), the length of a panel, in s, and the states, (2 nv, k).
+def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, Array, Array]:
+    """Returns the times of the points, in s, (k,), the lengths of the panels, in s, and the states, (2 nv, k).
+
+    Panels in which the motion is rough are divided: they become shorter where a toe stops, or begins to slide.
 
     Args:
         arc: the arc.
@@ -30,22 +33,23 @@ def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, float, Array]:
     gauss, length = rule(), max(arc.end - arc.t, 0.0)
     if length <= SHORTEST:
         t = arc.t + length * gauss.nodes
-        return t, length, np.tile(arc.y[:, None], (1, len(t)))
+        return t, np.array([length]), np.tile(arc.y[:, None], (1, len(t)))
     motion, panels = arc.motion, min(max(1, math.ceil(arc.steps / fineness.steps)), MOST_PANELS)
     assert motion is not None
     # a toe in space begins to slide along a direction that turns the faster the slower it is
     tail = ENDS.tail if SLIP in arc.domain.contacts else fineness.tail
+    lengths = np.full(panels, length / panels)
     while True:
-        h = length / panels
-        t = (arc.t + h * (np.arange(panels)[:, None] + gauss.nodes)).ravel()
+        begins = arc.t + np.cumsum(lengths) - lengths
+        t = (begins[:, None] + np.outer(lengths, gauss.nodes)).ravel()
         y = motion(t)
-        left = roughness(y.T.reshape(panels, POINTS, -1))
-        if left <= tail:
-            return t, h, y
-        if not math.isfinite(left):
+        left = roughness(y.T.reshape(len(lengths), POINTS, -1)) / tail
+        if not np.isfinite(left).all():
             raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
-        if panels == MOST_PANELS:
-            raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
+        if left.max() <= 1.0:
+            return t, lengths, y
         # coefficients of a panel shorter by a factor fall by its power of the number of points, at first of fewer
-        wanted = panels * (left / tail) ** (1.0 / (POINTS - EARLY))
-        panels = min(max(panels + 1, math.ceil(wanted)), MOST_PANELS)
+        parts = np.ceil(np.clip(left, 1.0, MOST_PARTS ** (POINTS - EARLY)) ** (1.0 / (POINTS - EARLY))).astype(int)
+        if parts.sum() > MOST_PANELS:
+            raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
+        lengths = np.repeat(lengths / parts, parts)

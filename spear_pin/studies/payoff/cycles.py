@@ -113,7 +113,8 @@ class Cycles:
         task, d = self.task, self.chart.dimension
         try:
             system, state = self.begun(x)
-            ended = self._recorded(x, system, state) or self._run(system, state)
+            exact = self._exact
+            ended = self._run(system, state) if exact is None else self._recorded(exact, x, system, state)
         except SpearError:  # a toe below the ground
             return None
         if ended is None:
@@ -123,9 +124,9 @@ class Cycles:
         gap = np.append(moved / self.units[:d], ended.durations["flight"] / task.flight_time - 1.0)
         return Cycle(task.cost(system, trajectory), gap, task.spare(system, trajectory))
 
-    def _recorded(self, x: Array, system: HybridSystem, state: State) -> Run | None:
+    def _recorded(self, exact: TangentCycles, x: Array, system: HybridSystem, state: State) -> Run | None:
         """Returns the cycle by the fast engine; None where that refuses it, or its toe leaves more than once."""
-        record = None if self._exact is None else self._exact.record(*state, (self.units * x)[self.chart.dimension :])
+        record = exact.record(*state, (self.units * x)[self.chart.dimension :])
         if record is None or [name for _, name in record.order].count(LIFT_OFF) != 1:
             return None
         return motion_of(system.domains, state, record)

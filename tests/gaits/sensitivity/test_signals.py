@@ -8,17 +8,18 @@ import pytest
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 
-PANELS = 3
+SHARES = np.array([0.2, 0.5, 0.3])  # of panels
 STEP = 1e-5  # of differences
 
 
 def pieces(function, slope, begin=0.0, end=2.0, since=0.0, tau=0.0):
     """A signal f(t) over an arc, with its derivative along one direction at fixed times, and what its ends move."""
-    h = (end - begin) / PANELS
-    t = (begin + h * (np.arange(PANELS)[:, None] + rule(POINTS).nodes)).ravel()
-    arc = SimpleNamespace(t=begin, end=end)
-    weights = np.append(np.tile(h * rule(POINTS).weights, PANELS), [0.0, 0.0])
-    stretch = SimpleNamespace(arc=arc, at_once=False, weights=weights, since=np.array([since]), tau=np.array([tau]))
+    lengths = (end - begin) * SHARES
+    t = (begin + (np.cumsum(lengths) - lengths)[:, None] + np.outer(lengths, rule(POINTS).nodes)).ravel()
+    arc, moved = SimpleNamespace(t=begin, end=end), {"since": np.array([since]), "tau": np.array([tau])}
+    weights = np.append(np.outer(lengths, rule(POINTS).weights), [0.0, 0.0])
+    carried = SimpleNamespace(lengths=lengths)
+    stretch = SimpleNamespace(arc=arc, at_once=False, weights=weights, carried=carried, **moved)
     t, ends = np.append(t, [begin, end]), np.array([begin, end])
     rates = (function(ends + STEP) - function(ends - STEP)) / (2.0 * STEP)
     return Pieces(stretch, function(t), slope(t)[:, None], rates)
