@@ -56,5 +56,14 @@ def test_one_that_slows_down_sets_out_no_more(sliding):
     assert not sliding.sets_out
 
 
+@pytest.mark.parametrize("speed", [0.5 * SLOW, -20.0 * SLOW])
+def test_one_that_slows_down_before_it_has_a_speed_moves_back_along_its_way(sliding, speed):
+    """Its velocity back has the other direction, so that friction would push it on."""
+    ways = sliding(grounded((30.0, 40.0)), at(0.0, 0.0))
+    sliding.arrive({TOE: speed}, {TOE: -1.0}, ways)
+    assert sliding.sets_out
+    assert sliding(grounded((3.0, 4.0)), at(0.6 * speed, 0.8 * speed))[TOE] == pytest.approx((0.6, 0.8))
+
+
 def test_directions_are_unit_vectors(sliding):
     assert math.hypot(*sliding(grounded((5.0, -12.0)), at(0.0, 0.0))[TOE]) == pytest.approx(1.0)

@@ -12,6 +12,30 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/engines/sliding",
+        ["hybrid/test_sliding"],
+        {"a toe that moves back has its velocity's direction": (" or speeds[toe] <= SLOW)", ")")},
+    ),
+    *mistakes_in(
+        "hybrid/rules/guards",
+        ["hybrid/test_lanes_in_space"],
+        {
+            "a toe that moves back is not stopped": (
+                "Reset(stop=(toe,)), patience=SLOW)",
+                "Reset(stop=(toe,)), patience=1.0)",
+            )
+        },
+    ),
+    *mistakes_in(
+        "hybrid/modes",
+        ["hybrid/test_lanes_in_space"],
+        {
+            "lanes: a toe in space that moves may rest": ("moves == (mode in SLIPS)", "not moves or mode in SLIPS"),
+            "lanes: a bouncing toe in the air bears": ("not (toe in domain.bouncing and above)", "True"),
+            "lanes: any moving toe is in the air": ("up = [aloft(height, float(jacobian[-1] @ v))", "up = [True"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/rules/cone",
         ["hybrid/rules/test_cone"],
         {

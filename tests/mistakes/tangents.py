@@ -115,6 +115,17 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/tangent/points",
+        ["hybrid/tangent/test_points"],
+        {
+            "all panels as short as the shortest": ("np.clip(left, 1.0,", "np.clip(0.0 * left + left.max(), 1.0,"),
+            "all panels of one length": (
+                "np.interp(np.linspace(0.0, parts[-1], panels + 1), parts, ends)",
+                "np.linspace(0.0, ends[-1], panels + 1)",
+            ),
+        },
+    ),
+    *mistakes_in(
         "hybrid/tangent/dual",
         ["hybrid/tangent/test_dual"],
         {

@@ -54,7 +54,7 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
         >>> from spear_pin import Gait, in_space
         >>> from spear_pin.gaits.orbits.galloping import galloping
         >>> bound = in_space(Gait.load("long_stride_3.00"))  # doctest: +SKIP
-        >>> gallop = galloping(bound, (0.02, 0.02))  # twenty minutes  # doctest: +SKIP
+        >>> gallop = galloping(bound, (0.02, 0.02))  # three minutes  # doctest: +SKIP
     """
     if gait.system.kind != "bounding_in_space" or gait.system.law.feedback:
         raise BadValue("gait", gait, "one of bounding_in_space, without feedback")

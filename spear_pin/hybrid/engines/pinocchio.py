@@ -119,7 +119,7 @@ class Flow:
         self.visit(t, y)
         if not self._ways:
             return  # no value at this state
-        speeds = {toe: math.hypot(*self.toe_velocity(toe)[:-1]) for toe, _ in self._slips}
+        speeds = {toe: along(self._ways[toe], self.toe_velocity(toe)[:-1]) for toe, _ in self._slips}
         rates = {toe: along(self._ways[toe], self.toe_acceleration(toe)[:-1]) for toe, _ in self._slips}
         self._sliding.arrive(speeds, rates, self._ways)
 

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.contact import SETTING_OUT, SIGN, constrained, solve
+from spear_pin.hybrid.contact import SETTING_OUT, SIGN, SLOW, constrained, solve
 from spear_pin.hybrid.rules.cone import slides
 from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, along
 
@@ -89,7 +89,8 @@ class Grounded:
 class Sliding:
     """Directions in which the toes of one domain slide, including toes that set out.
 
-    A toe sets out if it is at rest at the first call, and does so until it has reached a speed or slows down. States
+    A toe sets out if it is at rest at the first call, and does so until it has reached a speed or slows down. If it
+    never moves so fast that its velocity defines a direction, it keeps its own, along which it then moves back. States
     that are only tried, such as those of a step that an integrator rejects, change nothing.
 
     Args:
@@ -126,12 +127,13 @@ class Sliding:
         """Updates the toes that set out, and their directions, after the motion has reached a state.
 
         Args:
-            speeds: speeds of the toes at that state, in m/s.
+            speeds: speed of each toe along its direction, in m/s.
             accelerations: acceleration of each toe along its direction, in m/s².
             ways: the directions at that state.
         """
         going = (toe for toe in self._begun or () if speeds[toe] <= SETTING_OUT)
-        self._begun = {toe: ways[toe] for toe in going if accelerations[toe] >= -STARTS_TO_SLIDE}
+        keeps = (toe for toe in going if accelerations[toe] >= -STARTS_TO_SLIDE or speeds[toe] <= SLOW)
+        self._begun = {toe: ways[toe] for toe in keeps}
 
     @property
     def sets_out(self) -> bool:

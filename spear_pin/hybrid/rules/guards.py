@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 from spear_pin.hybrid.contact import SIGN, SLIP, SLOW, STICK
 from spear_pin.hybrid.domain import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.dynamics import Dynamics, Operations
-from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED, size
+from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED, along, size
 
 ON_GROUND = 1e-8  # m: above the integration's error of the constraint, below any foot clearance
 ON_REST = 1e-9  # rad: above the effect of an error in an event's time
@@ -47,8 +46,8 @@ def slip_speed(toe: str, side: float) -> GuardValue:
 
 
 def radial_speed(toe: str) -> GuardValue:
-    """Returns a guard on the sliding speed of a toe in space above the speed at which it is stopped, in m/s."""
-    return lambda t, q, v, held, p, dyn, ops: size(dyn.toe_velocity(toe)[:-1], ops) - SLOW
+    """Returns a guard on the speed of a toe in space along its direction above the speed at which it stops, in m/s."""
+    return lambda t, q, v, held, p, dyn, ops: along(dyn.direction(toe), dyn.toe_velocity(toe)[:-1]) - SLOW
 
 
 def pivot(toe: str) -> GuardValue:
@@ -135,7 +134,7 @@ def contact_guards(toe: str, mode: str, name: str, lift_off: Reset, ways: Sequen
         return [leave, *(Guard("slip", margin, Reset(), tolerance=UNLOADED) for margin in margins)]
     ill_posed = Guard("painleve", pivot(toe), ends="painleve")
     if mode == SLIP:  # at its small remaining speed the toe would turn ever faster
-        stop = Guard("stick", radial_speed(toe), Reset(stop=(toe,)), patience=math.inf)
+        stop = Guard("stick", radial_speed(toe), Reset(stop=(toe,)), patience=SLOW)
         leave = Guard(name, unloading(toe), lift_off, tolerance=UNLOADED)
     else:
         stop = Guard("stick", slip_speed(toe, SIGN[mode]), Reset(), tolerance=AT_REST)

@@ -14,14 +14,14 @@ from spear_pin.hybrid.tangent.derivative import SHORTEST
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 MOST_PANELS = 64  # most panels of an arc
-MOST_PARTS = 4.0  # of a panel that is divided
+MOST_PARTS = 4.0  # of a panel, in one pass
 EARLY = 4  # number of points that do not count yet where panels are long
 
 
 def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, Array, Array]:
     """Returns the times of the points, in s, (k,), the lengths of the panels, in s, and the states, (2 nv, k).
 
-    Panels in which the motion is rough are divided: they become shorter where a toe stops, or begins to slide.
+    Where the motion is rough panels are shorter: where a toe stops, or begins to slide.
 
     Args:
         arc: the arc.
@@ -48,8 +48,10 @@ def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, Array, Array]:
             raise NotDifferentiable(f"the motion in {arc.domain.name} cannot be followed again")
         if left.max() <= 1.0:
             return t, lengths, y
-        # coefficients of a panel shorter by a factor fall by its power of the number of points, at first of fewer
-        parts = np.ceil(np.clip(left, 1.0, MOST_PARTS ** (POINTS - EARLY)) ** (1.0 / (POINTS - EARLY))).astype(int)
-        if parts.sum() > MOST_PANELS:
+        if len(lengths) == MOST_PANELS:
             raise NotDifferentiable(f"the motion in {arc.domain.name} is not smooth over {length:.3g} s")
-        lengths = np.repeat(lengths / parts, parts)
+        # coefficients of a panel shorter by a factor fall by its power of the number of points, at first of fewer
+        parts = np.clip(left, 1.0, MOST_PARTS ** (POINTS - EARLY)) ** (1.0 / (POINTS - EARLY))
+        parts, ends = np.append(0.0, np.cumsum(parts)), np.append(0.0, np.cumsum(lengths))
+        panels = min(math.ceil(parts[-1]), MOST_PANELS)
+        lengths = np.diff(np.interp(np.linspace(0.0, parts[-1], panels + 1), parts, ends))

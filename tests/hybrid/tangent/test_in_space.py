@@ -15,7 +15,7 @@ from spear_pin.hybrid.batch import check_lanes
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
-from spear_pin.hybrid.tangent.section import exact_jacobian, tell_feet_apart
+from spear_pin.hybrid.tangent.section import tell_feet_apart
 from tests.solve import gaits  # noqa: F401  registers the recipes
 from tests.solve.kept import RECIPES, jacobian
 
@@ -28,7 +28,7 @@ def orbit(name: str) -> Orbit:
     return Orbit(gait.system, gait.state, ())
 
 
-@pytest.mark.parametrize("name", ["trot", "trot_steady", "turn_9"])
+@pytest.mark.parametrize("name", ["trot", "trot_steady", "turn_9", "gallop"])
 def test_the_jacobian_is_that_of_differences(name):
     kept = jacobian(name)
     np.testing.assert_allclose(orbit(name).jacobian, kept, rtol=0, atol=3e-6 * np.abs(kept).max())
@@ -62,11 +62,11 @@ class TestSymmetric:
         np.testing.assert_allclose(one.jacobian[np.ix_(even, even)], kept[np.ix_(even, even)], rtol=0, atol=2e-5)
 
 
-@pytest.mark.parametrize("name", ["trot", "turn_9"])
+@pytest.mark.parametrize("name", ["trot", "turn_9", "gallop"])
 def test_measures_are_those_of_samples(name):
     one = orbit(name)
     halves = 2 if one.system.mirrored_toes else 1
-    run = simulate(one.system, one.state, halves, progress=False)
+    run = simulate(one.system, one.state, halves, rtol=1e-12, progress=False)  # a jump of force in a gallop asks for it
     sampled = Sampled(one.system.robot, run, range(1, halves + 1), halves == 2).values()
     found = {each: one.measures[each].value for each in sampled}
     for each, value in sampled.items():
@@ -107,11 +107,6 @@ def test_errors_of_its_numbers():
 
 
 class TestRefused:
-    def test_a_toe_that_slides_too_soon_after_a_bounce(self):
-        gait = Gait.load("gallop")
-        with pytest.raises(NotDifferentiable, match="is not smooth"):
-            exact_jacobian(gait.system, gait.state)
-
     def test_a_number_that_tells_the_halves_of_a_stride_apart(self):
         with pytest.raises(BadValue, match="left and right alike"):
             Gait.load("trot").sensitivity(["posterior_left_knee_mass"])
