@@ -21,21 +21,22 @@ VARIED = {
 LANES, SPREAD = 3, (2e-4, 2e-3)  # the first lane is the gait itself; m and rad, m/s and rad/s
 
 
-@compiles
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "cycles"), [("trot", 1), ("pronk", 1), ("turn_9", 1), ("gallop", 1)])
-def test_pushed(name, cycles):
-    """Also where they differ in every number of the law of the plane, which is a part of the law in space.
-
-    In the gallop the pushed fore left toe lands on the edge of the friction cone: it slides for a third of a
-    microsecond, and rests.
-    """
-    gait = Gait.load(name)
+def pushed(gait):
     rng = np.random.default_rng(5)
     q, v = (np.tile(part, (LANES, 1)) for part in gait.state)
     for part, spread in zip((q, v), SPREAD, strict=True):
         part[1:] += rng.uniform(-spread, spread, part[1:].shape)
     q[1:, 2] += 0.01  # no toe is below the ground, so these fly on first
+    return q, v
+
+
+@compiles
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "cycles"), [("trot", 1), ("pronk", 1), ("turn_9", 1), ("gallop", 1)])
+def test_pushed(name, cycles):
+    """Also where they differ in every number of the law of the plane, which is a part of the law in space."""
+    gait = Gait.load(name)
+    q, v = pushed(gait)
     numbers = {each: parameter(gait.system, each) * (1.0 + 1e-3 * np.arange(LANES)) for each in VARIED.get(name, ())}
     found = simulate_many(gait.system, q, v, cycles, parameters=numbers, unroll=False)
     for lane in range(LANES):
@@ -46,6 +47,24 @@ def test_pushed(name, cycles):
             off = np.abs(np.concatenate([found.q[lane] - expected.state[0], found.v[lane] - expected.state[1]])).max()
             assert off < 1e-7, (lane, off)
     assert not found.repeated[0]
+
+
+@compiles
+@pytest.mark.slow
+def test_a_toe_that_slides_for_less_than_a_microsecond_is_stopped(monkeypatch):
+    """It lands on the edge of the friction cone, and its acceleration changes sign at once."""
+
+    def noted(*given, **options):
+        arc = follow(*given, **options)
+        seen.append((arc.domain.name, arc.domain.guards[arc.end].name if arc.end >= 0 else "", arc.t))
+        return arc
+
+    follow, seen = lone_runner.follow, []
+    monkeypatch.setattr(lone_runner, "follow", noted)
+    gait = Gait.load("gallop")
+    simulate_many(gait.system, *(part[1:2] for part in pushed(gait)), unroll=False)
+    domain, end, after = seen[0]
+    assert (domain, end) == ("anterior_left slip", "stick") and after < 2e-5
 
 
 @compiles

@@ -30,7 +30,6 @@ MUTATIONS = [
         "hybrid/modes",
         ["hybrid/test_lanes_in_space"],
         {
-            "lanes: a toe in space that moves may rest": ("moves == (mode in SLIPS)", "not moves or mode in SLIPS"),
             "lanes: a bouncing toe in the air bears": ("not (toe in domain.bouncing and above)", "True"),
             "lanes: any moving toe is in the air": ("up = [aloft(height, float(jacobian[-1] @ v))", "up = [True"),
         },
