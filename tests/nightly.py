@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections import defaultdict
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -20,7 +21,7 @@ def guards() -> dict[str, str]:
 
 @cache
 def matching(pattern: str) -> re.Pattern[str]:
-    """The names of tests that a pattern stands for; `*` is anything."""
+    """The names of tests that a pattern stands for; `*` is anything, but in the name of the file."""
     return re.compile(".*".join(map(re.escape, pattern.split("*"))))
 
 
@@ -34,15 +35,21 @@ def left_to_the_nightly(items: Sequence[pytest.Item], whole: bool) -> None:
     Raises:
         UsageError: a pattern stands for no test, or each of its guards is itself left to the nightly.
     """
-    names = {item.nodeid: item for item in items}
-    left = {pattern: [name for name in names if matching(pattern).fullmatch(name)] for pattern in guards()}
+    names, files = {item.nodeid: item for item in items}, defaultdict[str, list[str]](list)
+    for name in names:
+        files[name.partition("::")[0]].append(name)
+
+    def called(pattern: str) -> list[str]:
+        return [name for name in files[pattern.partition("::")[0]] if matching(pattern).fullmatch(name)]
+
+    left = {pattern: called(pattern) for pattern in guards()}
     for name in {name for found in left.values() for name in found}:
         names[name].add_marker(pytest.mark.nightly)
         names[name].add_marker(pytest.mark.slow)
     if not whole:
         return
     for pattern, guard in guards().items():
-        kept = [name for name in names if matching(guard).fullmatch(name)]
+        kept = called(guard)
         if not left[pattern]:
             raise pytest.UsageError(f"{FILE.name}: no test is called {pattern}")
         if all(names[name].get_closest_marker("nightly") for name in kept):
