@@ -29,12 +29,9 @@ def read_moments(cells: Any) -> Array:
     import pandas as pd
 
     found = cells.str.strip().str.extract(f"^{_MOMENT}$")
-    parts = {
-        "year": found["year"].fillna(found["jahr"]),
-        "month": found["month"].fillna(found["monat"]),
-        "day": found["day"].fillna(found["tag"]),
-    }
-    day = pd.to_datetime(pd.DataFrame(parts).astype(float), errors="coerce")
+    words = (("year", "jahr"), ("month", "monat"), ("day", "tag"))
+    parts = {iso: found[iso].astype(float).fillna(found[german].astype(float)) for iso, german in words}
+    day = pd.to_datetime(pd.DataFrame(parts), errors="coerce")
     since = (day - pd.Timestamp(1970, 1, 1)).dt.total_seconds()
     midnight = since.where(parts["year"].notna(), 0.0)
     seconds = found["seconds"].str.replace(",", ".", regex=False).astype(float)

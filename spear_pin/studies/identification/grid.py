@@ -61,11 +61,12 @@ def _counted(place: Array, samples: Whole, frequency: float) -> tuple[float, int
     """Returns the step near one over a frequency, and how many samples lie off the grid or off its point's value."""
     turns = frequency * place
     index = np.rint(turns - np.angle(np.exp(2j * np.pi * turns).sum()) / (2.0 * np.pi))
-    centred = index - index.mean()
+    share = samples / samples.sum()  # values off the grid have few samples
+    centred = index - share @ index
     if not centred.any():
         return 0.0, int(samples.sum())
-    step = float(centred @ place / (centred @ centred))
-    near = np.abs(place - place.mean() - step * centred) <= NEAR * step
+    step = float((share * centred) @ place / ((share * centred) @ centred))
+    near = np.abs(place - share @ place - step * centred) <= NEAR * step
     points = np.flatnonzero(np.diff(index[near], prepend=-np.inf))
     on = np.maximum.reduceat(samples[near], points).sum() if points.size else 0
     return step, int(samples.sum() - on)
