@@ -23,11 +23,13 @@ class Arc(NamedTuple):
         y: state at the beginning, (2 nv,).
         end: time at which the arc ends, in s since the phase began.
         after: state at the end, before the event changes it.
-        event: the guard or the switch that ends it; None for a kink of the law, after which the same motion goes on.
+        event: the guard or the switch that ends it; None where the same motion goes on, smoothly or at a kink of the
+            law.
         switches: scheduled events of the phase so far, this one included.
         motion: function from times, (n,), to states, (2 nv, n); None if it was not kept, or the event is immediate.
         steps: number of steps of Taylor's method, 0 for another method.
         again: whether toes only touch again in the event, which then closes no cycle.
+        smooth: whether the same motion goes on smoothly.
     """
 
     domain: Domain
@@ -41,6 +43,12 @@ class Arc(NamedTuple):
     motion: Callable[[Array], Array] | None = None
     steps: int = 0
     again: bool = False
+    smooth: bool = False
+
+    @property
+    def begins_phase(self) -> bool:
+        """Whether its event begins a phase, maybe the same one, whose clock starts at zero."""
+        return self.event is not None and self.event.reset is not None and self.event.reset.phase is not None
 
 
 class Record(Protocol):
@@ -95,14 +103,11 @@ def motion_of(domains: Sequence[Domain], start: State, record: Record) -> Run:
         start: (q, v) at the beginning.
         record: the cycle, whose arcs keep their motion.
     """
-    own, segments, began, end = {domain.name: domain for domain in domains}, list[Segment](), 0.0, 0.0
+    own, segments, began = {domain.name: domain for domain in domains}, list[Segment](), 0.0
     for arc in record.arcs:
-        domain = own[arc.domain.name]
-        if segments and domain.phase != segments[-1].domain.phase:
-            began += end
         pieces = [] if arc.motion is None else [Piece(arc.t, arc.end, arc.motion)]
-        segments.append(Segment(domain, arc.held, 0, began, pieces))
-        end = arc.end
+        segments.append(Segment(own[arc.domain.name], arc.held, 0, began, pieces))
+        began += arc.end if arc.begins_phase else 0.0
     nv = len(record.y) // 2
     reached, last = (record.y[:nv], record.y[nv:]), segments[-1].domain
     return Run(start, reached, record.held, last, segments, durations=record.spent, cycles=1, reason="complete")

@@ -58,7 +58,8 @@ def in_place(system: HybridSystem, domain: Domain, y: Array) -> bool:
 def suiting(system: HybridSystem, domains: Iterable[Domain], y: Array) -> Iterator[Domain]:
     """Returns the domains that suit the motion of the toes, in order; the forces may not suit them.
 
-    Bouncing toes in the air are open in them, toes that move along the ground slip, and others on the ground rest.
+    Bouncing toes in the air are open in them. Of toes on the ground, those that move along it slip, others rest.
+    Domains in which a bouncing toe on the ground is open suit, too; they come last.
     """
     nq, nv = system.robot.nq, system.robot.nv
     toes, v = system.robot.toes, y[nq : nq + nv]

@@ -80,6 +80,16 @@ class TestLanes:
         found = simulate_many(hop.system, *(part[None] for part in hop.state), 6)
         assert len(laps) == runner.PATIENCE and found.cycles[0] == 6
 
+    def test_what_the_reference_engine_observes_unasked(self, hop, monkeypatch):
+        """Every arc is left to it."""
+        state = [part[None] for part in hop.state]
+        expected = simulate_many(hop.system, *state, 2, observe=True)
+        monkeypatch.setattr(LoneRunner, "_enter", lambda runner, now: None)
+        found = simulate_many(hop.system, *state, 2, observe=True)
+        assert_same(found, expected, 1e-8)
+        np.testing.assert_allclose(found.observed["apex"], expected.observed["apex"], rtol=0, atol=1e-8)
+        assert not simulate_many(hop.system, *state, 2).observed
+
     def test_an_event_at_once_is_no_reason_to_refuse(self, robot, hop, monkeypatch):
         """The limit on flexion becomes active at touchdown."""
         system = hopping(robot, replace(hop.system.law, minimum_force=12.0), Spring(), Contact())

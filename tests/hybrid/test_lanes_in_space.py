@@ -5,10 +5,16 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.engines.structure import flattened
+from spear_pin.hybrid.engines.taylor import Code
+from spear_pin.hybrid.engines.taylor_single import UNCLEAR
 from spear_pin.hybrid.lanes import lone_runner
+from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.result import Options
+from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.run import run
 from tests.hybrid.lanes import compiles
 
@@ -65,6 +71,27 @@ def test_a_toe_that_slides_for_less_than_a_microsecond_is_stopped(monkeypatch):
     simulate_many(gait.system, *(part[1:2] for part in pushed(gait)), unroll=False)
     domain, end, after = seen[0]
     assert (domain, end) == ("anterior_left slip", "stick") and after < 2e-5
+
+
+@compiles
+@pytest.mark.slow
+@pytest.mark.parametrize(("rise", "event"), [(1e-2, NONE), (1e-6, UNCLEAR)])
+def test_a_bouncing_toe_that_does_not_rise_is_left_to_the_reference_engine(rise, event):
+    """It is an atom's breadth below the ground and falls back before it has risen: no guard changes its sign."""
+    gait = Gait.load("gallop")
+    system, robot = gait.system, gait.system.robot
+    arcs = Orbit(system, gait.state, ()).cycle.stretches
+    arc = next(each.arc for each in arcs if each.arc.domain.name == "anterior_stance anterior_left open")
+    q, v = arc.y[: robot.nq], arc.y[robot.nq :]
+    feet = [system.ground.foot(robot, q, toe) for toe in ("anterior_right_toe", "anterior_left_toe")]
+    jacobian, speed = np.concatenate([own for _, own in feet]), np.array([0.0, 0.0, 0.0, 0.0, 0.0, rise])
+    speed[3:5] = feet[1][1][:2] @ v
+    height = -1e-12 - feet[1][0]
+    q, v = q + np.linalg.pinv(jacobian)[:, 5] * height, v + np.linalg.pinv(jacobian) @ (speed - jacobian @ v)
+    numbers = Numbers(system, {}, Code(1e-12))
+    parameters = np.array([*numbers.constants(0), *flattened(arc.held.values())])
+    ready = numbers.compilation.single(arc.domain, arc.held)
+    assert ready.enter(arc.t, np.concatenate([q, v]), parameters).event == event
 
 
 @compiles

@@ -64,6 +64,16 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/engines/taylor_single",
+        ["hybrid/test_lanes_in_space"],
+        {"lane alone: a bouncing toe sinks": ("if any(later[i] <= 0.0 for i in below):", "if False:")},
+    ),
+    *mistakes_in(
+        "hybrid/lanes/runner",
+        ["hybrid/test_lanes"],
+        {"lane alone: all is observed": ("self.observed.keys() & lap.observed.keys()", "lap.observed")},
+    ),
+    *mistakes_in(
         "hybrid/lanes/lone_runner",
         ["hybrid/test_lone_runner", "hybrid/test_ties", "hybrid/test_lanes"],
         {

@@ -115,6 +115,16 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "gaits/sensitivity/along_arcs",
+        ["hybrid/tangent/test_in_space"],
+        {"friction used is a polynomial": ("_of(normal, along) if slides else along", "along")},
+    ),
+    *mistakes_in(
+        "gaits/sensitivity/margins",
+        ["hybrid/tangent/test_in_space"],
+        {"a guard that waits has a margin": (" and not (waits and value <= 0.0)", "")},
+    ),
+    *mistakes_in(
         "hybrid/tangent/points",
         ["hybrid/tangent/test_points"],
         {

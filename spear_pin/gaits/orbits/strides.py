@@ -20,6 +20,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
+from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.symmetry import YAW
 from spear_pin.hybrid.tangent.collocation import ENDS
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
@@ -160,11 +161,10 @@ class Strides:
 
 def _first_times(arcs: Sequence[Arc], ends: Sequence[Any]) -> dict[str, Any]:
     """Returns when each event happens first, in s, by name, from times since the arcs' phases began."""
-    begun, last, phase, found = 0.0, 0.0, arcs[0].domain.phase, dict[str, Any]()
+    begun, found = 0.0, dict[str, Any]()
     for arc, end in zip(arcs, ends, strict=True):
-        if arc.domain.phase != phase:
-            begun, phase = begun + last, arc.domain.phase
-        last = end
         if arc.event is not None:
-            found.setdefault(arc.event.name, begun + end)
+            found.setdefault(RETOUCH if arc.again else arc.event.name, begun + end)
+        if arc.begins_phase:
+            begun = begun + end
     return found

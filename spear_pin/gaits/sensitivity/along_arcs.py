@@ -8,6 +8,7 @@ import numpy as np
 
 from spear_pin.gaits.sensitivity.signals import Pieces
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.contact import SLIPS
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.symmetry import partner
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Stretch
@@ -53,7 +54,19 @@ def forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Itera
             axes = len(parts[0]) // len(closed)
             first = axes * closed.index(toe)
             *tangential, normal = (Pieces(each, *(part[first + i] for part in parts)) for i in range(axes))
-            yield tangential[0] if axes == 2 else length(*tangential), normal
+            along = tangential[0] if axes == 2 else length(*tangential)
+            slides = each.arc.domain.contacts[toes.index(toe)] in SLIPS
+            yield _of(normal, along) if slides else along, normal
+
+
+def _of(normal: Pieces, along: Pieces) -> Pieces:
+    """Returns the force along the ground of a sliding toe: a share of the normal force that is the same everywhere.
+
+    It is taken halfway, as the slopes of both forces have no value where a toe in space begins to slide.
+    """
+    i = (len(normal.values) - 2) // 2
+    share = along.values[i] / normal.values[i]
+    return normal.times(float(share), (along.derivatives[i] - share * normal.derivatives[i]) / normal.values[i])
 
 
 def length(x: Pieces, y: Pieces) -> Pieces:

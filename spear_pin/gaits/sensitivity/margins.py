@@ -61,8 +61,9 @@ def of_motion(motion: Sequence[Stretch]) -> Iterator[tuple[str, float, Array]]:
             continue
         first, *others = extremes_of(pieces)
         risen = abs(first[0]) > least  # else its own event has just put it on zero, from where it rises
+        waits = guard.waits and first[0] <= 0.0  # until it has risen
         for value, derivative in (first,) if guard is event else (first, *others):
-            if risen or abs(value) > least:
+            if (risen or abs(value) > least) and not (waits and value <= 0.0):
                 yield guard.name, value, derivative
 
 

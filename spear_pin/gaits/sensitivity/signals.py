@@ -112,7 +112,7 @@ def extremes(piece: Pieces) -> Iterator[tuple[float, float, Array]]:
     """Yields the values at an arc's ends and where the signal turns, with derivatives.
 
     Yields:
-        the place, 0 at the arc's beginning and 1 at its end, by panels; the value; its derivative.
+        the place, 0 at the arc's beginning and 1 at its end, with panels of one length; the value; its derivative.
     """
     stretch, panels = piece.stretch, [each[2:] for each in piece.panels()]
     slopes, count = [legendre.legder(values) for values, _ in panels], len(panels)

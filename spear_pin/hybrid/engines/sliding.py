@@ -89,9 +89,9 @@ class Grounded:
 class Sliding:
     """Directions in which the toes of one domain slide, including toes that set out.
 
-    A toe sets out if it is at rest at the first call, and does so until it has reached a speed or slows down. If it
-    never moves so fast that its velocity defines a direction, it keeps its own, along which it then moves back. States
-    that are only tried, such as those of a step that an integrator rejects, change nothing.
+    A toe sets out if it is at rest at the first call, and does so until it has reached `SETTING_OUT`, or slows down. If
+    it slows down before it has reached `SLOW`, it keeps its direction, along which it then moves back. States that are
+    only tried, such as those of a step that an integrator rejects, change nothing.
 
     Args:
         modes: modes of the toes that slide.

@@ -201,14 +201,14 @@ class LoneRunner:
         def due_in(domain: Domain) -> float:
             return min(float(due(domain, now.switches, self._law)), last)
 
-        arc = follow(self._lane_system, now.phase, now.held, begun, start, due_in, keep=self._keep)
-        domain = self._domains.get(arc.domain.name)
-        if domain is None:
-            raise _Unclear(f"{ALTERNATE} in {now.phase}")
+        given = self._lane_system, now.phase, now.held, begun, start, due_in
+        arc = follow(*given, keep=self._keep, longest=self._longest)
+        domain = self._domains[arc.domain.name]
         now.t, now.y = arc.t, arc.y
         now.observed |= arc.observed
         event = self._event(now, domain, arc.end, arc.t < last)
-        now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, arc.motion))
+        moved = Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, arc.motion, smooth=arc.smooth)
+        now.arcs.append(moved)
         return domain, event
 
     def _seen_again(self, now: _Now, domain: Domain, end: int) -> bool:
@@ -224,7 +224,7 @@ class LoneRunner:
         return (t, y, end), motion
 
     def _event(self, now: _Now, domain: Domain, end: int, due_now: bool) -> Guard | Switch | None:
-        """Returns the event that ended an arc, None for a kink."""
+        """Returns the event that ended an arc, None where the same motion goes on."""
         if end >= 0:
             return domain.guards[end]
         if end == TIME_LIMIT and due_now:
@@ -357,7 +357,7 @@ class LoneRunner:
         if ready is None:
             ready = now.singles[id(domain)] = self._compiled.single(domain, now.held)
         entry = ready.enter(now.t, now.y, now.parameters)
-        return None if entry is None or entry.fitness < math.inf else (ready, entry)
+        return None if entry is None or entry.fitness < math.inf or entry.event == UNCLEAR else (ready, entry)
 
     def _given(self, held: Held) -> tuple[dict[int, Single], Array]:
         """Returns the domains compiled so far for the held values, and the run-time parameters.

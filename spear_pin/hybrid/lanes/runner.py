@@ -167,8 +167,8 @@ class Lanes:
             if came[1] is self._fresh:
                 start, fresh = y, n
             began += sum(spent.values())
-            for name, state in lap.observed.items():
-                self.observed[name][:, lane] = state
+            for name in self.observed.keys() & lap.observed.keys():  # the reference engine observes unasked
+                self.observed[name][:, lane] = lap.observed[name]
         if n:
             if fresh:
                 self.start[:, lane], self.before[lane] = start, self.cycles[lane] + fresh

@@ -130,7 +130,8 @@ class _Whole:
         if SLIP in arc.domain.contacts and self._begins_to_slide(arc):
             for rows in (values.rows[..., None], slopes.rows):
                 rows[:, BEGIN] = of_the_inside(rows, BEGIN)
-        for place, kink in ((BEGIN, now.bent is not None), (END, arc.event is None)):
+        bends = arc.event is None and not arc.smooth
+        for place, kink in ((BEGIN, now.bent is not None), (END, bends)):
             if kink:
                 slopes.rows[:, place] = of_the_inside(slopes.rows, place)
         if now.behind:
@@ -141,7 +142,7 @@ class _Whole:
         stretch = Stretch(arc, states, S, after, values, slopes, held, now.tau)
         if now.bent is not None:
             now.tau = now.bent.tau = stretch.since = later(now.bent, stretch)
-        stretch.tau, now.bent = self._tau(stretch, now), None if arc.event is not None else stretch
+        stretch.tau, now.bent = self._tau(stretch, now), stretch if bends else None
         return stretch
 
     def _begins_to_slide(self, arc: Arc) -> bool:

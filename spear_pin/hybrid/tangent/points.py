@@ -53,5 +53,5 @@ def points(arc: Arc, fineness: Fineness = INSIDE) -> tuple[Array, Array, Array]:
         # coefficients of a panel shorter by a factor fall by its power of the number of points, at first of fewer
         parts = np.clip(left, 1.0, MOST_PARTS ** (POINTS - EARLY)) ** (1.0 / (POINTS - EARLY))
         parts, ends = np.append(0.0, np.cumsum(parts)), np.append(0.0, np.cumsum(lengths))
-        panels = min(math.ceil(parts[-1]), MOST_PANELS)
+        panels = min(max(len(lengths) + 1, math.ceil(parts[-1])), MOST_PANELS)
         lengths = np.diff(np.interp(np.linspace(0.0, parts[-1], panels + 1), parts, ends))

@@ -109,7 +109,10 @@ class Cycles:
         return with_values(self.system, named), self.chart.state(values[:d])
 
     def at(self, x: Array) -> Cycle | None:
-        """Returns the cycle for unknowns; None where it does not close, or its toe leaves the ground more than once."""
+        """Returns the cycle for unknowns; None where there is none that a search can use.
+
+        It may not close, its toe may leave the ground more than once, or the fast engine may refuse it.
+        """
         task, d = self.task, self.chart.dimension
         try:
             system, state = self.begun(x)

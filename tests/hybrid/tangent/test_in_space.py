@@ -106,6 +106,19 @@ def test_errors_of_its_numbers():
     assert found.deviation("period") == pytest.approx(wanted, rel=1e-9)
 
 
+def test_where_a_toe_slides_and_stops():
+    """It uses all friction, however singular the forces are where it begins; its guards wait below zero until it moves.
+
+    The peak of its normal force is not checked: it grows with the logarithm of the speed at which it is stopped.
+    """
+    gait, toe = Gait.load("gallop"), "anterior_left_toe"
+    one = Orbit(gait.system, gait.state, ("friction",))
+    used = one.measures[f"friction_used_{toe}"]
+    assert used.value == pytest.approx(gait.system.contact.friction, abs=1e-12)
+    np.testing.assert_allclose(used.derivative, np.eye(one.dimension + 1)[-1], rtol=0, atol=1e-8)
+    assert all(margin.value > -1e-9 for event, margin in one.margins.items() if event == "stick")
+
+
 class TestRefused:
     def test_a_number_that_tells_the_halves_of_a_stride_apart(self):
         with pytest.raises(BadValue, match="left and right alike"):

@@ -56,6 +56,19 @@ def test_what_is_not_smooth_is_refused(steps):
         points(arc(lambda t: np.array([np.abs(t - 2.1), np.sign(t - 2.1)]), steps))
 
 
+def test_rounding_does_not_hold_the_panels_up(monkeypatch):
+    """A motion that is too rough by the last digit gets a panel more."""
+    seen = []
+
+    def rough(states):
+        seen.append(len(states))
+        return np.full(len(states), INSIDE.tail * (1.0 + 5e-15 if len(states) < 12 else 1.0))
+
+    monkeypatch.setattr("spear_pin.hybrid.tangent.points.roughness", rough)
+    points(arc(waves(1.0), 10 * INSIDE.steps))
+    assert seen == [10, 11, 12]
+
+
 def test_the_most_panels_are_tried():
     """A motion for which one panel seems to ask for more of them than there may be."""
     t, _, _ = points(arc(waves(110.0)))
