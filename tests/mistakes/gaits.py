@@ -8,7 +8,7 @@ MUTATIONS = [
         "gaits/orbits/strides",
         ["gaits/orbits/test_steering"],
         {
-            "strides: clocks that go on": ("begun, phase = begun + last", "begun, phase = begun"),
+            "strides: clocks that go on": ("begun = begun + end", "begun = begun + 0.0 * end"),
             "strides: a turn to the right": ("return [end[YAW] - begin[YAW]", "return [begin[YAW] - end[YAW]"),
         },
     ),
