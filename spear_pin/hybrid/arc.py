@@ -99,14 +99,14 @@ def motion_of(domains: Sequence[Domain], start: State, record: Record) -> Run:
     """Returns the motion of a recorded cycle as a run, to be sampled; the run has neither events nor work.
 
     Args:
-        domains: domains of a system, which stand for those of the same names in the record.
+        domains: domains of a system, which stand for those of the same keys in the record.
         start: (q, v) at the beginning.
         record: the cycle, whose arcs keep their motion.
     """
-    own, segments, began = {domain.name: domain for domain in domains}, list[Segment](), 0.0
+    own, segments, began = {domain.key: domain for domain in domains}, list[Segment](), 0.0
     for arc in record.arcs:
         pieces = [] if arc.motion is None else [Piece(arc.t, arc.end, arc.motion)]
-        segments.append(Segment(own[arc.domain.name], arc.held, 0, began, pieces))
+        segments.append(Segment(own[arc.domain.key], arc.held, 0, began, pieces))
         began += arc.end if arc.begins_phase else 0.0
     nv = len(record.y) // 2
     reached, last = (record.y[:nv], record.y[nv:]), segments[-1].domain

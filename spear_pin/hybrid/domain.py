@@ -191,6 +191,11 @@ class Domain:
     bouncing: tuple[str, ...] = ()
 
     @property
+    def key(self) -> tuple[str, str]:
+        """Phase and name, by which a system with other numbers has the same domain."""
+        return self.phase, self.name
+
+    @property
     def alternating(self) -> tuple[str, ...]:
         """The toes that stay on the ground while their domains alternate."""
         if self.crossing is not None:

@@ -203,7 +203,7 @@ class LoneRunner:
 
         given = self._lane_system, now.phase, now.held, begun, start, due_in
         arc = follow(*given, keep=self._keep, longest=self._longest)
-        domain = self._domains[arc.domain.name]
+        domain = self._domains[arc.domain.key]
         now.t, now.y = arc.t, arc.y
         now.observed |= arc.observed
         event = self._event(now, domain, arc.end, arc.t < last)
@@ -306,8 +306,8 @@ class LoneRunner:
         return with_parameters(self._system, self._numbers.of_lane(self._lane))
 
     @cached_property
-    def _domains(self) -> Mapping[str, Domain]:
-        return {domain.name: domain for domain in self._system.domains}
+    def _domains(self) -> Mapping[tuple[str, str], Domain]:
+        return {domain.key: domain for domain in self._system.domains}
 
     def _latch(self, now: _Now, reset: Reset) -> None:
         y = now.y.tolist()

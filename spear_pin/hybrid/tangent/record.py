@@ -104,7 +104,7 @@ class Recorder:
         self.numbers = np.array(self._numbers.constants(lane), dtype=float)
         self.end, self._why = np.empty(0), ""
         self.order: Order = ()
-        self._own = {domain.name: domain for domain in system.domains}
+        self._own = {domain.key: domain for domain in system.domains}
         # the system keeps its domains, so that their ids stay the same
         self._fields = _fields.setdefault(self._numbers.compilation, {})
         self._feet = _feet.setdefault(self._numbers.compilation, {})
@@ -164,7 +164,7 @@ class Recorder:
 
     def field(self, domain: Domain, held: Held) -> TangentField:
         """Returns the tangent field that gives a domain's derivatives."""
-        domain = self._own[domain.name]  # a runner's system may have other numbers, and domains of its own
+        domain = self._own[domain.key]  # a runner's system may have other numbers, and domains of its own
         key = id(domain), shape_of(held)
         if key not in self._fields:
             self._numbers.compilation.watch(domain)

@@ -1,5 +1,7 @@
 """A cycle's derivatives: of the bounds against the reference engine's multipliers, compiled against interpreted."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -77,3 +79,11 @@ def test_an_engine_that_goes_on_elsewhere_is_noticed(hop):
     assert differentiated(hop.system, Recorder(hop.system), y, np.zeros((len(y), 1)), still).y.shape == y.shape
     with pytest.raises(NotDifferentiable, match="by its rule"):
         differentiated(hop.system, Elsewhere(hop.system), y, np.zeros((len(y), 1)), still)
+
+
+def test_domains_of_two_phases_may_have_one_name(hop):
+    names = {domain.key: f"{i}" for phase in hop.system.phases for i, domain in enumerate(hop.system.of_phase(phase))}
+    domains = tuple(replace(domain, name=names[domain.key]) for domain in hop.system.domains)
+    assert len({domain.name for domain in domains}) < len(domains)
+    other = Orbit(replace(hop.system, domains=domains), hop.state, ())
+    np.testing.assert_allclose(other.jacobian, Orbit(hop.system, hop.state, ()).jacobian, rtol=0, atol=1e-12)
