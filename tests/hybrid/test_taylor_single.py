@@ -166,3 +166,20 @@ def test_a_step_off_zero_just_before_lift_off(free_hop):
     assert not found.repeated[0]
     exact = run(system, (q, v), 1, Options(FINEST)).state
     np.testing.assert_allclose(np.concatenate([found.q[0], found.v[0]]), np.concatenate(exact), rtol=0, atol=1e-11)
+
+
+def test_a_lane_that_diverges_leaves_the_others(hop):
+    """Its step has no length, and its time no value."""
+    numbers = Numbers(hop.system, {}, Code(1e-15))
+    held, n = first_held(numbers, hop), 4
+    ready = numbers.compilation.domain(hop.system.domains[0], held)
+    parameters = np.tile(np.array([*numbers.constants(0), *flat(held)])[:, None], n)
+    y = np.tile(np.concatenate(hop.state)[:, None], n)
+    y[3:, 2] = 1e200
+    until = np.array([0.05, 0.06, 0.02, 10.0])
+    t, reached, ends = ready.run(np.zeros(n), y, until, parameters)
+    alone = [ready.run(np.zeros(1), y[:, [i]], until[[i]], parameters[:, [i]]) for i in (0, 1, 3)]
+    assert ends[2] == taylor.FAILED and np.isfinite(t).all()
+    for i, one in zip((0, 1, 3), alone, strict=True):
+        assert (t[i], ends[i]) == (one[0][0], one[2][0])
+        np.testing.assert_array_equal(reached[:, i], one[1][:, 0])

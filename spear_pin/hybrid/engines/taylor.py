@@ -242,13 +242,16 @@ class Compiled:
             integrator.propagate_until(until, **bounds)
             outcomes = np.array([int(result[0]) for result in integrator.propagate_res])
             done = (codes == success) & (outcomes != success)
-            t[done], y[:, done], codes[done] = integrator.time[done], integrator.state[:, done], outcomes[done]
+            times = np.where(np.isfinite(integrator.time), integrator.time, t)  # a lane that diverges may have none
+            t[done], y[:, done], codes[done] = times[done], integrator.state[:, done], outcomes[done]
             if success not in codes:
                 return
             # lanes that are done keep their states while the others continue
             ready = codes != success
             integrator.state[:, ready] = self._somewhere
-            until = np.where(ready, integrator.time, until)
+            if not np.array_equal(times, integrator.time):
+                integrator.set_time(times)
+            until = np.where(ready, times, until)
 
 
 @dataclass(frozen=True, eq=False)
