@@ -117,7 +117,7 @@ MUTATIONS = [
     *mistakes_in(
         "gaits/sensitivity/along_arcs",
         ["hybrid/tangent/test_in_space"],
-        {"friction used is a polynomial": ("_of(normal, along) if slides else along", "along")},
+        {"friction used is a polynomial": ("_of(normal, pushed) if slides else pushed", "pushed")},
     ),
     *mistakes_in(
         "gaits/sensitivity/margins",

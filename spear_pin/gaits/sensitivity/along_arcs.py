@@ -54,9 +54,9 @@ def forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Itera
             axes = len(parts[0]) // len(closed)
             first = axes * closed.index(toe)
             *tangential, normal = (Pieces(each, *(part[first + i] for part in parts)) for i in range(axes))
-            along = tangential[0] if axes == 2 else length(*tangential)
+            pushed = tangential[0] if axes == 2 else length(*tangential)
             slides = each.arc.domain.contacts[toes.index(toe)] in SLIPS
-            yield _of(normal, along) if slides else along, normal
+            yield _of(normal, pushed) if slides else pushed, normal
 
 
 def _of(normal: Pieces, along: Pieces) -> Pieces:
