@@ -2,8 +2,8 @@
 
 From the repository: `python -m tests.mutations`, or with words that the names of some mutations
 contain: `python -m tests.mutations spring impact`. It ends with status 1 if one survives, if a text to
-change is not found just once, or if the tests fail without any change. All of them take three quarters of an hour on
-two cores. The tests are those of the gate; with `--quick` it names those that no quick test notices.
+change is not found just once, or if the tests fail without any change. All of them take a quarter to three quarters
+of an hour on two cores. The tests are those of the gate; with `--quick` it names those that no quick test notices.
 """
 
 from __future__ import annotations

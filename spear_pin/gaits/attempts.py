@@ -16,13 +16,13 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, displacement, eigenvalues, multipliers, one_by_one, return_map
 from spear_pin.hybrid.result import EVALUATIONS, Moment, Options, Run, State
 from spear_pin.hybrid.run import run
-from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.translation import translations, without
 

@@ -14,13 +14,12 @@ from spear_pin.gaits.lane_measures import MEASURES, OBSERVED
 from spear_pin.hybrid import periodic
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.charts import Charts
 from spear_pin.hybrid.newton import CONVERGED, Words, differentiated, stencil
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import eigenvalues
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.section import Charts
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
-from spear_pin.hybrid.translation import without
 
 Lanes = NDArray[np.int64]
 NOT_VALID, NO_MULTIPLIERS = "not_valid", "no_multipliers"
@@ -118,8 +117,9 @@ def multipliers(cycle: LaneCycles, charts: Charts, values: Array) -> Spectra:
         spectrum = cycle.reference(int(i), (charts.q[i], charts.v[i]), values[i])
         whole[i], found[i] = spectrum is not None, np.nan if spectrum is None else spectrum
     centre = slice(None, None, count)
-    moved = without(charts.section.translations, (after.q - q)[centre]), (after.v - v)[centre]
-    residual = np.where(closes[:, 0], np.abs(np.concatenate(moved, axis=1)).max(axis=1), np.inf)
+    begins, ends = (charts.section.seen(q[centre], v[centre]) for q, v in ((q, v), (after.q, after.v)))
+    moved = np.concatenate([end - begin for begin, end in zip(begins, ends, strict=True)], axis=1)
+    residual = np.where(closes[:, 0], np.abs(moved).max(axis=1), np.inf)
     durations = {phase: seconds[centre] for phase, seconds in after.durations.items()}
     why = np.where(whole, CONVERGED, np.where(closes[:, 0], NO_MULTIPLIERS, after.reason[centre])).astype(object)
     return Spectra(found, residual, durations, why)

@@ -15,11 +15,10 @@ from spear_pin.hybrid.newton import STEP, Lanes, jacobian
 from spear_pin.hybrid.result import EVALUATIONS, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart as chart
+from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting
-from spear_pin.hybrid.spatial_section import seen
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.section import exact_jacobian
-from spear_pin.hybrid.translation import translations, without
 
 
 def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:
@@ -28,11 +27,9 @@ def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:
 
 
 def displacement(system: HybridSystem, before: State, after: State) -> Array:
-    """Returns P(x) - x over (q, v), without translation along the ground; in space see `spatial_section.seen`."""
-    if system.section_toes:
-        (q, v), (q_after, v_after) = seen(system, before), seen(system, after)
-        return np.concatenate([q_after - q, v_after - v])
-    return np.concatenate([without(translations(system), after[0] - before[0]), after[1] - before[1]])
+    """Returns P(x) - x over (q, v), as the section sees both: without translation and heading."""
+    q, v = section(system).seen(*(np.array(parts) for parts in zip(before, after, strict=True)))
+    return np.concatenate([q[1] - q[0], v[1] - v[0]])
 
 
 def residual(system: HybridSystem, state: State, rtol: float = 1e-10) -> float:

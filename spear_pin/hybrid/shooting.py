@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
+from spear_pin.hybrid.charts import Charts
 from spear_pin.hybrid.newton import Lanes, OnIterates, Roots, Words, differentiated, ignored, newton, stencil
 from spear_pin.hybrid.orders import Order
-from spear_pin.hybrid.section import Charts
-from spear_pin.hybrid.spatial_section import SpatialCharts
 
 SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within this makes no gait, though it is nearly periodic
 NOT_FINITE, SHORT_CYCLE = "not_finite", "short_cycle"
@@ -63,7 +62,7 @@ class Shooting:
         slopes: returns the derivatives of the cycles, if they are known.
     """
 
-    charts: Charts | SpatialCharts
+    charts: Charts
     cycle: Cycle
     vary: tuple[str, ...] = ()
     wanted: Array = field(default_factory=lambda: np.empty((1, 0)))
@@ -73,7 +72,7 @@ class Shooting:
         """Returns the states on the section, (n, nq) and (n, nv); the section follows a varying ground."""
         return self._on_ground(lanes, unknowns).states(unknowns[:, : self.charts.dimension])
 
-    def _on_ground(self, lanes: Lanes, unknowns: Array) -> Charts | SpatialCharts:
+    def _on_ground(self, lanes: Lanes, unknowns: Array) -> Charts:
         values = unknowns[:, self.charts.dimension :]
         return self.charts.take(lanes).on(dict(zip(self.vary, values.T, strict=True)))
 

@@ -11,7 +11,7 @@ from spear_pin.gaits import many
 from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.gaits.many import find_many
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.periodic import multipliers
+from spear_pin.hybrid.periodic import multipliers, residual
 
 compiles = pytest.mark.extra("heyoka")
 WANTED = {"flight_time": 0.2}
@@ -78,6 +78,18 @@ class TestAgainstOneSearch:
 
 
 @compiles
+@pytest.mark.slow
+def test_a_turn_on_other_ground():
+    """In space, from beside a kept gait of which a foot slides; with heading and place left out."""
+    gait = Gait.load("turn_9")
+    q, v = gait.state
+    found = find_many(gait.system, {"friction": [0.9]}, guess=(q + 1e-5 * np.sin(np.arange(len(q))), v))
+    there, state = with_parameters(gait.system, {"friction": 0.9}), (found.q[0], found.v[0])
+    assert found.reason[0] == CONVERGED and residual(there, state) < 1e-8 < 1e-6 < residual(there, gait.state)
+    known = np.abs(multipliers(there, state))  # of exact derivatives
+    np.testing.assert_allclose(np.abs(found.multipliers[0, : len(known)]), known, rtol=0, atol=3e-5)
+
+
 class TestLanes:
     def test_do_not_depend_on_their_order(self, hop):
         given = {name: np.append(values, 1.4) for name, values in numbers(9).items()}

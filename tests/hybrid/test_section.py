@@ -11,6 +11,7 @@ from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.per_lane import null_spaces
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.section import chart, section
+from spear_pin.hybrid.symmetry import mirror_of, turned
 from tests.hybrid.test_ground import Step
 from tests.lagrangian import monopod
 
@@ -95,7 +96,7 @@ def charts_of(system, q, v, numbers):
 
 
 class TestLanes:
-    @pytest.mark.parametrize("name", ["hop", "free_hop", "slopes", "slides", "bound"])
+    @pytest.mark.parametrize("name", ["hop", "free_hop", "slopes", "slides", "long_stride", "trot"])
     def test_one_has_the_digits_it_has_among_64(self, name, request):
         """In any order, too."""
         numbers, n = {}, 64
@@ -106,8 +107,8 @@ class TestLanes:
             q, v = return_map(system, gait.state).state
         else:
             gait = (
-                Gait.load("long_stride")
-                if name == "bound"
+                Gait.load(name)
+                if name in ("long_stride", "trot")
                 else request.getfixturevalue(name.replace("slopes", "free_hop"))
             )
             system, (q, v) = gait.system, gait.state
@@ -162,6 +163,45 @@ class TestLanes:
         assert np.isnan(q[1]).all() and np.isnan(v[1]).all()
         np.testing.assert_array_equal(q[0], q[2])
         np.testing.assert_array_equal(q[0], charts.take(np.array([0])).states(xi[:1])[0][0])
+
+
+class TestSymmetries:
+    """What moves or turns the robot as a whole, or mirrors it between half strides, is left out."""
+
+    @pytest.mark.parametrize("name", ["turn_9", "trot"])
+    def test_states_at_another_place_and_heading(self, name):
+        gait = Gait.load(name)
+        local = chart(gait.system, gait.state)
+        assert np.abs(local.coordinates(turned(*gait.state, 0.7, (2.0, -1.0)))).max() < 1e-14
+        mirror = mirror_of(gait.system.robot)
+        mirrored = local.coordinates((mirror(gait.state[0]), mirror(gait.state[1])))
+        assert (np.abs(mirrored).max() < 1e-14) == bool(gait.system.mirrored_toes)
+
+    @pytest.mark.parametrize("name", ["free_hop", "turn_9", "trot", "trot mirrored"])
+    def test_changes_are_those_of_coordinates(self, name, request):
+        gait = Gait.load(name.split()[0]) if name != "free_hop" else request.getfixturevalue(name)
+        system, (q, v) = gait.system, gait.state
+        local, nv = chart(system, (q, v)), system.robot.nv
+        if "mirrored" in name:
+            q, v = (mirror_of(system.robot)(part) for part in (q, v))
+        if system.section_toes:
+            q, v = turned(q, v, 0.7, (2.0, -1.0))
+        y, h, moves = np.concatenate([q, v]), 1e-6, np.eye(2 * nv)
+        ends = [[local.coordinates((at[:nv], at[nv:])) for at in (y + h * move, y - h * move)] for move in moves]
+        slopes = np.array([(above - below) / (2.0 * h) for above, below in ends]).T
+        np.testing.assert_allclose(local.changes(y, moves), slopes, rtol=0, atol=1e-8)
+
+    def test_the_lowest_foot_touches_the_ground_before_the_impact(self):
+        gait, rng = Gait.load("turn_9"), np.random.default_rng(1)
+        robot, charts = gait.system.robot, chart(gait.system, gait.state).lane.take(np.zeros(5, dtype=np.int64))
+        xi = 1e-2 * rng.normal(size=(5, charts.dimension))
+        heights = np.array([0.0, 0.0, 0.1, 0.1, -0.2])
+        own = charts.on({"height": heights})
+        q, v = own.states(xi)
+        for at, height in zip(q, heights, strict=True):
+            lowest = min(robot.frame_position(at, toe)[2] for toe in gait.system.section_toes)
+            assert lowest == pytest.approx(height, abs=1e-14)
+        np.testing.assert_allclose(own.coordinates(q, v), xi, rtol=0, atol=1e-14)
 
 
 def test_null_spaces_of_rows_that_say_the_same():

@@ -13,8 +13,8 @@ MUTATIONS = [
             ),
             "a sliding toe held along its path": ("np.column_stack([~slides,", "np.column_stack([slides | True,"),
             "charts on the ground of the first lanes": (
-                "heights, jacobians[moving] = self.section.take(moving)",
-                "heights, jacobians[moving] = self.section.take(np.arange(len(moving)))",
+                "heights, jacobians[moving] = self.take(moving)",
+                "heights, jacobians[moving] = self.take(np.arange(len(moving)))",
             ),
         },
     ),
@@ -49,8 +49,8 @@ MUTATIONS = [
         ["hybrid/test_periodic"],
         {
             "residual of positions only": (
-                "np.concatenate([without(translations(system), after[0] - before[0]), after[1] - before[1]])",
-                "without(translations(system), after[0] - before[0])",
+                "np.concatenate([q[1] - q[0], v[1] - v[0]])",
+                "q[1] - q[0]",
             ),
             "multipliers by increasing modulus": ("-np.round(np.abs(values), 9)", "np.round(np.abs(values), 9)"),
         },

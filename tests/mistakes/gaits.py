@@ -38,9 +38,14 @@ MUTATIONS = [
         {"families: half strides become whole": ("if member.mirrored_toes != system.mirrored_toes:", "if False:")},
     ),
     *mistakes_in(
-        "hybrid/spatial_section",
+        "gaits/continuation/gaits",
         ["gaits/continuation/test_space"],
-        {"families: the section of the robot as it was": ("return replace(self, system=system)", "return self")},
+        {
+            "families: the section of the robot as it was": (
+                "return replace(charts, section=section(self.family.member(numbers[0].tolist())))",
+                "return charts",
+            )
+        },
     ),
     *mistakes_in(
         "hybrid/tangent/seeds",

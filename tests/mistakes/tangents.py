@@ -95,7 +95,7 @@ MUTATIONS = [
         {"one bad point ends a sweep": ("except SpearError:  # a toe below the ground", "except MemoryError:")},
     ),
     *mistakes_in(
-        "hybrid/spatial_section",
+        "hybrid/section",
         ["hybrid/tangent/test_in_space"],
         {"changes of ξ in a fixed heading": ("np.outer([aside, -ahead], dq[YAW])", "0.0")},
     ),

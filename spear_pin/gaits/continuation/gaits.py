@@ -18,15 +18,15 @@ from spear_pin.gaits.continuation.problem import Local, NoValue
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures, of_ends
 from spear_pin.hybrid.batch import LOCK
+from spear_pin.hybrid.charts import Chart, Charts
 from spear_pin.hybrid.engines.structure import NONZERO
 from spear_pin.hybrid.newton import differentiated as differences
 from spear_pin.hybrid.newton import stencil
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.periodic import chart, eigenvalues
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.section import Chart, Charts, section
+from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import SHORT_CYCLE, SHORTEST_CYCLE, Cycles
-from spear_pin.hybrid.spatial_section import SpatialCharts
 from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.resets import REFUSALS
@@ -43,7 +43,7 @@ class About:
         residual: the largest component of P(x) - x in the section's coordinates.
     """
 
-    charts: Charts | SpatialCharts
+    charts: Charts
     durations: Mapping[str, float]
     residual: float
 
@@ -86,7 +86,7 @@ class Gaits:
             local, _ = self._local(self._charts(state, values, slides), values)
         return local
 
-    def _local(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Local, NDArray[np.bool_] | None]:
+    def _local(self, charts: Charts, values: Array) -> tuple[Local, NDArray[np.bool_] | None]:
         """Returns the equations about a chart's origin, and which toes slide after the cycle, if these are others."""
         d, exact = charts.dimension, self._exact(charts, values)
         residual, jacobian, directions, cycle = exact or self._differenced(charts, values)
@@ -99,7 +99,7 @@ class Gaits:
         slides = None if (after == charts.slides).all() else after
         return Local(u, residual, jacobian, directions, multipliers, cycle.orders[0], about), slides
 
-    def _exact(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Array, Cycles] | None:
+    def _exact(self, charts: Charts, values: Array) -> tuple[Array, Array, Array, Cycles] | None:
         """Returns what `_differenced` does, with exact derivatives; None where there are none."""
         family, local, numbers = self.family, Chart(charts), self.numbers(values)
         vanishing = any(value == 0.0 and name in NONZERO for name, value in zip(family.names, numbers, strict=True))
@@ -141,7 +141,7 @@ class Gaits:
         directions[: len(start), : len(of_numbers)] = start * of_numbers
         return residual, jacobian, directions, cycles
 
-    def _differenced(self, charts: Charts | SpatialCharts, values: Array) -> tuple[Array, Array, Array, Cycles]:
+    def _differenced(self, charts: Charts, values: Array) -> tuple[Array, Array, Array, Cycles]:
         """Returns F, its Jacobian by differences, the directions of `Local` and the cycle about a chart's origin."""
         d, seen = charts.dimension, list[Cycles]()
 
@@ -170,7 +170,7 @@ class Gaits:
         q, v = self._on(charts, values[None]).states(step[None, : charts.dimension])
         return self.point((q[0], v[0]), values)
 
-    def _charts(self, state: State, values: Array, slides: NDArray[np.bool_] | None = None) -> Charts | SpatialCharts:
+    def _charts(self, state: State, values: Array, slides: NDArray[np.bool_] | None = None) -> Charts:
         """Returns the chart around a state, with the toes that slide there, or with other sliding toes, (ntoes,)."""
         if not all(np.isfinite(part).all() for part in state):
             raise NoValue("not_finite")
@@ -180,14 +180,14 @@ class Gaits:
         q, v = state
         return section(system).charts(q[None], v[None], slides)
 
-    def _on(self, charts: Charts | SpatialCharts, values: Array) -> Charts | SpatialCharts:
+    def _on(self, charts: Charts, values: Array) -> Charts:
         """Returns charts with the same directions for the sections with values of solved parameters and parameter."""
         numbers = self.numbers(values)
         if self.family.of_robot:
-            return charts.of(self.family.member(numbers[0].tolist()))
+            return replace(charts, section=section(self.family.member(numbers[0].tolist())))
         return charts.on(dict(zip(self.family.names, numbers.T, strict=True)))
 
-    def _placed(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Array, Array]:
+    def _placed(self, charts: Charts, xi: Array, values: Array) -> tuple[Array, Array, Array]:
         """Places lanes on the section by coordinates ξ and values of the parameters; returns states and their ξ."""
         robot = self.family.system.robot
         begins, q, v = np.empty_like(xi), np.empty((len(xi), robot.nq)), np.empty((len(xi), robot.nv))
@@ -199,14 +199,12 @@ class Gaits:
             begins[lanes] = here.coordinates(q[lanes], v[lanes])
         return q, v, begins
 
-    def _residuals(self, charts: Charts | SpatialCharts, xi: Array, values: Array) -> tuple[Array, Cycles]:
+    def _residuals(self, charts: Charts, xi: Array, values: Array) -> tuple[Array, Cycles]:
         """Returns F of lanes with coordinates ξ and values of the solved parameters and the parameter."""
         q, v, begins = self._placed(charts, xi, values)
         return self._compared(charts, begins, values, self.family.run(q, v, self.numbers(values)))
 
-    def _compared(
-        self, charts: Charts | SpatialCharts, begins: Array, values: Array, after: Cycles
-    ) -> tuple[Array, Cycles]:
+    def _compared(self, charts: Charts, begins: Array, values: Array, after: Cycles) -> tuple[Array, Cycles]:
         """Returns F of cycles that began at coordinates ξ, with a reason that also names cycles that no gait has."""
         whole = charts.take(np.zeros(len(begins), dtype=np.int64))
         ends = whole.coordinates(after.q, after.v)
@@ -219,7 +217,7 @@ class Gaits:
         reason[(reason == "") & ~np.isfinite(found).all(axis=1)] = "not_finite"
         return found, replace(after, reason=reason)
 
-    def _directions(self, charts: Charts | SpatialCharts, values: Array) -> Array:
+    def _directions(self, charts: Charts, values: Array) -> Array:
         """Returns how a point moves on the section with ξ, the solved parameters and the parameter."""
         d = charts.dimension
         offsets = stencil(d + len(values))

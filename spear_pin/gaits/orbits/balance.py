@@ -22,9 +22,8 @@ from spear_pin.gaits.orbits.parity import Multipliers, merged, parted
 from spear_pin.gaits.spatial.law import ACROSS, INPUTS, is_angle
 from spear_pin.gaits.spatial.trot_law import TROT_INPUTS, TrotLaw
 from spear_pin.gaits.spatial.trotting import halfway
+from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, return_map
-from spear_pin.hybrid.section import Chart
-from spear_pin.hybrid.spatial_section import SpatialCharts
 from spear_pin.hybrid.symmetry import YAW, asymmetry
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
@@ -227,9 +226,9 @@ def _chart(gait: Gait) -> tuple[Chart, NDArray[np.bool_]]:
         BadValue: the gait is not in space.
     """
     local = chart(gait.system, gait.state)
-    if not isinstance(local.lane, SpatialCharts):
+    if (even := local.even) is None:
         raise BadValue("gait", gait, "a gait in space, as in_space(...) makes it")
-    return local, local.lane.even
+    return local, even
 
 
 def _inputs_of(gait: Gait) -> tuple[str, ...]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import warnings
 from dataclasses import replace
 
+import numpy as np
+
 from spear_pin.errors import BadValue, RobotWarning
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
@@ -15,7 +17,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import replaced
 from spear_pin.hybrid.periodic import multipliers, residual, return_map
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.spatial_section import lowest
+from spear_pin.hybrid.section import section
 from spear_pin.kinds import typed
 from spear_pin.model.loading import load
 from spear_pin.model.origin import origin, robot_of, unsaid
@@ -80,7 +82,7 @@ def embedded(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = No
     pairs = pairs_of(robot)
     q, v = placed(robot, pairs, touchdown.q), moving(robot, pairs, touchdown.v_before)
     q[0] = 0.0
-    q[2] -= lowest(system, q, system.section_toes)
+    (q,), (v,) = section(system).placed(q[None], v[None], np.zeros(0, bool))
     return system, (q, v)
 
 

@@ -19,9 +19,10 @@ from spear_pin.gaits.sensitivity.measure import Measure, Measures
 from spear_pin.gaits.sensitivity.measures import measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_equations
+from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.section import Chart, chart
+from spear_pin.hybrid.section import chart
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.section import columns, cycle_on_section, on_section
 from spear_pin.hybrid.tangent.seeds import Seeds, seeds

@@ -12,7 +12,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.result import Run, State
-from spear_pin.hybrid.spatial_section import seen
+from spear_pin.hybrid.section import section
 from spear_pin.hybrid.symmetry import headed, lopsided, mirror_of
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
@@ -90,7 +90,8 @@ def halfway(system: HybridSystem, cycle: Run) -> State:
         cycle: a complete cycle of the system.
     """
     if system.mirrored_toes:
-        return seen(system, cycle.state)
+        (q,), (v,) = section(system).seen(*(part[None] for part in cycle.state))
+        return q, v
     event, mirror = cycle.event(HALFWAY), mirror_of(system.robot)
     q, v = headed(event.q, event.v_before)
     return mirror(q), mirror(v)

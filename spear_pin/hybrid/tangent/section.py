@@ -11,11 +11,11 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.engines.structure import Structure
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.guards import ON_GROUND
-from spear_pin.hybrid.section import Chart, Charts, chart, section, velocity_rows
-from spear_pin.hybrid.spatial_section import SpatialCharts
+from spear_pin.hybrid.section import chart, velocity_rows
 from spear_pin.hybrid.symmetry import YAW, Z, asymmetry, partner
 from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE, Fineness
 from spear_pin.hybrid.tangent.cycle import differentiated
@@ -34,8 +34,7 @@ APART = 10.0 * ON_GROUND  # m: height of the second foot as the first one lands,
 def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int, xi: Array | None = None) -> Array:
     """Returns derivatives of a state on the section, (2 nv, c).
 
-    In the plane toes stay on the ground and move along it only where they slide. In space the lowest toe of the section
-    stays on the ground.
+    Closed toes stay on the ground and move along it only where they slide. Before an impact the lowest toe stays on it.
 
     Args:
         system: the system.
@@ -48,21 +47,15 @@ def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int, xi: Arr
     y, nv, split = np.concatenate([q, v]), system.robot.nv, local.q_basis.shape[1]
     dy = np.zeros((2 * nv, seeds.shape[1]))
     dy[:nv, :split] = local.q_basis
-    if isinstance(local.lane, Charts):
-        return _in_the_plane(system, local, local.lane, y, dy, seeds)
-    dy[nv:, split:d] = local.v_basis
-    feet, slopes = _feet(system, system.section_toes, y, dy, seeds)
-    dy[Z] -= slopes.heights[feet.heights.argmin()]
-    return dy
-
-
-def _in_the_plane(system: HybridSystem, local: Chart, lane: Charts, y: Array, dy: Array, seeds: Array) -> Array:
-    nv, split, d, toes = system.robot.nv, local.q_basis.shape[1], local.dimension, section(system).toes
-    dq = dy[:nv]
-    feet, slopes = _feet(system, toes, y, dy * 0.0, seeds)
-    dq -= np.linalg.pinv(feet.rows[:, 1]) @ slopes.heights
-    _, slopes = _feet(system, toes, y, dy, seeds)
-    slides = lane.slides
+    slides, section = local.lane.slides, local.lane.section
+    if not section.closed:
+        dy[nv:, split:d] = local.v_basis
+        feet, slopes = _feet(system, section.toes, y, dy, seeds)
+        dy[Z] -= slopes.heights[feet.heights.argmin()]
+        return dy
+    feet, slopes = _feet(system, section.toes, y, dy * 0.0, seeds)
+    dy[:nv] -= np.linalg.pinv(feet.rows[:, 1]) @ slopes.heights
+    _, slopes = _feet(system, section.toes, y, dy, seeds)
     chosen = np.column_stack([~slides, np.ones_like(slides)]).ravel()
     drift = np.einsum("rnc,n->rc", slopes.rows.reshape(-1, nv, seeds.shape[1])[chosen], y[nv:])
     rows = velocity_rows(feet.rows[None], slides)[0]
@@ -84,11 +77,10 @@ def tell_feet_apart(system: HybridSystem, local: Chart) -> Array | None:
     Raises:
         NotDifferentiable: two feet land at once in a gait that is not symmetric.
     """
-    lane = local.lane
-    if not isinstance(lane, SpatialCharts):
+    if local.lane.section.closed or local.even is None:
         return None
     state = local.state(np.zeros(local.dimension))
-    feet = {toe: system.ground.foot(system.robot, state[0], toe) for toe in system.section_toes}
+    feet = {toe: system.ground.foot(system.robot, state[0], toe) for toe in local.lane.section.toes}
     first = min(feet, key=lambda toe: feet[toe][0])
     down = [toe for toe, (height, _) in feet.items() if toe != first and height - feet[first][0] <= ON_GROUND]
     if not down:
@@ -97,7 +89,7 @@ def tell_feet_apart(system: HybridSystem, local: Chart) -> Array | None:
     if other not in down or asymmetry(system.robot, state) > ALIKE:
         raise NotDifferentiable(f"{first} and {down[0]} land at once, in a gait that is not symmetric")
     xi, split = np.zeros(local.dimension), local.q_basis.shape[1]
-    change = np.where(lane.even[:split], 0.0, (feet[other][1][-1] - feet[first][1][-1]) @ local.q_basis)
+    change = np.where(local.even[:split], 0.0, (feet[other][1][-1] - feet[first][1][-1]) @ local.q_basis)
     xi[:split] = APART * change / (change @ change)
     return xi
 
@@ -123,8 +115,8 @@ def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:
     """
     found, d, xi = local.changes(cycle.y, cycle.dy), local.dimension, tell_feet_apart(system, local)
     if xi is not None:
-        assert isinstance(local.lane, SpatialCharts)
-        even, still = local.lane.even, np.zeros((len(cycle.numbers), d))
+        even, still = local.even, np.zeros((len(cycle.numbers), d))
+        assert even is not None
         if (np.abs(found[~even, d:]) > ODD * np.abs(found[:, d:]).max(axis=0, initial=LEAST)).any():
             raise NotDifferentiable("two feet land at once, and a parameter would tell left from right: leave it out")
         other = _one_foot_first(system, local, still, xi)

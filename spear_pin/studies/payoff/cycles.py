@@ -14,12 +14,12 @@ from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
 from spear_pin.hybrid.arc import motion_of
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.newton import Lanes
 from spear_pin.hybrid.parameters import changed, parameter, rebuilt, with_parameters
 from spear_pin.hybrid.result import EVALUATIONS, Options, Run, State
 from spear_pin.hybrid.run import run
-from spear_pin.hybrid.section import Chart
 from spear_pin.hybrid.shooting import Cycles as Closing
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.simulate import sample

@@ -48,13 +48,13 @@ class TestLinear:
 
         def after(change):
             q, v = return_map(with_parameters(system, {name: parameter(system, name) + change}), state, 1e-12).state
-            return np.append(local.coordinates((q, v))[~local.lane.even], q[YAW])
+            return np.append(local.coordinates((q, v))[~local.even], q[YAW])
 
         wide, narrow = (
             (after(h) - after(-h)) / (2.0 * h) for h in (2e-4, 1e-4)
         )  # errors fall by two, as another foot lands first
         whole = linearized(gait(), (name,))[1][:-1, 0]
-        assert np.abs(whole[local.lane.even]).max() < 1e-9 * np.abs(whole).max()  # the mean of both sides
+        assert np.abs(whole[local.even]).max() < 1e-9 * np.abs(whole).max()  # the mean of both sides
         found = across(gait(), (name,), heading=True).B[:, 0]
         np.testing.assert_allclose(found, 2.0 * narrow - wide, rtol=0, atol=2e-6 * np.abs(found).max())
 

@@ -29,7 +29,7 @@ def test_a_push_sideways_with_roll_and_yaw_rate_is_recovered_from():
     """0.2 m/s, 5° and 10°/s at once: below a tenth in ten strides, the heading included."""
     closed = long_stride_steady()
     system, local = closed.system, chart(closed.system, closed.state)
-    odd = ~local.lane.even
+    odd = ~local.even
     q, v = (part.copy() for part in closed.state)
     v[1], q[5], v[3] = 0.2, np.radians(5.0), np.radians(10.0)
     q[2] -= min(system.ground.foot(system.robot, q, toe)[0] for toe in system.section_toes)

@@ -18,9 +18,10 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.charts import Charts
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.section import Charts, chart, section
+from spear_pin.hybrid.section import chart, section
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 LEVELS = 4

@@ -6,8 +6,9 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.section import Chart, chart
+from spear_pin.hybrid.section import chart
 from spear_pin.hybrid.tangent.cycle import differentiated
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder

@@ -38,14 +38,14 @@ class TestSymmetric:
     """A bound lands on two feet at once: differences depend on whether their step tells the feet apart."""
 
     def test_even_and_odd_do_not_mix(self):
-        found, even = orbit("long_stride_in_space").jacobian, orbit("long_stride_in_space").chart.lane.even
+        found, even = orbit("long_stride_in_space").jacobian, orbit("long_stride_in_space").chart.even
         assert tell_feet_apart(orbit("long_stride_in_space").system, orbit("long_stride_in_space").chart) is not None
         assert not found[np.ix_(even, ~even)].any() and not found[np.ix_(~even, even)].any()
 
     def test_feet_that_land_one_after_the_other(self):
         one = orbit("long_stride_in_space")
         local, h = chart(one.system, one.state), 1e-4
-        kept, odd = jacobian("long_stride_in_space"), ~local.lane.even
+        kept, odd = jacobian("long_stride_in_space"), ~local.even
         far = np.abs(one.jacobian - kept) * np.outer(odd, odd)
         j = int(far.max(axis=0).argmax())
         ends = [
@@ -58,7 +58,7 @@ class TestSymmetric:
 
     @pytest.mark.parametrize("name", ["long_stride_in_space", "pronk"])  # in a pronk four impacts overlap
     def test_along_it_is_the_differences(self, name):
-        one, even, kept = orbit(name), orbit(name).chart.lane.even, jacobian(name)
+        one, even, kept = orbit(name), orbit(name).chart.even, jacobian(name)
         np.testing.assert_allclose(one.jacobian[np.ix_(even, even)], kept[np.ix_(even, even)], rtol=0, atol=2e-5)
 
 
