@@ -5,13 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.engines.structure import OF_GROUND, with_fields
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.per_lane import applied
 from spear_pin.hybrid.result import State
@@ -22,62 +21,58 @@ Lanes = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Section(ABC):
-    """What a cycle begins and ends on: toes that touch the ground, a side of the cut, and symmetries that are left out.
+    """What a cycle begins and ends on, as an impact passes: some toes, and symmetries that are left out.
 
     Attributes:
         robot: the robot.
-        toes: the toes that touch the ground.
+        toes: the toes that may touch the ground.
         ground: the ground; its numbers are arrays where each lane has its own.
+        closed: whether the section is just after the impact, with all its toes closed; else it is just before it, and
+            only the lowest toe touches.
     """
 
     robot: Robot
     toes: tuple[str, ...]
     ground: Ground
+    closed: ClassVar[bool]
 
-    @property
     @abstractmethod
-    def closed(self) -> bool:
-        """Whether the toes are closed, just after the event; else the lowest one touches, just before its impact."""
+    def take(self, lanes: Any) -> Self:
+        """Returns the section of some lanes."""
 
-    @property
     @abstractmethod
-    def even(self) -> NDArray[np.bool_] | None:
-        """Whether the mirror leaves a coordinate of the charts as it is, (d,); None if left and right are one."""
+    def on(self, numbers: Mapping[str, Array]) -> Self:
+        """Returns the section on ground with its own numbers in each lane, (n,), by name; other names are ignored."""
 
     @abstractmethod
     def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
         """Tells which closed toes slide, (n, k)."""
 
     @abstractmethod
-    def seen(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Returns states without what symmetries change, (n, nv) each."""
-
-    @abstractmethod
-    def changes(self, q: Array, v: Array, moves: Array) -> Array:
-        """Returns the changes of `seen` for changes of states, (n, 2 nv, c)."""
-
-    @abstractmethod
     def placed(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Moves states onto the section, on which some toes slide, (k,); not finite where there is none nearby."""
+        """Returns states moved onto the section; not finite where there is none nearby.
+
+        Args:
+            q: configurations, (n, nv).
+            v: velocities, (n, nv).
+            slides: which closed toes slide, (k,).
+        """
 
     @abstractmethod
     def charts(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> Charts:
         """Returns the charts around states that all have the same sliding toes, (k,)."""
 
-    def on(self, numbers: Mapping[str, Array]) -> Self:
-        """Returns the section on ground with its own numbers in each lane, (n,), by name; other names are ignored."""
-        own = {name: values for name, values in numbers.items() if name in OF_GROUND}
-        return replace(self, ground=with_fields(self.ground, own)) if own else self
+    @abstractmethod
+    def apart(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
+        """Returns how states differ from others, but for symmetries, (n, 2 nv)."""
 
-    def take(self, lanes: Any) -> Self:
-        """Returns the section of some lanes."""
-        own = {name: value[lanes] for name, value in vars(self.ground).items() if isinstance(value, np.ndarray)}
-        return replace(self, ground=with_fields(self.ground, own)) if own else self
+    def seen(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """Returns states without what symmetries change, unless the directions of charts leave it out, (n, nv) each."""
+        return q, v
 
-    def ground_of(self, lane: int) -> Ground:
-        """Returns the ground of one lane."""
-        own = {name: float(value[lane]) for name, value in vars(self.ground).items() if isinstance(value, np.ndarray)}
-        return with_fields(self.ground, own) if own else self.ground
+    def changes(self, q: Array, v: Array, moves: Array) -> Array:
+        """Returns the changes of `seen` for changes of states, (n, 2 nv, c)."""
+        return moves
 
 
 @dataclass(frozen=True)
@@ -87,10 +82,11 @@ class Charts:
     Attributes:
         section: the section that all charts share.
         slides: which closed toes slide, (k,), the same in every lane.
-        q: configurations with ξ = 0, as the section sees them, (n, nv).
+        q: configurations with ξ = 0, as `Section.seen` returns them, (n, nv).
         v: velocities with ξ = 0, (n, nv).
         q_bases: directions of q, orthonormal, (n, nv, dq).
         v_bases: directions of v, orthonormal, (n, nv, dv).
+        even: whether the mirror leaves a coordinate as it is, (dq + dv,); all true where there is no mirror.
     """
 
     section: Section
@@ -99,6 +95,7 @@ class Charts:
     v: Array
     q_bases: Array
     v_bases: Array
+    even: NDArray[np.bool_]
 
     def __len__(self) -> int:
         """Returns the number of lanes."""
@@ -111,8 +108,8 @@ class Charts:
 
     def take(self, lanes: Lanes) -> Charts:
         """Returns the charts of some lanes, in any order, with repetitions allowed."""
-        parts = (part[lanes] for part in (self.q, self.v, self.q_bases, self.v_bases))
-        return Charts(self.section.take(lanes), self.slides, *parts)
+        q, v, q_bases, v_bases = (part[lanes] for part in (self.q, self.v, self.q_bases, self.v_bases))
+        return Charts(self.section.take(lanes), self.slides, q, v, q_bases, v_bases, self.even)
 
     def on(self, numbers: Mapping[str, Array]) -> Charts:
         """Returns charts with these coordinates on other ground, see `Section.on`."""
@@ -170,9 +167,9 @@ class Chart:
         return basis
 
     @property
-    def even(self) -> NDArray[np.bool_] | None:
-        """Whether the mirror leaves a coordinate as it is, (d,); None if left and right are one."""
-        return self.lane.section.even
+    def even(self) -> NDArray[np.bool_]:
+        """Whether the mirror leaves a coordinate as it is, (d,); all true where there is no mirror."""
+        return self.lane.even
 
     def state(self, xi: Array) -> State:
         """Returns the state on the section with coordinates ξ."""

@@ -27,9 +27,10 @@ def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:
 
 
 def displacement(system: HybridSystem, before: State, after: State) -> Array:
-    """Returns P(x) - x over (q, v), as the section sees both: without translation and heading."""
-    q, v = section(system).seen(*(np.array(parts) for parts in zip(before, after, strict=True)))
-    return np.concatenate([q[1] - q[0], v[1] - v[0]])
+    """Returns P(x) - x over (q, v), without translation and, in space, heading and mirror; see `Section.apart`."""
+    (q, v), (q_after, v_after) = before, after
+    moved: Array = section(system).apart((q[None], v[None]), (q_after[None], v_after[None]))[0]
+    return moved
 
 
 def residual(system: HybridSystem, state: State, rtol: float = 1e-10) -> float:

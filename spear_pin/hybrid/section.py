@@ -1,12 +1,12 @@
 """The Poincaré section of a system, and the chart of it around a state.
 
-                       in the plane                        in space
+                       After the impact (4.11)             Before it
+  of                   the plane, a robot on a boom        quadrupeds in space, on level ground
   toes that touch      all that are closed                 the lowest of some
-  side of the cut      just after the event (4.11)         just before the impact
   what is left out     translation along the ground        translation, heading; the mirror, between half strides
   coordinates          tangent directions                  means and differences of left and right
 
-A hop has three coordinates with boom_x locked and four with it free, a robot in space with nv coordinates has 2 nv - 4.
+A hop has three coordinates with boom_x locked and four with it free. A quadruped with nv coordinates has 2 nv - 4.
 
 A symmetric gait's return map does not couple symmetric and antisymmetric coordinates to first order, except for |h'a|,
 which decides which foot lands first; central differences do not see it. If a cycle is half a stride, and the other half
@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -31,8 +32,8 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.per_lane import applied, null_spaces
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.footing import closed_toes, still
-from spear_pin.hybrid.rules.start import placed
-from spear_pin.hybrid.symmetry import YAW, X, Y, Z, headed, mirror_of
+from spear_pin.hybrid.rules.start import placed as on_the_ground
+from spear_pin.hybrid.symmetry import YAW, Mirror, X, Y, Z, headed, mirror_of
 from spear_pin.hybrid.translation import translations, without
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.mechanism import Mechanism
@@ -48,9 +49,9 @@ def section(system: HybridSystem, numbers: Mapping[str, Array] | None = None) ->
         system: the system.
         numbers: numbers that differ from lane to lane, (n,) each, by name; the section uses those of the ground.
     """
-    ground = with_fields(system.ground, {name: each for name, each in (numbers or {}).items() if name in OF_GROUND})
     if system.section_toes:
-        return Before(system.robot, system.section_toes, ground, system.mirrored_toes)
+        return Before(system.robot, system.section_toes, system.ground, system.mirrored_toes)
+    ground = with_fields(system.ground, {name: each for name, each in (numbers or {}).items() if name in OF_GROUND})
     domain = system.of_phase(system.section_phase)[0]
     toes = tuple(toe for toe, _ in closed_toes(system.robot.toes, domain))
     mechanism = mechanism_of(system.robot) if system.robot.planar else None
@@ -83,22 +84,29 @@ class After(Section):
         translations: directions along which the dynamics do not change, (k, nv), or (n, k, nv) if slopes differ.
     """
 
+    closed = True
     mechanism: Mechanism | None
     translations: Array
-    closed = True
-    even = None
 
     def take(self, lanes: Any) -> Self:
         """Returns the section of some lanes."""
+        own = {name: value[lanes] for name, value in vars(self.ground).items() if isinstance(value, np.ndarray)}
+        if not own:
+            return self
         along = self.translations[lanes] if self.translations.ndim == 3 else self.translations
-        return replace(super().take(lanes), translations=along)
+        return replace(self, ground=with_fields(self.ground, own), translations=along)
+
+    def on(self, numbers: Mapping[str, Array]) -> Self:
+        """Returns the section on other ground, see `Section`; `translations` stay those that charts leave out."""
+        own = {name: values for name, values in numbers.items() if name in OF_GROUND}
+        return replace(self, ground=with_fields(self.ground, own)) if own else self
 
     def geometry(self, q: Array) -> tuple[Array, Array]:
         """Returns the closed toes' distances from the ground, (n, k), and their Jacobians, (n, k, 2, nv)."""
         heights, jacobians = np.empty((len(q), len(self.toes))), np.empty((len(q), len(self.toes), 2, self.robot.nv))
         if self.mechanism is None or type(self.ground) is not Ground:  # its shape may be defined for numbers only
             for lane, configuration in enumerate(q):
-                ground = self.ground_of(lane)
+                ground = _of_lane(self.ground, lane)
                 for i, toe in enumerate(self.toes):
                     heights[lane, i], jacobians[lane, i] = ground.foot(self.robot, configuration, toe)
             return heights, jacobians
@@ -115,23 +123,20 @@ class After(Section):
         """Tells which closed toes slide, (n, k)."""
         return np.asarray(~still(applied(self.geometry(q)[1][:, :, 0], v)))
 
-    def seen(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Returns states without their translation along the ground, (n, nv) each."""
-        return without(self.translations, q), v
-
-    def changes(self, q: Array, v: Array, moves: Array) -> Array:
-        """Returns the changes as they are: a chart's directions are normal to translation."""
-        return moves
+    def apart(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
+        """Returns how states differ from others, without translation along the ground, (n, 2 nv)."""
+        return np.concatenate([without(self.translations, ends[0] - begins[0]), ends[1] - begins[1]], axis=1)
 
     def placed(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Moves the closed toes of states to the ground, where the others come to rest; see `Section`."""
+        """Returns states with the closed toes on the ground, at rest but for those that slide; see `Section`."""
+        q, v = q.copy(), v.copy()
         near = np.abs(q).max(axis=1) < FARTHEST  # also False where q is not finite
         q[~near], v[~near] = np.nan, np.nan
         moving = lanes = np.flatnonzero(near)
         jacobians = np.empty((len(q), len(slides), 2, q.shape[1]))
         for _ in range(PROJECTIONS):
             heights, jacobians[moving] = self.take(moving).geometry(q[moving])
-            off = ~placed(heights).all(axis=1)
+            off = ~on_the_ground(heights).all(axis=1)
             moving = moving[off]
             if not len(moving):
                 break
@@ -145,12 +150,13 @@ class After(Section):
         _, jacobians = self.geometry(q)
         fixed = np.broadcast_to(self.translations, (len(q), *self.translations.shape[-2:]))
         q_bases = null_spaces(np.concatenate([jacobians[:, :, 1], fixed], axis=1))
-        return Charts(self, slides, q, v, q_bases, null_spaces(velocity_rows(jacobians, slides)))
+        v_bases = null_spaces(velocity_rows(jacobians, slides))
+        return Charts(self, slides, q, v, q_bases, v_bases, np.ones(q_bases.shape[2] + v_bases.shape[2], bool))
 
 
 @dataclass(frozen=True)
 class Before(Section):
-    """The section in space, just before the first touchdown of some toes.
+    """The section in space, on level ground, just before the first touchdown of some toes.
 
     The height follows from the other coordinates.
 
@@ -158,73 +164,87 @@ class Before(Section):
         mirrored: toes whose first touchdown is the section between the halves of a stride, if a cycle is a half.
     """
 
-    mirrored: tuple[str, ...]
     closed = False
+    mirrored: tuple[str, ...]
 
-    @property
-    def even(self) -> NDArray[np.bool_]:
-        """Whether the mirror leaves a coordinate of the charts as it is, (d,)."""
-        kinds = [np.full(part.shape[1], i == 0) for parts in self._directions() for i, part in enumerate(parts)]
-        return np.concatenate(kinds)
+    @cached_property
+    def mirror(self) -> Mirror:
+        """The mirror that exchanges left and right."""
+        return mirror_of(self.robot)
 
-    def _directions(self) -> list[tuple[Array, Array]]:
-        """Returns symmetric and antisymmetric directions of q, and of v, (nv, k) each."""
-        mirror, nv = mirror_of(self.robot), self.robot.nv
-        return [mirror.parts([i for i in range(nv) if i not in (X, Y, Z, YAW)]), mirror.parts(range(nv))]
+    def take(self, lanes: Any) -> Self:
+        """Returns the section itself, as all lanes have the same ground."""
+        return self
 
-    def lowest(self, lane: int, q: Array, toes: tuple[str, ...]) -> float:
+    def on(self, numbers: Mapping[str, Array]) -> Self:
+        """Returns the section itself, as the ground's friction does not move it."""
+        return self
+
+    def lowest(self, q: Array, toes: tuple[str, ...]) -> float:
         """Returns the height of the lowest of some toes, in m."""
-        ground = self.ground_of(lane)
-        return min(ground.foot(self.robot, q, toe)[0] for toe in toes)
+        return min(self.ground.foot(self.robot, q, toe)[0] for toe in toes)
 
-    def halfway(self, lane: int, q: Array) -> bool:
+    def between_halves(self, q: Array) -> bool:
         """Tells whether a configuration on the section is one between the halves of a stride."""
-        return bool(self.mirrored) and self.lowest(lane, q, self.toes) > self.lowest(lane, q, self.mirrored)
+        known = bool(self.mirrored) and bool(np.isfinite(q).all())
+        return known and self.lowest(q, self.toes) > self.lowest(q, self.mirrored)
 
     def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
         """Tells which closed toes slide: before the impact, no toe is closed, (n, 0)."""
         return np.zeros((len(q), 0), bool)
 
+    def apart(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
+        """Returns how states differ from others, each as it is seen, (n, 2 nv)."""
+        return np.concatenate(self.seen(*ends), axis=1) - np.concatenate(self.seen(*begins), axis=1)
+
     def seen(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Returns states relative to the robot's position and heading; those between half strides are mirrored."""
         found = np.empty_like(q), np.empty_like(v)
-        for lane, (at, moving) in enumerate(zip(q, v, strict=True)):
-            own = headed(at, moving)
-            if self.halfway(lane, own[0]):
-                mirror = mirror_of(self.robot)
-                own = mirror(own[0]), mirror(own[1])
+        for lane, state in enumerate(zip(q, v, strict=True)):
+            own = headed(*state)
+            if self.between_halves(own[0]):
+                own = self.mirror(own[0]), self.mirror(own[1])
             found[0][lane], found[1][lane] = own
         return found
 
     def changes(self, q: Array, v: Array, moves: Array) -> Array:
         """Returns the changes of `seen` for changes of states, (n, 2 nv, c)."""
         nv, found = q.shape[1], np.array(moves)
-        for lane, (at, moving, move) in enumerate(zip(q, v, found, strict=True)):
+        for at, moving, move in zip(q, v, found, strict=True):
             c, s = math.cos(at[YAW]), math.sin(at[YAW])
             turn = np.array([[c, s], [-s, c]])
             ahead, aside = turn @ moving[:2]
             dq, dv = move[:nv], move[nv:]
             dv[:2] = turn @ dv[:2] + np.outer([aside, -ahead], dq[YAW])
             dq[[X, Y, YAW]] = 0.0
-            if self.halfway(lane, at):
-                mirror = mirror_of(self.robot)
-                dq[:], dv[:] = mirror(dq.T).T, mirror(dv.T).T
+            if self.between_halves(at):
+                dq[:], dv[:] = self.mirror(dq.T).T, self.mirror(dv.T).T
         return found
 
     def placed(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Lifts states so that the lowest toe touches the ground."""
-        for lane, each in enumerate(q):
+        """Returns states lifted so that the lowest toe touches the ground."""
+        q = q.copy()
+        for each in q:
             if np.isfinite(each).all():
-                each[Z] -= self.lowest(lane, each, self.toes)
+                each[Z] -= self.lowest(each, self.toes)
         return q, v
 
     def charts(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> Charts:
         """Returns the charts around states; before the impact, no toes slide."""
-        bases = (np.broadcast_to(each, (len(q), *each.shape)) for each in map(np.hstack, self._directions()))
-        return Charts(self, slides, *self.seen(q, v), *bases)
+        nv = self.robot.nv
+        parts = [self.mirror.parts([i for i in range(nv) if i not in (X, Y, Z, YAW)]), self.mirror.parts(range(nv))]
+        q_bases, v_bases = (np.broadcast_to(each, (len(q), *each.shape)) for each in map(np.hstack, parts))
+        even = np.concatenate([np.full(part.shape[1], i == 0) for both in parts for i, part in enumerate(both)])
+        return Charts(self, slides, *self.seen(q, v), q_bases, v_bases, even)
 
 
 def velocity_rows(jacobians: Array, slides: NDArray[np.bool_]) -> Array:
     """Returns the rows along which the velocity vanishes, (n, r, nv), without the path of a slipping toe."""
     n, k, axes, nv = jacobians.shape
     return jacobians.reshape(n, k * axes, nv)[:, np.column_stack([~slides, np.ones_like(slides)]).ravel()]
+
+
+def _of_lane(ground: Ground, lane: int) -> Ground:
+    """Returns the ground of one lane."""
+    own = {name: float(value[lane]) for name, value in vars(ground).items() if isinstance(value, np.ndarray)}
+    return with_fields(ground, own)

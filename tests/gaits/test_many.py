@@ -90,6 +90,7 @@ def test_a_turn_on_other_ground():
     np.testing.assert_allclose(np.abs(found.multipliers[0, : len(known)]), known, rtol=0, atol=3e-5)
 
 
+@compiles
 class TestLanes:
     def test_do_not_depend_on_their_order(self, hop):
         given = {name: np.append(values, 1.4) for name, values in numbers(9).items()}

@@ -195,13 +195,20 @@ class TestSymmetries:
         gait, rng = Gait.load("turn_9"), np.random.default_rng(1)
         robot, charts = gait.system.robot, chart(gait.system, gait.state).lane.take(np.zeros(5, dtype=np.int64))
         xi = 1e-2 * rng.normal(size=(5, charts.dimension))
-        heights = np.array([0.0, 0.0, 0.1, 0.1, -0.2])
-        own = charts.on({"height": heights})
-        q, v = own.states(xi)
-        for at, height in zip(q, heights, strict=True):
+        q, v = charts.states(xi)
+        for at in q:
             lowest = min(robot.frame_position(at, toe)[2] for toe in gait.system.section_toes)
-            assert lowest == pytest.approx(height, abs=1e-14)
-        np.testing.assert_allclose(own.coordinates(q, v), xi, rtol=0, atol=1e-14)
+            assert lowest == pytest.approx(0.0, abs=1e-14)
+        np.testing.assert_allclose(charts.coordinates(q, v), xi, rtol=0, atol=1e-14)
+
+    @pytest.mark.parametrize("name", ["free_hop", "turn_9", "trot"])
+    def test_an_end_that_is_nowhere_is_left_alone(self, name, request):
+        gait = Gait.load(name) if name != "free_hop" else request.getfixturevalue(name)
+        charts = chart(gait.system, gait.state).lane.take(np.zeros(2, dtype=np.int64))
+        q, v = (np.array([part, np.full_like(part, np.nan)]) for part in gait.state)
+        found = charts.coordinates(q, v), charts.section.apart((charts.q, charts.v), (q, v))
+        for each in found:
+            assert np.abs(each[0]).max() < 1e-14 and np.isnan(each[1]).any()
 
 
 def test_null_spaces_of_rows_that_say_the_same():

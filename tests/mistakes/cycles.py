@@ -8,13 +8,23 @@ MUTATIONS = [
         ["hybrid/test_section"],
         {
             "a direction of velocity missing from the chart": (
-                "null_spaces(velocity_rows(jacobians, slides)))",
-                "null_spaces(velocity_rows(jacobians, slides))[:, :, 1:])",
+                "v_bases = null_spaces(velocity_rows(jacobians, slides))",
+                "v_bases = null_spaces(velocity_rows(jacobians, slides))[:, :, 1:]",
             ),
             "a sliding toe held along its path": ("np.column_stack([~slides,", "np.column_stack([slides | True,"),
             "charts on the ground of the first lanes": (
                 "heights, jacobians[moving] = self.take(moving)",
                 "heights, jacobians[moving] = self.take(np.arange(len(moving)))",
+            ),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/section",
+        ["hybrid/test_periodic"],
+        {
+            "residual of positions only": (
+                "np.concatenate([without(self.translations, ends[0] - begins[0]), ends[1] - begins[1]], axis=1)",
+                "without(self.translations, ends[0] - begins[0])",
             ),
         },
     ),
@@ -48,10 +58,6 @@ MUTATIONS = [
         "hybrid/periodic",
         ["hybrid/test_periodic"],
         {
-            "residual of positions only": (
-                "np.concatenate([q[1] - q[0], v[1] - v[0]])",
-                "q[1] - q[0]",
-            ),
             "multipliers by increasing modulus": ("-np.round(np.abs(values), 9)", "np.round(np.abs(values), 9)"),
         },
     ),

@@ -42,8 +42,18 @@ MUTATIONS = [
         ["gaits/continuation/test_space"],
         {
             "families: the section of the robot as it was": (
-                "return replace(charts, section=section(self.family.member(numbers[0].tolist())))",
-                "return charts",
+                "charts = replace(charts, section=section(self.family.member(numbers[0].tolist())))",
+                "pass",
+            )
+        },
+    ),
+    *mistakes_in(
+        "gaits/continuation/gaits",
+        ["gaits/continuation/test_hops"],
+        {
+            "families: lanes on the first one's slope": (
+                "charts = replace(charts, section=",
+                "return replace(charts, section=",
             )
         },
     ),

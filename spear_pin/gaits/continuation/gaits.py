@@ -184,7 +184,7 @@ class Gaits:
         """Returns charts with the same directions for the sections with values of solved parameters and parameter."""
         numbers = self.numbers(values)
         if self.family.of_robot:
-            return replace(charts, section=section(self.family.member(numbers[0].tolist())))
+            charts = replace(charts, section=section(self.family.member(numbers[0].tolist())))
         return charts.on(dict(zip(self.family.names, numbers.T, strict=True)))
 
     def _placed(self, charts: Charts, xi: Array, values: Array) -> tuple[Array, Array, Array]:

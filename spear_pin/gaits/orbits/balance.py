@@ -226,9 +226,9 @@ def _chart(gait: Gait) -> tuple[Chart, NDArray[np.bool_]]:
         BadValue: the gait is not in space.
     """
     local = chart(gait.system, gait.state)
-    if (even := local.even) is None:
+    if local.lane.section.closed:
         raise BadValue("gait", gait, "a gait in space, as in_space(...) makes it")
-    return local, even
+    return local, local.even
 
 
 def _inputs_of(gait: Gait) -> tuple[str, ...]:

@@ -77,7 +77,7 @@ def tell_feet_apart(system: HybridSystem, local: Chart) -> Array | None:
     Raises:
         NotDifferentiable: two feet land at once in a gait that is not symmetric.
     """
-    if local.lane.section.closed or local.even is None:
+    if local.lane.section.closed:
         return None
     state = local.state(np.zeros(local.dimension))
     feet = {toe: system.ground.foot(system.robot, state[0], toe) for toe in local.lane.section.toes}
@@ -116,7 +116,6 @@ def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:
     found, d, xi = local.changes(cycle.y, cycle.dy), local.dimension, tell_feet_apart(system, local)
     if xi is not None:
         even, still = local.even, np.zeros((len(cycle.numbers), d))
-        assert even is not None
         if (np.abs(found[~even, d:]) > ODD * np.abs(found[:, d:]).max(axis=0, initial=LEAST)).any():
             raise NotDifferentiable("two feet land at once, and a parameter would tell left from right: leave it out")
         other = _one_foot_first(system, local, still, xi)

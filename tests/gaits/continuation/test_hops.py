@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spear_pin import Ground, HoppingLaw, continue_gait, find_gait, hopping
+from spear_pin import Gait, Ground, HoppingLaw, continue_gait, find_gait, hopping
 from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.continuation.continuing import _equations
 from spear_pin.hybrid.orders import differing, order_of
@@ -167,6 +167,18 @@ def test_a_number_that_vanishes_in_one_member(robot):
     problem, state, values = _equations(gait, "slope", (0.0, 0.02), (), {}, 1e-9)
     here, level = (problem.local(problem.point(state, value)) for value in (values, np.zeros(1)))
     assert level.jacobian.shape == here.jacobian.shape and np.isfinite(level.jacobian).all()
+
+
+def test_each_lane_is_on_its_own_slope_where_the_robot_differs_too(free_robot):
+    system = hopping(free_robot, HoppingLaw(hip_touchdown=0.5, stance_torque=8.0), ground=Ground(slope=0.05))
+    gait = Gait(system, system.guess(), {}, np.nan, np.empty(0), {})
+    problem, (q, v), values = _equations(gait, "knee_ratio", (14.0, 16.0), ("slope",), {"flight_time": 0.2}, 1e-9)
+    charts, slopes = problem._charts((q, v), values), np.array([0.05, 0.049, 0.051])
+    lanes = np.column_stack([slopes, np.full(3, values[-1])])
+    placed, _, begins = problem._placed(charts.take(np.zeros(3, dtype=int)), np.zeros((3, charts.dimension)), lanes)
+    for at, slope in zip(placed, slopes, strict=True):
+        assert abs(Ground(slope=slope).foot(free_robot, at, "toe")[0]) < 1e-13
+    assert np.abs(begins).max() < 1e-5
 
 
 @pytest.mark.slow
