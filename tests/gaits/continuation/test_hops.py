@@ -8,6 +8,7 @@ from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.continuation.continuing import _equations
 from spear_pin.hybrid.orders import differing, order_of
 from spear_pin.hybrid.periodic import multipliers, residual, return_map
+from spear_pin.hybrid.translation import translations
 
 pytestmark = pytest.mark.extra("heyoka")
 SLACK = ("stance slip-", "spring_switch")
@@ -173,7 +174,8 @@ def test_each_lane_is_on_its_own_slope_where_the_robot_differs_too(free_robot):
     system = hopping(free_robot, HoppingLaw(hip_touchdown=0.5, stance_torque=8.0), ground=Ground(slope=0.05))
     gait = Gait(system, system.guess(), {}, np.nan, np.empty(0), {})
     problem, (q, v), values = _equations(gait, "knee_ratio", (14.0, 16.0), ("slope",), {"flight_time": 0.2}, 1e-9)
-    charts, slopes = problem._charts((q, v), values), np.array([0.05, 0.049, 0.051])
+    far = q + 2.0 * translations(system)[0]  # m
+    charts, slopes = problem._charts((far, v), values), np.array([0.05, 0.049, 0.051])
     lanes = np.column_stack([slopes, np.full(3, values[-1])])
     placed, _, begins = problem._placed(charts.take(np.zeros(3, dtype=int)), np.zeros((3, charts.dimension)), lanes)
     for at, slope in zip(placed, slopes, strict=True):
