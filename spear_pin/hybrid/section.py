@@ -1,5 +1,7 @@
 """The Poincaré section of a system, and the chart of it around a state.
 
+There are two kinds::
+
                        After the impact (4.11)             Before it
   of                   the plane, a robot on a boom        quadrupeds in space, on level ground
   toes that touch      all that are closed                 the lowest of some
@@ -8,9 +10,9 @@
 
 A hop has three coordinates with boom_x locked and four with it free. A quadruped with nv coordinates has 2 nv - 4.
 
-A symmetric gait's return map does not couple symmetric and antisymmetric coordinates to first order, except for |h'a|,
-which decides which foot lands first; central differences do not see it. If a cycle is half a stride, and the other half
-its mirror image, states between the halves are mirrored, so that a cycle leads back to its beginning.
+A symmetric gait's return map does not couple symmetric and antisymmetric coordinates to first order, except for the
+size of h'a, which decides which foot lands first; central differences do not see it. If a cycle is half a stride, and
+the other half its mirror image, states between the halves are mirrored, so that a cycle leads back to its beginning.
 """
 
 from __future__ import annotations
