@@ -117,7 +117,7 @@ def multipliers(cycle: LaneCycles, charts: Charts, values: Array) -> Spectra:
         spectrum = cycle.reference(int(i), (charts.q[i], charts.v[i]), values[i])
         whole[i], found[i] = spectrum is not None, np.nan if spectrum is None else spectrum
     centre = slice(None, None, count)
-    moved = charts.section.apart((q[centre], v[centre]), (after.q[centre], after.v[centre]))
+    moved = charts.section.displacement((q[centre], v[centre]), (after.q[centre], after.v[centre]))
     residual = np.where(closes[:, 0], np.abs(moved).max(axis=1), np.inf)
     durations = {phase: seconds[centre] for phase, seconds in after.durations.items()}
     why = np.where(whole, CONVERGED, np.where(closes[:, 0], NO_MULTIPLIERS, after.reason[centre])).astype(object)

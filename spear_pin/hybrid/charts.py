@@ -63,8 +63,8 @@ class Section(ABC):
         """Returns the charts around states that all have the same sliding toes, (k,)."""
 
     @abstractmethod
-    def apart(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
-        """Returns how states differ from others, but for symmetries, (n, 2 nv)."""
+    def displacement(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
+        """Returns ends minus begins over (q, v), without what symmetries change, (n, 2 nv), in m, rad, m/s, rad/s."""
 
     def seen(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Returns states without what symmetries change, unless the directions of charts leave it out, (n, nv) each."""

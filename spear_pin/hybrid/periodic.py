@@ -27,9 +27,9 @@ def return_map(system: HybridSystem, state: State, rtol: float = 1e-10) -> Run:
 
 
 def displacement(system: HybridSystem, before: State, after: State) -> Array:
-    """Returns P(x) - x over (q, v), without translation and, in space, heading and mirror; see `Section.apart`."""
+    """Returns P(x) - x over (q, v), without what symmetries change; see `Section.displacement`."""
     (q, v), (q_after, v_after) = before, after
-    moved: Array = section(system).apart((q[None], v[None]), (q_after[None], v_after[None]))[0]
+    moved: Array = section(system).displacement((q[None], v[None]), (q_after[None], v_after[None]))[0]
     return moved
 
 

@@ -52,12 +52,12 @@ def section(system: HybridSystem, numbers: Mapping[str, Array] | None = None) ->
         numbers: numbers that differ from lane to lane, (n,) each, by name; the section uses those of the ground.
     """
     if system.section_toes:
-        return Before(system.robot, system.section_toes, system.ground, system.mirrored_toes)
+        return BeforeImpact(system.robot, system.section_toes, system.ground, system.mirrored_toes)
     ground = with_fields(system.ground, {name: each for name, each in (numbers or {}).items() if name in OF_GROUND})
     domain = system.of_phase(system.section_phase)[0]
     toes = tuple(toe for toe, _ in closed_toes(system.robot.toes, domain))
     mechanism = mechanism_of(system.robot) if system.robot.planar else None
-    return After(system.robot, toes, ground, mechanism, translations(system, ground))
+    return AfterImpact(system.robot, toes, ground, mechanism, translations(system, ground))
 
 
 def chart(system: HybridSystem, state: State, slides: NDArray[np.bool_] | None = None) -> Chart:
@@ -78,7 +78,7 @@ def chart(system: HybridSystem, state: State, slides: NDArray[np.bool_] | None =
 
 
 @dataclass(frozen=True)
-class After(Section):
+class AfterImpact(Section):
     """The section just after its event. States on it satisfy the closed toes' constraints.
 
     Attributes:
@@ -125,8 +125,8 @@ class After(Section):
         """Tells which closed toes slide, (n, k)."""
         return np.asarray(~still(applied(self.geometry(q)[1][:, :, 0], v)))
 
-    def apart(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
-        """Returns how states differ from others, without translation along the ground, (n, 2 nv)."""
+    def displacement(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
+        """Returns ends minus begins over (q, v), without translation along the ground, (n, 2 nv)."""
         return np.concatenate([without(self.translations, ends[0] - begins[0]), ends[1] - begins[1]], axis=1)
 
     def placed(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> tuple[Array, Array]:
@@ -157,7 +157,7 @@ class After(Section):
 
 
 @dataclass(frozen=True)
-class Before(Section):
+class BeforeImpact(Section):
     """The section in space, on level ground, just before the first touchdown of some toes.
 
     The height follows from the other coordinates.
@@ -195,8 +195,8 @@ class Before(Section):
         """Tells which closed toes slide: before the impact, no toe is closed, (n, 0)."""
         return np.zeros((len(q), 0), bool)
 
-    def apart(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
-        """Returns how states differ from others, each as it is seen, (n, 2 nv)."""
+    def displacement(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
+        """Returns ends minus begins over (q, v), each as it is seen, (n, 2 nv)."""
         return np.concatenate(self.seen(*ends), axis=1) - np.concatenate(self.seen(*begins), axis=1)
 
     def seen(self, q: Array, v: Array) -> tuple[Array, Array]:

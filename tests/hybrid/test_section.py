@@ -172,7 +172,11 @@ class TestSymmetries:
     def test_states_at_another_place_and_heading(self, name):
         gait = Gait.load(name)
         local = chart(gait.system, gait.state)
-        assert np.abs(local.coordinates(turned(*gait.state, 0.7, (2.0, -1.0)))).max() < 1e-14
+        q, v = turned(*gait.state, 0.7, (2.0, -1.0))
+        assert np.abs(local.coordinates((q, v))).max() < 1e-14
+        begins = turned(*gait.state, -0.3, (0.0, 1.0))
+        moved = section(gait.system).displacement((begins[0][None], begins[1][None]), (q[None], v[None] + 1e-3))
+        assert np.abs(moved[0, : len(q)]).max() < 1e-14 and np.abs(moved[0, len(q) + 2 :] - 1e-3).max() < 1e-14
         mirror = mirror_of(gait.system.robot)
         mirrored = local.coordinates((mirror(gait.state[0]), mirror(gait.state[1])))
         assert (np.abs(mirrored).max() < 1e-14) == bool(gait.system.mirrored_toes)
@@ -190,11 +194,19 @@ class TestSymmetries:
         ends = [[local.coordinates((at[:nv], at[nv:])) for at in (y + h * move, y - h * move)] for move in moves]
         slopes = np.array([(above - below) / (2.0 * h) for above, below in ends]).T
         np.testing.assert_allclose(local.changes(y, moves), slopes, rtol=0, atol=1e-8)
+        whole, q, v = local.lane.section, *np.split(y, 2)
+        ends = [np.stack([y + h * move, y - h * move]) for move in moves]
+        seen = [np.concatenate(whole.seen(at[:, :nv], at[:, nv:]), axis=1) for at in ends]
+        slopes = np.array([(above - below) / (2.0 * h) for above, below in seen]).T
+        np.testing.assert_allclose(whole.changes(q[None], v[None], moves[None])[0], slopes, rtol=0, atol=1e-8)
 
     def test_the_lowest_foot_touches_the_ground_before_the_impact(self):
         gait, rng = Gait.load("turn_9"), np.random.default_rng(1)
         robot, charts = gait.system.robot, chart(gait.system, gait.state).lane.take(np.zeros(5, dtype=np.int64))
         xi = 1e-2 * rng.normal(size=(5, charts.dimension))
+        begun = charts.q + 0.1
+        assert charts.section.placed(begun, charts.v, charts.slides)[0] is not begun
+        np.testing.assert_array_equal(begun, charts.q + 0.1)  # left as it was
         q, v = charts.states(xi)
         for at in q:
             lowest = min(robot.frame_position(at, toe)[2] for toe in gait.system.section_toes)
@@ -206,7 +218,7 @@ class TestSymmetries:
         gait = Gait.load(name) if name != "free_hop" else request.getfixturevalue(name)
         charts = chart(gait.system, gait.state).lane.take(np.zeros(2, dtype=np.int64))
         q, v = (np.array([part, np.full_like(part, np.nan)]) for part in gait.state)
-        found = charts.coordinates(q, v), charts.section.apart((charts.q, charts.v), (q, v))
+        found = charts.coordinates(q, v), charts.section.displacement((charts.q, charts.v), (q, v))
         for each in found:
             assert np.abs(each[0]).max() < 1e-14 and np.isnan(each[1]).any()
 

@@ -16,6 +16,14 @@ MUTATIONS = [
                 "heights, jacobians[moving] = self.take(moving)",
                 "heights, jacobians[moving] = self.take(np.arange(len(moving)))",
             ),
+            "half strides seen as they are": ("if self.between_halves(own[0]):", "if False:"),
+            "where a state is counts as its change": ("dq[[X, Y, YAW]] = 0.0", "pass"),
+            "displacement from where a stride began": (
+                "np.concatenate(self.seen(*begins), axis=1)",
+                "np.hstack(begins)",
+            ),
+            "an end that is nowhere has a lowest toe": (" and bool(np.isfinite(q).all())", ""),
+            "states are moved where they are kept": ("        q = q.copy()\n", ""),
         },
     ),
     *mistakes_in(

@@ -12,7 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.batch import simulate_many
-from spear_pin.hybrid.translation import translations, without
+from spear_pin.hybrid.section import section
 from spear_pin.kinds import typed
 
 NEAR = 0.01  # m, rad, m/s, rad/s
@@ -67,7 +67,7 @@ def attraction(
     n = len(q)
     taken, reason = np.full(n, np.nan), np.full(n, ELSEWHERE, dtype=object)
     left = np.arange(n)
-    along = translations(system)
+    whole, begins = section(system), (gait.state[0][None], gait.state[1][None])
     for cycle in range(1, cycles + 1):
         if not len(left):
             break
@@ -76,7 +76,7 @@ def attraction(
         q[left], v[left] = found.q, found.v
         goes_on = found.reason == "complete"
         reason[left[~goes_on]] = found.reason[~goes_on]
-        away = np.abs(np.hstack([without(along, found.q - gait.state[0]), found.v - gait.state[1]])).max(axis=1)
+        away = np.abs(whole.displacement(begins, (found.q, found.v))).max(axis=1)
         reached = goes_on & (away < near)
         taken[left[reached]], reason[left[reached]] = cycle, "reached"
         left = left[goes_on & ~reached]
