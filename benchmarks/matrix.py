@@ -39,7 +39,6 @@ from spear_pin import (
 )
 from spear_pin.errors import SpearError, UnknownName
 from spear_pin.gaits.feedback import regulated
-from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.gaits.round_hopping import round_hopping
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.batch import simulate_many
@@ -60,6 +59,7 @@ ROOT = Path(__file__).parents[1]
 LANES = 64
 VARIED = ("stiffness", "knee_stiffness", "friction")  # the first that a gait has is what varies
 SHARE = 0.01  # of it
+OWN_INPUTS = ("thrust", "set_back")  # of the biped's law, which lists none
 
 
 def _hop() -> Gait:
@@ -142,12 +142,12 @@ def _swept(gait: Gait, folder: Path) -> object:
 
 
 def _fed_back(gait: Gait, folder: Path) -> object:
-    return balanced(gait) if gait.system.section_toes else regulated(gait)
+    return regulated(gait, None if hasattr(gait.system.law, "inputs") else OWN_INPUTS)
 
 
 def _kept(gait: Gait, folder: Path) -> object:
     gait.save(folder / "gait.json")
-    return Gait.load(folder / "gait.json")
+    return Gait.load(folder / "gait.json", like=gait.system)
 
 
 def _exported(gait: Gait, folder: Path) -> object:

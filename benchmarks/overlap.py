@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.markdown import begin, row
 from spear_pin import Gait, simulate
 from spear_pin.arrays import Array
-from spear_pin.gaits.orbits.balance import balanced
+from spear_pin.gaits.feedback import regulated
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.automaton import HybridSystem
@@ -33,7 +33,7 @@ def main() -> None:
     argparse.ArgumentParser(description=__doc__).parse_args()
     system, state = embedded(Gait.load("long_stride"))
     straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
-    steady, turn = balanced(straight, ACROSS, heading=HEADING), Gait.load("turn_9")
+    steady, turn = regulated(straight, ACROSS, heading=HEADING), Gait.load("turn_9")
     begin(*HEADS.split(" | "))
     for window in WINDOWS:
         off = residual(replace(turn.system, overlap=window), turn.state)

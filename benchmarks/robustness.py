@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 from benchmarks.markdown import begin, row
 from benchmarks.overlap import HEADING, PUSH, left_of
 from spear_pin import Gait, SpatialLaw, load
-from spear_pin.gaits.orbits.balance import Linear, across, balanced
+from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.linear import Linear, linear
 from spear_pin.gaits.orbits.embedding import embedded
-from spear_pin.gaits.spatial.law import ACROSS, INPUTS
+from spear_pin.gaits.spatial.law import ACROSS
+from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.periodic import eigenvalues, residual
 from spear_pin.model.robot import Robot
 
@@ -41,10 +43,11 @@ def main() -> None:
     """Print the table."""
     argparse.ArgumentParser(description=__doc__).parse_args()
     shipped = straight(*CASES["nothing"])
-    laws = [balanced(shipped, ONE).system.law, balanced(shipped, ACROSS, heading=HEADING).system.law]
+    held = regulated(shipped, ONE), regulated(shipped, ACROSS, heading=HEADING)
+    designs = [each for gait in held if (each := feedback_of(gait.system)) is not None]
     begin(*HEADS.split(" | "))
     for name, factors in CASES.items():
-        row(name, _row(straight(*factors), laws))
+        row(name, _row(straight(*factors), designs))
 
 
 def straight(inertia: float, spacing: float, gains: float) -> Gait:
@@ -69,20 +72,18 @@ def varied(robot: Robot, inertia: float, spacing: float) -> Robot:
     return robot.with_model(model)
 
 
-def _row(gait: Gait, laws: list[SpatialLaw]) -> str:
-    linear = across(gait, heading=True)
-    alone = np.abs(eigenvalues(linear.A[:-1, :-1])).max()
-    one, ten = (np.abs(eigenvalues(closed(linear, law))) for law in laws)
+def _row(gait: Gait, designs: list[EventFeedback]) -> str:
+    across = linear(gait, ACROSS, lateral=True, heading=True)
+    alone = np.abs(eigenvalues(across.A[:-1, :-1])).max()
+    one, ten = (np.abs(eigenvalues(closed(across.of(each.inputs), each))) for each in designs)
     heading_free = np.sort(one)[:-1].max()  # without that of the heading, 1
-    feedback = {name: getattr(laws[1], name) for name in ("feedback", "nominal")}
-    left = left_of(gait.with_law(**feedback), PUSH)
+    left = left_of(replace(gait, system=with_feedback(gait.system, designs[1])), PUSH)
     return f"{alone:.3f} | {heading_free:.3f} | {ten.max():.3f} | {left}"
 
 
-def closed(linear: Linear, law: SpatialLaw) -> NDArray[np.float64]:
-    """A of motion across with the feedback of a law, which may be another robot's."""
-    rows = np.array([law.feedback[INPUTS.index(name)] for name in linear.inputs])
-    return np.asarray(linear.A + linear.B @ rows @ np.linalg.pinv(linear.coordinates), np.float64)
+def closed(across: Linear, feedback: EventFeedback) -> NDArray[np.float64]:
+    """A of motion across with feedback, which may be another robot's."""
+    return np.asarray(across.A + across.B @ np.array(feedback.gains) @ np.linalg.pinv(across.coordinates), np.float64)
 
 
 if __name__ == "__main__":

@@ -16,8 +16,9 @@ import numpy as np
 from benchmarks.markdown import begin, row
 from spear_pin import Gait, SpatialLaw
 from spear_pin.gaits import library
-from spear_pin.gaits.feedback import quadratic_gains
-from spear_pin.gaits.orbits.balance import across
+from spear_pin.gaits.feedback import UPRIGHT, quadratic_gains
+from spear_pin.gaits.inputs import inputs_of
+from spear_pin.gaits.linear import linear
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.periodic import eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Run
@@ -44,9 +45,9 @@ def _row(name: str) -> str:
     drift = max(float(np.abs(part[ACROSS]).max()) for part in run.state)
     ledger = abs(float(run.change[0] - run.work[0].sum()))
     gait = Gait(system, state, {}, residual(system, state), np.array([np.nan + 0j]), {})
-    linear = across(gait, ("posterior_adduction",))
-    gains = quadratic_gains(linear.A, linear.B, linear.scales, 0.2)
-    fall, held = eigenvalues(linear.A)[0].real, abs(eigenvalues(linear.A - linear.B @ gains)[0])
+    across = linear(gait, UPRIGHT, lateral=True)
+    gains = quadratic_gains(across.A, across.B, [each.one for each in inputs_of(system, UPRIGHT)], 0.2)
+    fall, held = eigenvalues(across.A)[0].real, abs(eigenvalues(across.A - across.B @ gains)[0])
     sizes = " | ".join(f"{size:.0e}" for size in (gait.residual, drift, ledger))
     return f"{name} | {sizes} | {spatial / planar:.1f} times | {fall:.3f} | {held:.3f}"
 

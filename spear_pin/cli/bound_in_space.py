@@ -14,8 +14,8 @@ from spear_pin.cli.writing import Rows, play, write_motion
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
+    from spear_pin.gaits.feedback import Regulated
     from spear_pin.gaits.gait import Gait
-    from spear_pin.gaits.orbits.balance import Balance
     from spear_pin.hybrid.result import State
 
 KIND = "bounding_in_space"  # of a gait
@@ -74,6 +74,7 @@ def run(
         find: the gait of the plane, what it is called, and what there is to say of it; it writes the Python for it.
     """
     from spear_pin.gaits.gait import Gait
+    from spear_pin.hybrid.event_feedback import feedback_of
     from spear_pin.hybrid.symmetry import asymmetry
     from spear_pin.studies.bound.in_space import multipliers_of, summarize_in_space
     from spear_pin.viz.plots.space import space_summary
@@ -85,7 +86,7 @@ def run(
         gait, told = _straight(plane, program), [*notes, *rests_on(plane.system.robot)]
     else:
         program.let("gait", program.call(Gait.load, name))
-    if not gait.system.law.feedback:
+    if feedback_of(gait.system) is None:
         found = _held(gait, arguments.keep_heading, program)
         gait = found.gait
     push = arguments.push or 0.0
@@ -129,13 +130,14 @@ def _saved(arguments: argparse.Namespace) -> Gait | None:
         BadValue: an option does not go with it.
     """
     from spear_pin.gaits.gait import Gait
+    from spear_pin.hybrid.event_feedback import feedback_of
 
     if arguments.robot is not None or not str(arguments.gait).endswith(".json"):
         return None
     gait = Gait.load(arguments.gait)
     if gait.system.kind != KIND:
         return None
-    if arguments.keep_heading and gait.system.law.feedback:
+    if arguments.keep_heading and feedback_of(gait.system) is not None:
         raise BadValue("--keep-heading", True, f"to be left out with {arguments.gait}, which already has feedback")
     return gait
 
@@ -159,23 +161,24 @@ def _straight(plane: Gait, program: Program) -> Gait:
     return Gait(system, state, {}, residual(system, state), np.ones(1, complex), durations)
 
 
-def _held(gait: Gait, heading: bool, program: Program) -> Balance:
+def _held(gait: Gait, heading: bool, program: Program) -> Regulated:
     """Find feedback that keeps a gait upright, and on its heading if that is asked for."""
-    from spear_pin.gaits.orbits.balance import balance
+    from spear_pin.gaits.feedback import regulate
     from spear_pin.gaits.spatial.law import ACROSS
 
     inputs, weight = (ACROSS, HEADING) if heading else (("posterior_adduction",), 0.0)
-    program.let("gait", Code(f"{program.call(balance, Code('gait'), inputs, heading=weight)}.gait"))
+    program.let("gait", Code(f"{program.call(regulate, Code('gait'), inputs, heading=weight)}.gait"))
     with progress() as show:
         show("finding feedback, and how it falls sideways without")
-        return balance(gait, inputs, heading=weight)
+        return regulate(gait, inputs, heading=weight)
 
 
 def _inputs(gait: Gait) -> list[str]:
     """Inputs that the feedback of a gait acts on."""
-    from spear_pin.gaits.spatial.law import INPUTS
+    from spear_pin.hybrid.event_feedback import feedback_of
 
-    return [name for name, row in zip(INPUTS, gait.system.law.feedback, strict=True) if any(row)]
+    feedback = feedback_of(gait.system)
+    return [] if feedback is None else list(feedback.inputs)
 
 
 def push_state(gait: Gait, speed: float, program: Program) -> tuple[State, Code] | None:

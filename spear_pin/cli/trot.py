@@ -47,23 +47,24 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Hold the gait by feedback, simulate it and write its files."""
     check_simulation(arguments)
     check_push(arguments.push)
+    from spear_pin.gaits.feedback import regulate
     from spear_pin.gaits.gait import Gait
-    from spear_pin.gaits.orbits.balance import balance
     from spear_pin.gaits.spatial.law import INPUTS
     from spear_pin.gaits.spatial.trot_law import TrotLaw
+    from spear_pin.hybrid.event_feedback import feedback_of
     from spear_pin.studies.bound.in_space import multipliers_of, summarize_in_space
     from spear_pin.viz.plots.space import space_summary
 
     gait, found, program = _gait(arguments.gait), None, Program()
     named = program.let("gait", program.call(Gait.load, arguments.gait))
     in_a_stride = 2 if gait.system.mirrored_toes else 1
-    if not gait.system.law.feedback:
+    if feedback_of(gait.system) is None:
         inputs = None if isinstance(gait.system.law, TrotLaw) else INPUTS
         with progress() as show:
             show("finding feedback")
-            found = balance(gait, inputs)
+            found = regulate(gait, inputs)
         gait = found.gait
-        program.let("gait", Code(f"{program.call(balance, named, inputs=inputs)}.gait"))
+        program.let("gait", Code(f"{program.call(regulate, named, inputs=inputs)}.gait"))
     trajectory, end = play(
         arguments,
         program,

@@ -17,7 +17,7 @@ import numpy as np
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_guards import OVERLOAD, SHORTEST_SPAN, knee_back, mount, overload
 from spear_pin.gaits.bounding_law import (
-    NO_ADJUSTMENT,
+    LEGS,
     STATES,
     BoundingLaw,
     Leg,
@@ -72,8 +72,7 @@ def bounding(
         ground: the ground, instead of `contact`.
 
     Raises:
-        BadValue: the robot lacks coordinates, toes or motors of `q_spear`, both contact and ground are given, or the
-            law has event feedback, which uses the torso's height, and the ground is not level at height zero.
+        BadValue: the robot lacks coordinates, toes or motors of `q_spear`, or both contact and ground are given.
 
     Example:
         >>> from spear_pin import Gait, bounding, load
@@ -81,12 +80,6 @@ def bounding(
         ('posterior_stance', 'double_1', 'flight_1', 'anterior_stance', 'double_2', 'flight_2')
     """
     spring, contact = spring or _spring(robot), given(contact, ground)
-    if law.feedback and not as_ground(contact).plain:
-        raise BadValue(
-            "BoundingLaw.feedback",
-            law.feedback,
-            f"() on {contact}: this feedback uses the height of the torso above level ground",
-        )
     return HybridSystem(
         kind="bounding",
         robot=robot,
@@ -186,7 +179,7 @@ def _lifts(leg: Leg, phase: Phase, remaining: Leg | None, spring: Spring) -> Res
     """Makes the leg lift off, into flight or into the stance of the remaining leg."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
-        return _fly(phase, q, v, held, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
+        return _fly(phase, q, v, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
 
     return Reset(release=() if spring.rest is not None else (leg.joint,), latch=latch, phase=phase.name)
 
@@ -209,29 +202,15 @@ def _passing(phase: Phase) -> Guard:
 def _bear(
     leg: Leg, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw, resumed: bool
 ) -> dict[str, Any]:
-    """Starts a leg's stance: sets its torques, with event feedback."""
-    name, first = leg.name, leg.name == "posterior"
-    adjust = held.get("adjust", NO_ADJUSTMENT)
-    if first and not resumed:
-        adjust = _adjustment(p, (*q[1:], *v))
-    i = 0 if first else 1
+    """Starts a leg's stance: sets its torques, with feedback of the speed."""
+    name, i = leg.name, LEGS.index(leg.name)
     faster = p.speed_gain[i] * (v[0] - p.speed_nominal[i])
     return {
         f"{name}_flexed": 0.0,
         f"{name}_leg": held[f"{name}_leg"] if resumed and f"{name}_leg" in held else value(leg.angle, q),
-        f"{name}_hip_torque": getattr(p, f"{name}_hip_torque") + adjust[2 * i] + faster,
-        f"{name}_knee_torque": getattr(p, f"{name}_knee_torque") + adjust[2 * i + 1],
-        "adjust": adjust,
+        f"{name}_hip_torque": getattr(p, f"{name}_hip_torque") + faster,
+        f"{name}_knee_torque": getattr(p, f"{name}_knee_torque"),
     }
-
-
-def _adjustment(p: BoundingLaw, state: Sequence[float]) -> tuple[float, ...]:
-    """Returns the adjustment of `INPUTS` by event feedback for a stride, within its limits."""
-    if not p.feedback:
-        return NO_ADJUSTMENT
-    error = [now - then for now, then in zip(state, p.nominal, strict=True)]
-    wanted = [sum(gain * e for gain, e in zip(row, error, strict=True)) for row in p.feedback]
-    return tuple(np.minimum(np.maximum(w, -limit), limit) for w, limit in zip(wanted, p.feedback_limits, strict=True))
 
 
 def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
@@ -242,16 +221,15 @@ def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held:
     return _begun(begun(phase.outputs, getattr(p, f"{phase.name}_swing"), q, v, span))
 
 
-def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
+def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], p: BoundingLaw) -> Held:
     """Starts a flight: one leg trails, and the other is brought to its touchdown angles."""
     shapes: list[Sequence[float]] = []
-    adjust = held.get("adjust", NO_ADJUSTMENT)
-    for i, leg in enumerate(phase.legs):
+    for leg in phase.legs:
         if leg == phase.lifted:
             shapes += getattr(p, f"{phase.name}_trailing")
             continue
         angle, knee = getattr(p, f"{phase.name}_landing")
-        target = getattr(p, f"{leg.name}_leg_touchdown") + adjust[4 + i]
+        target = getattr(p, f"{leg.name}_leg_touchdown")
         shapes += [(angle, *3 * (target,)), (knee, *3 * (leg.side * p.knee_touchdown,))]
     return _begun(begun(phase.outputs, shapes, q, v, getattr(p, f"{phase.name}_span")))
 

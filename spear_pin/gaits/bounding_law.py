@@ -12,6 +12,7 @@ from numbers import Real
 from typing import Any, ClassVar
 
 from spear_pin.errors import BadValue, listed, require
+from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Shifted, Variable, zeroing
 from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations
@@ -34,7 +35,7 @@ INPUTS = (
     "posterior_leg_touchdown",
     "anterior_leg_touchdown",
 )
-"""Parameters that event feedback adjusts once a stride."""
+"""Parameters that event feedback may adjust once a stride."""
 STATES = 13  # numbers of a section state, torso_x left out
 SHAPES = {
     "posterior_stance_swing": (2, 4),
@@ -43,11 +44,9 @@ SHAPES = {
     "flight_2_trailing": (2, 4),
     "flight_1_landing": (2,),
     "flight_2_landing": (2,),
-    "feedback_limits": (len(INPUTS),),
     "speed_gain": (2,),
     "speed_nominal": (2,),
 }
-NO_ADJUSTMENT = (0.0,) * len(INPUTS)
 
 
 @typed
@@ -85,12 +84,11 @@ class BoundingLaw:
         lift_off: "knee": a leg lifts when its knee is back at θ̄ (implied by the source), or earlier if its foot
             carries no force; a knee that never flexes beyond θ̄ cannot come back. "force": a leg lifts when the foot
             carries no force.
-        nominal: section state (q, v) of the gait, without torso_x, with which feedback compares.
-        feedback: event feedback, one row for each of `INPUTS`, one column for each of `nominal`.
-        feedback_limits: largest adjustment of each of `INPUTS`, in N·m and rad.
+        nominal: section state (q, v) of the gait, without torso_x, from which a search begins.
         speed_gain: gain of β += K (ẋ_td - ẋ*) at each touchdown, posterior and anterior, in N·s.
         speed_nominal: ẋ* just after posterior and anterior touchdown, in m/s.
         units: units of the scalar numbers, by name.
+        inputs: numbers that event feedback may adjust, for Q-SPEAR.
 
     Example:
         >>> from dataclasses import replace
@@ -122,8 +120,6 @@ class BoundingLaw:
     epsilon: float = 0.015
     lift_off: str = "knee"
     nominal: tuple[float, ...] = ()
-    feedback: Shape = ()
-    feedback_limits: tuple[float, ...] = (100.0, 100.0, 100.0, 100.0, 0.2, 0.2)
     speed_gain: tuple[float, ...] = (0.0, 0.0)
     speed_nominal: tuple[float, ...] = (0.0, 0.0)
     units: ClassVar[Mapping[str, str]] = {
@@ -133,6 +129,9 @@ class BoundingLaw:
         **dict.fromkeys(("knee_rest", "knee_touchdown"), "rad"),
         "virtual_stiffness": "N·m/rad",
         "epsilon": "s",
+    }
+    inputs: ClassVar[Mapping[str, Input]] = {
+        name: Input(50.0, 100.0, True) if name.endswith("torque") else ANGLE for name in INPUTS
     }
 
     def __post_init__(self) -> None:
@@ -153,19 +152,14 @@ class BoundingLaw:
                 raise BadValue(f"BoundingLaw.{name}", getattr(self, name), expected)
         for field in fields(self):
             value = getattr(self, field.name)
-            if field.name in (*SHAPES, "lift_off", "nominal", "feedback"):
+            if field.name in (*SHAPES, "lift_off", "nominal"):
                 continue
             test, expected = valid.get(field.name, (lambda number: abs(number) >= 0, "a finite number"))
             require(f"BoundingLaw.{field.name}", value, test, expected)
         if self.lift_off not in ("knee", "force"):
             raise BadValue("BoundingLaw.lift_off", self.lift_off, "'knee' or 'force'")
-        if min(self.feedback_limits) < 0:
-            raise BadValue("BoundingLaw.feedback_limits", self.feedback_limits, "numbers >= 0")
         if self.nominal != () and not has_shape(self.nominal, (STATES,)):
             raise BadValue("BoundingLaw.nominal", self.nominal, f"{STATES} finite numbers, or ()")
-        if self.feedback != () and not (self.nominal and has_shape(self.feedback, (len(INPUTS), STATES))):
-            expected = f"{len(INPUTS)} x {STATES} finite numbers, and `nominal` given, or ()"
-            raise BadValue("BoundingLaw.feedback", self.feedback, expected)
 
 
 def has_shape(value: Any, shape: tuple[int, ...]) -> bool:

@@ -25,7 +25,7 @@ from spear_pin.gaits.request import (
     Request,
 )
 from spear_pin.gaits.virtual_constraints import Evolution, accelerations, jet, resume, value
-from spear_pin.hybrid.engines.structure import with_fields
+from spear_pin.hybrid.fields import with_fields
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_of

@@ -1,140 +1,172 @@
-"""Event feedback: parameters of the law adjusted once a stride, or at each touchdown, to stabilise a gait."""
+"""Designs event feedback: numbers of the law adjusted once a cycle, or at each touchdown, to stabilise a gait."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, NoGait, UnknownName, require
-from spear_pin.gaits.bounding_law import INPUTS
+from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.tangent_cycles import tangent_cycles
-from spear_pin.hybrid.batch import may_vary
-from spear_pin.hybrid.newton import Lanes, Words, jacobian
-from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, eigenvalues, one_by_one, return_map
-from spear_pin.hybrid.result import Run, State
-from spear_pin.hybrid.shooting import Shooting
-from spear_pin.hybrid.symmetry import YAW
-from spear_pin.hybrid.tangent.resets import REFUSALS
-from spear_pin.hybrid.tangent.section import exact_map
-from spear_pin.hybrid.tangent.seeds import seeds
+from spear_pin.gaits.inputs import inputs_of, listed
+from spear_pin.gaits.linear import SYMMETRIC, Linear, between, linearized, part_of, separable
+from spear_pin.gaits.parity import Multipliers, merged, parted
+from spear_pin.gaits.spatial.trotting import halfway
+from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
+from spear_pin.hybrid.parameters import numbers_of_law
+from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, return_map
+from spear_pin.hybrid.symmetry import asymmetry
 from spear_pin.kinds import typed
 
-SCALES = {name: 0.05 if name.endswith("touchdown") else 50.0 for name in INPUTS}  # rad and N·m: what counts as one
+UPRIGHT = ("posterior_adduction",)  # enough to keep a symmetric gait in space from falling sideways
 GAINS, GAIN_STEP = (-150.0, 150.0), 20.0  # N·s: range of the search, and step between simulated gains
 
 
-@typed
-def linearized(
-    gait: Gait,
-    inputs: Sequence[str],
-    rtol: float = 1e-10,
-    *,
-    scales: Mapping[str, float] = SCALES,
-    end: Callable[[Run], State] | None = None,
-) -> tuple[Array, Array]:
-    """Returns A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
+@dataclass(frozen=True)
+class Regulated:
+    """A gait with feedback, and all multipliers of its section without and with feedback.
 
-    In the plane they are exact where the fast engine runs the gait and no events meet in it, because each side of a
-    meeting has its own derivatives. In space they are exact for every cycle that has derivatives. Else they are central
-    differences of the reference engine's cycles. Where two feet may land in either order they are the mean of both
-    sides. In space A and B have a last row, for the change of heading.
-
-    Args:
-        gait: the gait.
-        inputs: names of parameters, each constant through a stride.
-        rtol: relative tolerance of the integrator.
-        scales: change of each parameter that counts as one, by name; 1 for others.
-        end: returns the state after a cycle, if it is not the cycle's last one; then there are differences alone.
-
-    Raises:
-        NoGait: a perturbed cycle does not close.
+    Attributes:
+        gait: the gait with feedback.
+        without: multipliers of the gait without feedback; the heading's is left out, because nothing depends on it.
+        held: multipliers with feedback. The heading's is among them where it is regulated and the gait is exactly
+            symmetric; it is left out if the gait is only nearly symmetric.
     """
-    system = gait.system
-    local = chart(system, gait.state)
-    nominal, n = np.array([parameter(system, name) for name in inputs]), local.dimension
 
-    def cycle(begun: State, values: Array) -> tuple[Run, Array]:
-        trial = with_parameters(system, dict(zip(inputs, values.tolist(), strict=True)))
-        run = return_map(trial, begun, rtol)
-        turn = run.state[0][YAW : YAW + 1] - begun[0][YAW : YAW + 1] if system.section_toes else np.empty(0)
-        if end is not None and run.cycles:
-            run.state = end(run)
-        return run, turn
-
-    if system.section_toes and end is None and may_vary(system, ()):
-        try:
-            found = exact_map(system, gait.state, seeds(system, inputs).numbers)
-            return found[:, :n], found[:, n:]
-        except REFUSALS:
-            pass
-    exact = None if system.section_toes else tangent_cycles(system, inputs, ())
-    slopes = None if exact is None else exact.slopes
-    cycles = one_by_one(cycle, int(bool(system.section_toes)))
-    shooting = Shooting(local.lane, cycles, tuple(inputs), slopes=slopes)
-    if exact is not None and not exact.borders(*gait.state, nominal):
-        here = np.concatenate([np.zeros(n), nominal])
-        found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
-        if np.isfinite(found).all():
-            return found[:, :n] + np.eye(n), found[:, n:]
-    sizes = np.array([*np.ones(n), *(scales.get(name, 1.0) for name in inputs)])
-    centre = np.concatenate([np.zeros(n), nominal])
-
-    def mapped(lanes: Lanes, z: Array) -> tuple[Array, Words]:
-        unknowns = centre + sizes * z
-        after = cycles(lanes, *shooting.states(lanes, unknowns), unknowns[:, n:])
-        return np.concatenate([local.lane.take(lanes).coordinates(after.q, after.v), after.measured], 1), after.reason
-
-    found, why = jacobian(mapped, np.zeros(len(centre)))
-    if why:
-        raise NoGait("a perturbed cycle does not close", gait.residual)
-    return found[:, :n], found[:, n:] / sizes[n:]
+    gait: Gait
+    without: Multipliers
+    held: Multipliers
 
 
 @typed
-def regulated(gait: Gait, inputs: Sequence[str] = INPUTS, weight: float = 0.2, rtol: float = 1e-10) -> Gait:
-    """Returns the gait with discrete linear-quadratic feedback of its section state to parameters of the law.
+def regulated(
+    gait: Gait,
+    inputs: Sequence[str] | None = None,
+    *,
+    heading: float = 0.0,
+    weight: float = 0.2,
+    rtol: float = 1e-10,
+) -> Gait:
+    """Adds linear-quadratic feedback of the section state to numbers of the law, once a cycle; see `regulate`.
 
-    Once a stride, just after posterior touchdown, w = -K ξ is added to the `inputs`. K minimises Σ ξᵀξ + weight Σ (w /
-    scale)²; the scales are 50 N·m and 0.05 rad.
+    Returns:
+        the gait with feedback; its multipliers are all of the section's, whether feedback acts on them or not.
+    """
+    return regulate(gait, inputs, heading=heading, weight=weight, rtol=rtol).gait
+
+
+@typed
+def regulate(
+    gait: Gait,
+    inputs: Sequence[str] | None = None,
+    *,
+    heading: float = 0.0,
+    weight: float = 0.2,
+    rtol: float = 1e-10,
+) -> Regulated:
+    """Designs linear-quadratic feedback of the section state to numbers of the law, once a cycle.
+
+    At the section w = -K ξ is added to the inputs until the next cycle begins; in a trot or a pace twice a stride. K
+    minimises Σ ξᵀQ ξ + weight Σ (w / one)², with Q = 1 but for the yaw, and what counts as one of each input; see
+    `spear_pin.gaits.inputs`. In a gait in space that is symmetric, or nearly, lateral and symmetric motion are
+    regulated separately, each by the inputs that act on it.
 
     Args:
-        gait: a bounding gait without such feedback.
-        inputs: names among `INPUTS` that it may use.
+        gait: a gait without event feedback, of any system whose section has (q, v) alone as its state.
+        inputs: names of numbers of the law. The default is all that the law lists in `inputs`; for a symmetric gait in
+            space it is "posterior_adduction", which is enough to stay upright.
+        heading: weight of the yaw, to regulate the heading of a symmetric gait in space too. With 0 the robot keeps any
+            heading to which it is pushed.
         weight: weight of the inputs; a larger weight gives gentler feedback.
         rtol: relative tolerance of the integrator.
 
     Raises:
-        UnknownName: an input is not among `INPUTS`.
-        BadValue: the gait has feedback already, or the weight is not positive.
+        UnknownName: an input is no number of the law.
+        BadValue: the gait has feedback already, a weight is not valid, `inputs` is empty or names one twice, an input
+            changes nothing, or motion that grows is not reached by them.
         NoGait: a perturbed cycle does not close.
     """
-    _without_feedback(gait)
-    for name in inputs:
-        if name not in INPUTS:
-            raise UnknownName("input of event feedback", name, INPUTS)
-    if not inputs:
-        raise BadValue("inputs", inputs, f"at least one of {', '.join(INPUTS)}")
+    _check_without(gait)
     require("weight", weight, lambda w: w > 0, "a number > 0")
-    system = gait.system
+    require("heading", heading, lambda w: w >= 0, "a number >= 0")
+    system, apart = gait.system, separable(gait)
+    if heading and not apart:
+        raise BadValue("heading", heading, "0 for a gait that is not symmetric in space, and for a trot")
+    inputs = _checked(gait, inputs, apart)
+    local, one, turns = chart(system, gait.state), inputs_of(system, inputs), heading > 0
     A, B = linearized(gait, inputs, rtol)
-    K = quadratic_gains(A, B, [SCALES[name] for name in inputs], weight)
-    local = chart(system, gait.state)
-    q, v = gait.state
-    # ξ of a state less the fixed point's: the cyclic torso_x has no part in it
-    to_chart = np.zeros((local.dimension, len(q) - 1 + len(v)))
-    dq = local.q_basis.shape[1]
-    to_chart[:dq, : len(q) - 1], to_chart[dq:, len(q) - 1 :] = local.q_basis[1:].T, local.v_basis.T
-    rows = dict(zip(inputs, (-K @ to_chart).tolist(), strict=True))
-    zero = [0.0] * to_chart.shape[1]
-    feedback = tuple(tuple(rows.get(name, zero)) for name in INPUTS)
-    closed = gait.with_law(feedback=feedback, nominal=(*q[1:].tolist(), *v.tolist()))
-    return replace(closed, multipliers=eigenvalues(A - B @ K))
+    for name, column in zip(inputs, B.T, strict=True):
+        if not column.any():
+            raise BadValue("inputs", name, "numbers on which the next state depends")
+    parts = {
+        lateral: part_of(local, system, (A, B), inputs, lateral, turns and bool(lateral))
+        for lateral in ((True, False) if apart else (None,))
+    }
+    free, held = {}, {}
+    rows, gains = dict[str, Any](), np.zeros((len(inputs), local.dimension))
+    for lateral, part in parts.items():
+        acting = [i for i, name in enumerate(inputs) if len(parts) == 1 or _acts_most(name, lateral, parts)]
+        own, moving = part.of([inputs[i] for i in acting]), part.A[: len(part.own), : len(part.own)]
+        held[lateral] = free[lateral] = eigenvalues(moving)
+        if acting:
+            Q = np.eye(len(own.A))
+            Q[-1, -1] = heading if turns and lateral else 1.0
+            K = quadratic_gains(own.A, own.B, [one[i].one for i in acting], weight, Q)
+            held[lateral] = eigenvalues(own.A - own.B @ K)
+            gains[np.array(acting)[:, None], own.own] = K[:, : len(own.own)]
+            rows |= dict(zip(own.inputs, map(_row, -K @ own.coordinates), strict=True))
+    at_nominal = np.concatenate(local.state(np.zeros(local.dimension)))
+    event = between(system)
+    seen = np.concatenate(halfway(system, return_map(system, gait.state, rtol))) if event else ()
+    feedback = EventFeedback(
+        tuple(inputs),
+        tuple(rows[name] for name in inputs),
+        _row(at_nominal),
+        tuple(each.most for each in one),
+        between=event,
+        halfway=_row(seen),
+    )
+    closed = with_feedback(system, feedback)
+    d = local.dimension
+    if event:  # whole strides, of which feedback acts on halves
+        without, found = (merged({None: multipliers(each, gait.state, rtol)}) for each in (system, closed))
+    elif not apart or asymmetry(system.robot, gait.state) <= SYMMETRIC:
+        without, found = merged(free), merged(held)
+    else:  # left and right act on each other a little
+        without, found = (parted(each[:d], local.even) for each in (A, A - B @ gains))
+    return Regulated(replace(gait, system=closed, multipliers=found.values), without, found)
+
+
+def _checked(gait: Gait, inputs: Sequence[str] | None, apart: bool) -> Sequence[str]:
+    """Returns the inputs, or the default.
+
+    Raises:
+        UnknownName: an input is no number of the law.
+        BadValue: there is none, or one twice.
+    """
+    valid = numbers_of_law(gait.system)
+    if inputs is None:
+        inputs = UPRIGHT if apart else tuple(name for name in listed(gait.system.law) if name in valid)
+    for name in inputs:
+        if name not in valid:
+            raise UnknownName("input", name, valid)
+    if not inputs or len(set(inputs)) < len(inputs):
+        raise BadValue("inputs", inputs, "at least one number of the law, each once: name them")
+    return inputs
+
+
+def _acts_most(name: str, lateral: bool | None, parts: Mapping[bool | None, Linear]) -> bool:
+    """Tells whether an input acts most on one of the parts."""
+    sizes = {each: np.abs(part.B[: len(part.own), part.inputs.index(name)]).max() for each, part in parts.items()}
+    return max(sizes, key=lambda each: float(sizes[each])) == lateral
+
+
+def _row(values: Any) -> tuple[float, ...]:
+    return tuple(map(float, values))
 
 
 def quadratic_gains(A: Array, B: Array, scales: Sequence[float], weight: float, Q: Array | None = None) -> Array:
@@ -146,9 +178,15 @@ def quadratic_gains(A: Array, B: Array, scales: Sequence[float], weight: float, 
         scales: change of each input that counts as one, in its unit.
         weight: weight of the inputs.
         Q: weights of the coordinates, (n, n); 1 by default.
+
+    Raises:
+        BadValue: no gains make the motion stable.
     """
     R = weight * np.diag([scale**-2 for scale in scales])
-    P = scipy.linalg.solve_discrete_are(A, B, np.eye(len(A)) if Q is None else Q, R)
+    try:
+        P = scipy.linalg.solve_discrete_are(A, B, np.eye(len(A)) if Q is None else Q, R)
+    except np.linalg.LinAlgError:
+        raise BadValue("inputs", B.shape[1], "inputs that act on every motion that grows: name others") from None
     return np.asarray(np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A), np.float64)
 
 
@@ -166,7 +204,9 @@ def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None,
         BadValue: the gait has feedback already.
         NoGait: a perturbed cycle does not close.
     """
-    _without_feedback(gait)
+    if gait.system.kind != "bounding":
+        raise BadValue("gait", gait.system.kind, "a bounding gait")
+    _check_without(gait)
     cycle = return_map(gait.system, gait.state)
     speeds = float(gait.state[1][0]), float(cycle.event("anterior_touchdown").v[0])
 
@@ -191,14 +231,17 @@ def _best_gain(trial: Callable[[float], Gait], rtol: float) -> float:
     return float(scipy.optimize.minimize_scalar(radius, bounds=GAINS, method="bounded", options={"xatol": 1.0}).x)
 
 
-def _without_feedback(gait: Gait) -> None:
-    law = gait.system.law
-    if gait.system.kind != "bounding":
-        raise BadValue("gait", gait.system.kind, "a bounding gait")
-    if law.feedback or any(law.speed_gain):
-        raise BadValue(
-            "gait", "one with event feedback", "one without: gait.with_law(feedback=(), speed_gain=(0.0, 0.0))"
-        )
+@typed
+def without_feedback(gait: Gait) -> Gait:
+    """Returns a gait without event feedback of either kind; its multipliers stay those with it."""
+    if any(getattr(gait.system.law, "speed_gain", ())):
+        gait = gait.with_law(speed_gain=(0.0, 0.0))
+    return replace(gait, system=with_feedback(gait.system, None))
+
+
+def _check_without(gait: Gait) -> None:
+    if feedback_of(gait.system) is not None or any(getattr(gait.system.law, "speed_gain", ())):
+        raise BadValue("gait", "one with event feedback", "one without: without_feedback(gait)")
 
 
 def _multiplied(gait: Gait, rtol: float) -> Gait:

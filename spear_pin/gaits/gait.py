@@ -27,6 +27,7 @@ from spear_pin.gaits.spatial.trotting import pacing, trotting
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dry_friction import DryFriction
+from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import LIMITS, PARTS, Fitted, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.result import State
@@ -95,7 +96,7 @@ class Gait(Shown):
         return float(sum(self.durations.values()))
 
     def with_law(self, **values: object) -> Gait:
-        """Returns the gait with other values in its law, such as feedback, that keep its orbit; multipliers stay."""
+        """Returns the gait with other values in its law that keep its orbit; multipliers stay."""
         system = self.system
         for name in values:
             if name not in vars(system.law):
@@ -148,6 +149,7 @@ class Gait(Shown):
             )
         for name, limit in limits(self.system).items():
             require(name, limit, lambda value: value >= 0, "a finite number >= 0, in s, to be kept in a file")
+        feedback = feedback_of(self.system)
         data = {
             "format": FORMAT,
             "kind": self.system.kind,
@@ -156,6 +158,7 @@ class Gait(Shown):
             "limits": {name: float(limit) for name, limit in limits(self.system).items()},
             "state": {"q": self.state[0].tolist(), "v": self.state[1].tolist()},
             "parameters": dict(self.parameters),
+            **({} if feedback is None else {"feedback": asdict(feedback)}),
             "residual": self.residual,
             "multipliers": [[value.real, value.imag] for value in self.multipliers],
             "durations": dict(self.durations),
@@ -192,6 +195,8 @@ class Gait(Shown):
             contact = Ground if data["contact"].keys() & {"slope", "height"} else Contact
             kinds_of_parts = zip((law, Spring, contact), PARTS, strict=True)
             system = build(robot, *(_part(kind, data[part]) for kind, part in kinds_of_parts))
+            if "feedback" in data:
+                system = with_feedback(system, _part(EventFeedback, data["feedback"]))
             system = replace(system, **data.get("limits", {}))
             state = _numbers("state.q", data["state"]["q"], robot.nq), _numbers("state.v", data["state"]["v"], robot.nv)
             for name in data["parameters"]:
@@ -216,7 +221,9 @@ def _unsaid(system: HybridSystem) -> list[str]:
         "ground that is no plane": type(system.contact) not in (Contact, Ground),
         **dict.fromkeys(unsaid(system.robot), True),
         "another builder than others of its kind": not built_as_named(system),
-        "a change of its own": any(not isinstance(change, (DryFriction, Fitted)) for change in system.changes),
+        "a change of its own": any(
+            not isinstance(change, (DryFriction, EventFeedback, Fitted)) for change in system.changes
+        ),
     }
     others = {f"another {name}": True for name in replaced(system) if name not in (*LIMITS, "hardware")}
     return [name for name, there in (has | others).items() if there]
@@ -227,11 +234,11 @@ def _check(data: Any) -> None:
     if not isinstance(data, dict):
         raise ValueError("it is no JSON object")
     objects = ("robot", *PARTS, "state", "parameters", "durations")
-    check_keys("field", data, ("format", "kind", *objects, "residual", "multipliers"), ("limits",))
+    check_keys("field", data, ("format", "kind", *objects, "residual", "multipliers"), ("limits", "feedback"))
     if data["format"] != FORMAT:
         raise BadValue("format", data["format"], repr(FORMAT))
-    data = {"limits": {}, **data}  # older files have no limits
-    for name in (*objects, "limits"):
+    data = {"limits": {}, "feedback": {}, **data}  # older files have no limits
+    for name in (*objects, "limits", "feedback"):
         if not isinstance(data[name], dict):
             raise BadValue(name, data[name], "a JSON object")
     check_origin(data["robot"])

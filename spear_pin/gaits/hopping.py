@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spear_pin.errors import BadValue, require
+from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset, Switch
@@ -56,6 +57,7 @@ class HoppingLaw:
             ẋ_lo being the hip's forward speed latched at lift-off; needs a free boom_x.
         speed: ẋ*, in m/s.
         units: units of these numbers, by name.
+        inputs: numbers that event feedback may adjust, for SPEAR-II.
 
     Example:
         >>> from spear_pin import HoppingLaw
@@ -87,6 +89,7 @@ class HoppingLaw:
         "foot_placement": "rad·s/m",
         "speed": "m/s",
     }
+    inputs: ClassVar[Mapping[str, Input]] = {"stance_torque": Input(2.0, 4.0, True), "hip_touchdown": ANGLE}
 
     def __post_init__(self) -> None:
         """Checks the fields."""

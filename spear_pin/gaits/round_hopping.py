@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spear_pin.errors import BadValue, require
+from spear_pin.gaits.inputs import Input
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, PINNED, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset
@@ -62,6 +63,7 @@ class RoundHoppingLaw:
         unlimited_friction: whether the toe sticks whatever friction that takes; else it sticks and slips along the
             circle by the ground's coefficient.
         units: units of these numbers, by name.
+        inputs: numbers that event feedback may adjust, for HOPPY.
 
     Example:
         >>> from spear_pin.gaits.round_hopping import RoundHoppingLaw
@@ -94,6 +96,7 @@ class RoundHoppingLaw:
         "posture_gain": "N·m/rad",
         "lift_off_force": "N",
     }
+    inputs: ClassVar[Mapping[str, Input]] = {"hip_height": Input(0.01, 0.03), "placement": Input(0.02, 0.05)}
 
     def __post_init__(self) -> None:
         """Checks the fields."""

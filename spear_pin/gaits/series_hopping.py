@@ -16,6 +16,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spear_pin.errors import BadValue, require
+from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset, Switch
@@ -50,6 +51,7 @@ class SeriesHoppingLaw:
         knee_gain: K of the rotor, in N·m/rad (source's K_knee).
         knee_damping: K_D of the rotor, in N·m·s/rad (assumption: critical).
         units: units of these numbers, by name.
+        inputs: numbers that event feedback may adjust, for SPEAR-II.
     """
 
     knee_touchdown: float = 1.0
@@ -67,6 +69,7 @@ class SeriesHoppingLaw:
         "stance_torque": "N·m",
         "frequency": "Hz",
     }
+    inputs: ClassVar[Mapping[str, Input]] = {"stance_torque": Input(2.0, 4.0, True), "hip_touchdown": ANGLE}
 
     def __post_init__(self) -> None:
         """Checks the fields."""

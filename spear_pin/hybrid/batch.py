@@ -13,7 +13,8 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.structure import NONZERO, names_of
+from spear_pin.hybrid.engines.structure import NONZERO
+from spear_pin.hybrid.fields import names_of
 from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.lanes.runner import FEW as FEW
 from spear_pin.hybrid.lanes.runner import Lanes

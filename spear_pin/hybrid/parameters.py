@@ -141,6 +141,12 @@ def numbers_of_robot(robot: Robot) -> tuple[str, ...]:
     return (*parameters_of(robot), *body_numbers(robot))
 
 
+def numbers_of_law(system: HybridSystem) -> tuple[str, ...]:
+    """Returns the names of the numbers of a system's law that have a value."""
+    places = _places(system.law).items()
+    return tuple(name for name, inner in places if _held(system, "law", inner, name) is not None)
+
+
 def unit(system: HybridSystem, name: str) -> str:
     """Returns the unit of a number of the robot, the law (if it names units), the springs or the ground; else ""."""
     if name in parameters_of(system.robot):
@@ -185,19 +191,25 @@ def _owner(system: HybridSystem, name: str) -> tuple[str, str | None]:
     """
     owners: dict[str, tuple[str, str | None]] = {}
     for part, whole in _parts(system).items():
-        own: dict[str, tuple[str, str | None]] = {}
-        for field in fields(whole):
-            value = getattr(whole, field.name)
-            if is_dataclass(value):
-                own |= {inner.name: (part, field.name) for inner in fields(value) if _numeric(value, inner.name)}
-            elif _numeric(whole, field.name):
-                own[field.name] = part, None
+        own = {name: (part, inner) for name, inner in _places(whole).items()}
         if name in own and name in owners and _held(system, *own[name], name) != _held(system, *owners[name], name):
             raise BadValue("name", name, f"a number of one part, not of {owners[name][0]} and {part}: rename the law's")
         owners |= own
     if name not in owners:
         raise UnknownName("parameter", name, owners)
     return owners[name]
+
+
+def _places(whole: Any) -> dict[str, str | None]:
+    """Returns where a part has its numbers, by name: None for itself, or its field that is a dataclass."""
+    own: dict[str, str | None] = {}
+    for field in fields(whole):
+        value = getattr(whole, field.name)
+        if is_dataclass(value):
+            own |= {inner.name: field.name for inner in fields(value) if _numeric(value, inner.name)}
+        elif _numeric(whole, field.name):
+            own[field.name] = None
+    return own
 
 
 def _held(system: HybridSystem, part: str, inner: str | None, name: str) -> Any:

@@ -124,7 +124,9 @@ class _Runner:
             segment.ended = self.flow.domain.guards[watch.at_once]
             self._leave(segment.ended)
             return
-        until = min(rules.due(self.flow.domain, self.switches, self.system.law), self.system.phase_limit)
+        until = min(
+            rules.due(self.flow.domain, self.switches, self.system.law, self.flow.held), self.system.phase_limit
+        )
         if until <= self.t:
             self._overdue()
         elif watch.undefined or not np.isfinite(self.flow(self.t, self.y)).all():
@@ -166,7 +168,7 @@ class _Runner:
     def _scheduled(self) -> Guard | None:
         """Returns the scheduled event that is due now."""
         switch = self.flow.domain.switch
-        if switch is None or self.t < rules.due(self.flow.domain, self.switches, self.system.law):
+        if switch is None or self.t < rules.due(self.flow.domain, self.switches, self.system.law, self.flow.held):
             self._overdue()
             return None
         self.switches += 1

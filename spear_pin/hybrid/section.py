@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.charts import Chart, Charts, Section
-from spear_pin.hybrid.engines.structure import OF_GROUND, with_fields
+from spear_pin.hybrid.engines.structure import OF_GROUND
+from spear_pin.hybrid.fields import with_fields
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.per_lane import applied, null_spaces
 from spear_pin.hybrid.result import State

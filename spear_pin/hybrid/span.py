@@ -89,7 +89,7 @@ class Span:
         y = self.enclosure(STATE)
         time = Interval(self.begin, self.end)
         try:
-            found = guard.value(time, y[:nv], y[nv : 2 * nv], flow.held, flow.system.law, _Dynamics(self), INTERVALS)
+            found = guard.value(time, y[:nv], y[nv : 2 * nv], flow.held, flow.p, _Dynamics(self), INTERVALS)
         except ArithmeticError:
             raise Unsure from None
         return bounds(found)

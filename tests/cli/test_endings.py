@@ -9,9 +9,9 @@ import spear_pin
 from spear_pin import Gait
 from spear_pin.cli.endings import ended, lost, notes_of
 from spear_pin.errors import SpearError
-from spear_pin.gaits.spatial.trot_law import TROT_INPUTS
 from spear_pin.hybrid.reasons import REASONS
 from tests.cli.calls import refused, run
+from tests.gaits.feeding import idle
 
 
 def motion(reason, cycles):
@@ -87,8 +87,6 @@ def test_one_without_a_whole_cycle_leaves_no_file(capsys, tmp_path, monkeypatch,
 def test_a_push_that_nothing_survives(capsys, tmp_path, push, told):
     """Of a gait with feedback that does nothing, which is quick to play."""
     gait = Gait.load("trot")
-    size = 2 * gait.system.robot.nv
-    idle = gait.with_law(feedback=len(TROT_INPUTS) * (size * (0.0,),), nominal=size * (0.0,))
-    path = idle.save(tmp_path / "idle.json")
+    path = idle(gait).save(tmp_path / "idle.json")
     assert told in refused(capsys, "trot", path, "--push", push, "--cycles", 2, "--out", tmp_path)
     assert [each.name for each in tmp_path.iterdir()] == ["idle.json"]

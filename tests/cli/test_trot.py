@@ -8,27 +8,22 @@ import pytest
 
 from spear_pin import Gait, Trajectory, simulate
 from spear_pin.cli.durations import usual
-from spear_pin.gaits.orbits import balance
-from spear_pin.gaits.orbits.parity import merged
-from spear_pin.gaits.spatial.trot_law import TROT_INPUTS
+from spear_pin.gaits import feedback
+from spear_pin.gaits.parity import merged
+from spear_pin.hybrid.event_feedback import feedback_of
 from tests.cli.calls import printed, refused, rows, run
+from tests.gaits.feeding import idle
 from tests.solve.kept import FOLDER
 
 
-def held(gait, inputs=TROT_INPUTS):
-    """The gait with feedback that does nothing."""
-    nothing = tuple(map(tuple, np.zeros((len(inputs or TROT_INPUTS), 36))))
-    return gait.with_law(feedback=nothing, nominal=tuple(np.concatenate(gait.state)))
-
-
-def unregulated(gait, inputs=TROT_INPUTS):
+def unregulated(gait, inputs=None):
     of = merged({None: gait.multipliers})
-    return balance.Balance(held(gait, inputs), of, of)
+    return feedback.Regulated(idle(gait), of, of)
 
 
 @pytest.fixture(scope="module")
 def steady(tmp_path_factory):
-    return held(Gait.load("trot")).save(tmp_path_factory.mktemp("trot") / "trot_steady.json")
+    return idle(Gait.load("trot")).save(tmp_path_factory.mktemp("trot") / "trot_steady.json")
 
 
 @pytest.mark.slow
@@ -46,13 +41,13 @@ def test_a_gait_with_feedback_is_played(capsys, tmp_path, steady):
 
 @pytest.mark.slow
 def test_feedback_is_found_and_kept(capsys, tmp_path, monkeypatch):
-    monkeypatch.setattr(balance, "balance", unregulated)
+    monkeypatch.setattr(feedback, "regulate", unregulated)
     status, out, _ = run(capsys, "trot", "pace", "--push", 0.01, "--cycles", 1, "--out", tmp_path)
     said = rows(out)
     assert status == 0 and said["gait"] == "pace, a pace in space"
     assert "unstable" in said["without feedback"] and "all: 1.5" in out and said["push"] == "0.01 m/s to the left"
     kept = Gait.load(tmp_path / "trot_steady.json")
-    assert kept.system.law.feedback
+    assert feedback_of(kept.system) is not None
     q, v = kept.state
     v[1] += 0.01
     wanted, motion = simulate(kept.system, (q, v), 1), Trajectory.load(tmp_path / "trot.npz")
@@ -61,7 +56,7 @@ def test_feedback_is_found_and_kept(capsys, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_a_pronk_is_held_by_all_inputs(capsys, tmp_path, monkeypatch):
-    monkeypatch.setattr(balance, "balance", unregulated)
+    monkeypatch.setattr(feedback, "regulate", unregulated)
     result = printed(capsys, "trot", "pronk", "--cycles", 1, "--out", tmp_path)
     assert result["goes"] == "pronk" and result["in_a_stride"] == 1 and result["cycles"] == 1
     assert result["stride_time"] == pytest.approx(0.289, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=1e-6)

@@ -79,25 +79,17 @@ class Bounder:
 
     law: object
 
-    def stride(self, state, adjust):
-        """From just after anterior touchdown to just after the next one.
+    def stride(self, state):
+        """From a state (q, v) just after anterior touchdown to just after the next one."""
+        state = self.fly(*self.stand(ANTERIOR, *state), ANTERIOR)
+        return self.fly(*self.stand(POSTERIOR, *state), POSTERIOR)
 
-        Args:
-            state: (q, v).
-            adjust: what event feedback added at the last posterior touchdown.
-        """
-        state = self.fly(*self.stand(ANTERIOR, *state, adjust), ANTERIOR, adjust)
-        if self.law.feedback:
-            adjust = np.array(self.law.feedback) @ (np.concatenate([state[0][1:], state[1]]) - self.law.nominal)
-            adjust = np.clip(adjust, -np.array(self.law.feedback_limits), self.law.feedback_limits)
-        return self.fly(*self.stand(POSTERIOR, *state, adjust), POSTERIOR, adjust), adjust
-
-    def stand(self, leg, q, v, adjust):
+    def stand(self, leg, q, v):
         """To lift-off."""
         name = ("posterior", "anterior")[leg]
-        hip = getattr(self.law, f"{name}_hip_torque") + adjust[2 * leg]
+        hip = getattr(self.law, f"{name}_hip_torque")
         hip += self.law.speed_gain[leg] * (v[0] - self.law.speed_nominal[leg])
-        push = getattr(self.law, f"{name}_knee_torque") + adjust[2 * leg + 1]
+        push = getattr(self.law, f"{name}_knee_torque")
         ends = getattr(self.law, f"{name}_stance_swing")
         span = getattr(self.law, f"{name}_stance_span")
         swing = Swing.beginning(rows_of(1 - leg), ends, leg_angle(leg), span, q, v)
@@ -115,11 +107,11 @@ class Bounder:
 
         return advance(acceleration, q, v, knee)
 
-    def fly(self, q, v, lifted, adjust):
+    def fly(self, q, v, lifted):
         """To just after the other leg's touchdown, where its toe sticks."""
         number, landing = (1, 2)[lifted], 1 - lifted
         name = ("posterior", "anterior")[landing]
-        target = getattr(self.law, f"{name}_leg_touchdown") + adjust[4 + landing]
+        target = getattr(self.law, f"{name}_leg_touchdown")
         angle, knee = getattr(self.law, f"flight_{number}_landing")
         bent = SIDES[landing] * self.law.knee_touchdown
         ends = [[angle, target, target, target], [knee, bent, bent, bent]]

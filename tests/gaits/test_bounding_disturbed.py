@@ -49,7 +49,7 @@ def both_down():
     J = np.concatenate([robot.toe_jacobian(q, toe) for toe in toes])
     v = np.array([1.5, -0.6, 0.2, 0.0, 0.0, 0.0, 0.0])
     v[3:] = -np.linalg.solve(J[:, 3:], J[:, :3] @ v[:3])
-    law = replace(found.system.law, feedback=(), speed_gain=(0.0, 0.0))
+    law = replace(found.system.law, speed_gain=(0.0, 0.0))
     return bounding(robot, law), (q, v)
 
 

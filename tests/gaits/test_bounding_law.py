@@ -86,8 +86,6 @@ class TestLaw:
             ("lift_off", "hand"),
             ("lift_off", ""),
             ("lift_off", 3),
-            ("feedback", ((0.0,) * 13,) * 5),
-            ("feedback", ((0.0,) * 12,) * 6),
         ],
     )
     def test_bad_value(self, field, value):
@@ -106,7 +104,7 @@ class TestLaw:
             bounding(load("q_spear", **options), gait(NAMES[0]).system.law)
 
     def test_no_guess_without_a_nominal_state(self):
-        law = replace(gait(NAMES[0]).system.law, nominal=(), feedback=())
+        law = replace(gait(NAMES[0]).system.law, nominal=())
         with pytest.raises(BadValue, match="BoundingLaw.nominal"):
             bounding(load("q_spear"), law).guess()
 

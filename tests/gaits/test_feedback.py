@@ -2,19 +2,38 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
+import scipy
 
-from spear_pin import Gait
+from spear_pin import Gait, find_gait, load
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits import feedback
 from spear_pin.gaits.bounding_law import INPUTS
-from spear_pin.gaits.feedback import SCALES, linearized, regulated, speed_regulated
-from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.gaits.feedback import regulate, regulated, speed_regulated, without_feedback
+from spear_pin.gaits.linear import linearized
+from spear_pin.gaits.parity import ALONG, LATERAL
+from spear_pin.gaits.round_hopping import round_hopping
+from spear_pin.gaits.series_hopping import series_hopping
+from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.periodic import chart, displacement, multipliers, return_map
+from tests.gaits.feeding import idle
+from tests.gaits.orbits.test_embedding import planar, spatial
+from tests.solve.gaits import fastest_upright, least_effort_upright
 
 RADIUS = {"least_effort": 0.9, "force_lift_off": 0.9}  # beside long_stride
+
+
+@pytest.fixture(scope="module")
+def series_hop() -> Gait:
+    return find_gait(series_hopping(load("spear_ii_series", locked=["boom_x"])))
+
+
+@pytest.fixture(scope="module")
+def hoppy() -> Gait:
+    return find_gait(round_hopping(load("hoppy")))
 
 
 @pytest.fixture(scope="module")
@@ -31,10 +50,11 @@ def derivatives(gait: Gait) -> tuple[np.ndarray, np.ndarray]:
 def test_the_solved_gait_is_what_is_found(gait: Gait, stabilised: Gait) -> None:
     """The file is that of `regulated(Gait.load("long_stride"), rtol=1e-9)`, which differences round a little."""
     found = regulated(gait, rtol=1e-9)
-    assert np.array(found.system.law.feedback) == pytest.approx(
-        np.array(stabilised.system.law.feedback), rel=1e-3, abs=1e-3
-    )
-    assert replace(found.system.law, feedback=()) == replace(stabilised.system.law, feedback=())
+    ours, kept = feedback_of(found.system), feedback_of(stabilised.system)
+    assert np.array(ours.gains) == pytest.approx(np.array(kept.gains), rel=1e-3, abs=1e-3)
+    assert ours.nominal == pytest.approx(kept.nominal, abs=1e-12)
+    assert replace(ours, gains=(), nominal=()) == replace(kept, gains=(), nominal=())
+    assert found.system.law == stabilised.system.law
     assert np.abs(found.multipliers) == pytest.approx(np.abs(stabilised.multipliers), abs=1e-4)
 
 
@@ -64,41 +84,13 @@ def test_the_orbit_stays_as_it_is(gait: Gait, stabilised: Gait) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["long_stride", "least_effort"])
-def test_derivatives_against_differences_extrapolated_to_no_step(name: str) -> None:
-    """Along directions that mix every coordinate and every input, from two steps much larger than those taken.
-
-    In the one events meet, so that it is differenced; in the other none do.
-    """
-    gait = Gait.load(name)
-    A, B = linearized(gait, INPUTS, rtol=1e-9)
-    local = chart(gait.system, gait.state)
-    n, scales = local.dimension, np.array([SCALES[name] for name in INPUTS])
-    nominal = np.array([parameter(gait.system, name) for name in INPUTS])
-    random = np.random.default_rng(0)
-
-    def mapped(xi: np.ndarray, w: np.ndarray) -> np.ndarray:
-        trial = with_parameters(gait.system, dict(zip(INPUTS, (nominal + w).tolist(), strict=True)))
-        return local.coordinates(return_map(trial, local.state(xi), 1e-11).state)
-
-    for _ in range(3):
-        along = random.normal(size=n + len(INPUTS))
-        along /= np.linalg.norm(along)
-        xi, w = along[:n], scales * along[n:]
-        wide, narrow = ((mapped(h * xi, h * w) - mapped(-h * xi, -h * w)) / (2.0 * h) for h in (1e-4, 5e-5))
-        assert A @ xi + B @ w == pytest.approx((4.0 * narrow - wide) / 3.0, abs=2e-4 * np.abs(A).max())
-
-
-@pytest.mark.slow
 def test_multipliers_are_those_of_the_linear_closed_loop(
     gait: Gait, stabilised: Gait, derivatives: tuple[np.ndarray, np.ndarray]
 ) -> None:
     A, B = derivatives
     local = chart(gait.system, gait.state)
-    dq = local.q_basis.shape[1]
-    basis = np.zeros((local.q_basis.shape[0] - 1 + local.v_basis.shape[0], local.dimension))
-    basis[: len(local.q_basis) - 1, :dq], basis[len(local.q_basis) - 1 :, dq:] = local.q_basis[1:], local.v_basis
-    closed = np.linalg.eigvals(A + B @ np.array(stabilised.system.law.feedback) @ basis)
+    basis = scipy.linalg.block_diag(local.q_basis, local.v_basis)
+    closed = np.linalg.eigvals(A + B @ np.array(feedback_of(stabilised.system).gains) @ basis)
     assert abs(stabilised.multipliers[0]) < abs(gait.multipliers[0])
     largest = sorted(np.abs(closed), reverse=True)[:3]
     assert np.abs(stabilised.multipliers[:3]) == pytest.approx(largest, abs=2e-3)
@@ -106,8 +98,8 @@ def test_multipliers_are_those_of_the_linear_closed_loop(
 
 def test_a_saved_gait_keeps_its_feedback(stabilised: Gait, tmp_path) -> None:
     again = Gait.load(stabilised.save(tmp_path / "gait.json"))
+    assert feedback_of(again.system) == feedback_of(stabilised.system) is not None
     assert again.system.law == stabilised.system.law
-    assert again.system.law.feedback
     assert np.array_equal(again.multipliers, stabilised.multipliers)
 
 
@@ -132,21 +124,69 @@ def test_the_gain_of_speed_feedback_that_is_found_beats_those_beside_it(gait: Ga
 
 
 def test_what_cannot_be_asked_for(gait: Gait, stabilised: Gait) -> None:
-    with pytest.raises(UnknownName, match="epsilon"):
-        regulated(gait, ("posterior_hip_torque", "epsilon"))
+    with pytest.raises(UnknownName, match="stiffness"):
+        regulated(gait, ("posterior_hip_torque", "stiffness"))
+    for inputs in ((), 2 * ("posterior_hip_torque",)):
+        with pytest.raises(BadValue, match="inputs"):
+            regulated(gait, inputs)
     for weight in (0.0, -1.0, math.nan):
         with pytest.raises(BadValue, match="weight"):
             regulated(gait, weight=weight)
+    with pytest.raises(BadValue, match="heading"):
+        regulated(gait, heading=1.0)
     for build in (regulated, speed_regulated):
         with pytest.raises(BadValue, match="event feedback"):
             build(stabilised)
 
 
 @pytest.mark.slow
-def test_a_hop_has_no_such_feedback(hop: Gait) -> None:
-    for build in (regulated, speed_regulated):
-        with pytest.raises(BadValue, match="bounding"):
-            build(hop)
+def test_a_hop_has_no_feedback_of_its_speed(hop: Gait) -> None:
+    with pytest.raises(BadValue, match="bounding"):
+        speed_regulated(hop)
+
+
+class TestAnyGait:
+    """A hop in place and with boom_x free, a hop with a series spring, HOPPY's, a law of one's own."""
+
+    @pytest.mark.parametrize("name", ["hop", "free_hop", "series_hop", "hoppy"])
+    def test_multipliers_are_those_of_the_closed_loop(self, request, name):
+        """They follow from A and B; the derivatives of the closed loop itself share nothing with K."""
+        gait = request.getfixturevalue(name)
+        found = regulate(gait)
+        simulated = multipliers(found.gait.system, gait.state)
+        assert np.abs(found.held.values) == pytest.approx(np.abs(simulated), abs=1e-6)
+        assert np.abs(found.without.values) == pytest.approx(np.abs(multipliers(gait.system, gait.state)), abs=1e-6)
+        once = return_map(found.gait.system, gait.state, 1e-12)
+        assert np.abs(displacement(gait.system, gait.state, once.state)).max() < 1e-8
+
+    def test_a_hop_that_drifts_away_comes_back(self, free_hop: Gait) -> None:
+        held = regulated(free_hop)
+        assert abs(free_hop.multipliers[0]) > 1.0 > 0.5 > abs(held.multipliers[0])
+        local = chart(held.system, held.state)
+        xi = np.array([0.01, -0.01, 0.02, 0.02])
+        state = local.state(xi)
+        for _ in range(8):
+            state = return_map(held.system, state).state
+        assert np.abs(local.coordinates(state)).max() < 0.01 * np.abs(xi).max()
+
+    def test_what_a_law_does_not_list_is_named(self, hop: Gait) -> None:
+        found = regulated(hop, ("knee_gain", "frequency"))
+        assert feedback_of(found.system).limits == pytest.approx((0.5 * 63.25, 0.5 * 2.56))
+
+    def test_what_grows_and_is_not_reached(self, free_hop: Gait) -> None:
+        with pytest.raises(BadValue, match="numbers on which the next state depends"):
+            regulated(free_hop, ("speed",))  # with no gain of its own
+
+
+@pytest.mark.slow
+def test_a_gait_without_feedback_again(gait: Gait, stabilised: Gait) -> None:
+    bare = without_feedback(stabilised)
+    assert feedback_of(bare.system) is None and bare.system.law == stabilised.system.law
+    assert without_feedback(gait.with_law(speed_gain=(1.0, 2.0))).system.law.speed_gain == (0.0, 0.0)
+    for ours, its in zip(
+        return_map(bare.system, gait.state).state, return_map(gait.system, gait.state).state, strict=True
+    ):
+        assert np.array_equal(ours, its)
 
 
 @pytest.mark.slow
@@ -154,3 +194,54 @@ def test_the_multipliers_are_those_of_the_simulated_cycles(stabilised: Gait) -> 
     """They come from the derivatives of the gait without feedback, by the chain rule."""
     simulated = multipliers(stabilised.system, stabilised.state, 1e-10)
     assert np.abs(stabilised.multipliers) == pytest.approx(np.abs(simulated), abs=2e-4)
+
+
+@cache
+def in_space(name: str = "long_stride") -> Gait:
+    """The gait in space; its multipliers are not looked at."""
+    system, state = spatial(name)
+    return Gait(system, state, {}, 1e-11, np.array([np.nan + 0j]), {})
+
+
+class TestInSpace:
+    @pytest.mark.parametrize(
+        ("name", "kept"), [("least_effort", least_effort_upright), ("long_stride_3.50", fastest_upright)]
+    )
+    def test_one_number_a_stride_suffices(self, name, kept):
+        """Sideways: what is left above is the plane's, along."""
+        plane, found = planar(name).multipliers, kept().multipliers
+        lateral = [each for each in found if abs(plane - each).min() > 1e-5]
+        assert len(found) == 32 and max(map(abs, lateral)) <= 0.55
+
+    @pytest.mark.slow
+    def test_all_multipliers_are_told_without_feedback_and_with_it(self):
+        found, along_it = regulate(in_space("least_effort")), np.abs(planar("least_effort").multipliers[:4])
+        for of in (found.without, found.held):
+            kinds = np.array(of.kinds)
+            assert len(of.values) == len(kinds) == 32 and (kinds == LATERAL).sum() == 16
+            np.testing.assert_allclose(np.abs(of.values[kinds == ALONG][:4]), along_it, rtol=0, atol=1e-5)
+            assert (np.diff(np.abs(of.values)) <= 1e-9).all()
+        lateral = [np.abs(of.values[np.array(of.kinds) == LATERAL]).max() for of in (found.without, found.held)]
+        assert lateral[1] <= 0.55 < 1.0 < lateral[0]
+        np.testing.assert_array_equal(found.gait.multipliers, found.held.values)
+
+
+class TestRefusedInSpace:
+    def test_inputs_that_are_none(self):
+        with pytest.raises(UnknownName, match="input"):
+            regulated(in_space(), ("hip_torque",))
+
+    @pytest.mark.parametrize("inputs", [(), 2 * ("posterior_adduction",)])
+    def test_no_inputs_and_one_twice(self, inputs):
+        with pytest.raises(BadValue, match="inputs"):
+            regulated(in_space(), inputs)
+
+    def test_weights(self):
+        with pytest.raises(BadValue, match="weight"):
+            regulated(in_space(), weight=0.0)
+        with pytest.raises(BadValue, match="heading"):
+            regulated(in_space(), heading=-1.0)
+
+    def test_feedback_twice(self):
+        with pytest.raises(BadValue, match="without"):
+            regulated(idle(in_space()))

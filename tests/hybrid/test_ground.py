@@ -146,9 +146,3 @@ class TestGround:
         again = Trajectory.load(trajectory.save(tmp_path / "hop.npz"))
         assert trajectory.ground == again.ground == system.ground
         np.testing.assert_array_equal(again.force, trajectory.force)
-
-    def test_is_level_for_feedback_by_height(self):
-        gait = Gait.load("least_effort")
-        law = replace(gait.system.law, feedback=((0.0,) * 13,) * 6)
-        with pytest.raises(BadValue, match=r"BoundingLaw.feedback.*the height of the torso"):
-            bounding(gait.system.robot, law, ground=Ground(slope=0.1))

@@ -259,8 +259,6 @@ MUTATIONS = [
             ),
             "bounding: a fixed spring in stance only": ("bearing if spring.rest is None else legs", "bearing"),
             "bounding: a stance that resumes begins anew": ("if resumed and f", "if not resumed and f"),
-            "bounding: feedback at each touchdown": ("if first and not resumed:", "if not resumed:"),
-            "bounding: feedback to the wrong leg's angle": ("+ adjust[4 + i]", "+ adjust[5 - i]"),
         },
     ),
 ]

@@ -53,9 +53,48 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "hybrid/engines/structure",
-        ["hybrid/test_symbolic"],
-        {"numbers of a part of the law stay": ("value = with_fields(value, values)", "value = with_fields(value, {})")},
+        "hybrid/fields",
+        ["hybrid/test_symbolic", "hybrid/test_event_feedback"],
+        {
+            "numbers of a part of the law stay": (
+                "value = with_fields(value, values)",
+                "value = with_fields(value, {})",
+            ),
+            "feedback replaces a number": ("value_in(law, name) + value", "value"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/event_feedback",
+        ["hybrid/test_event_feedback"],
+        {
+            "feedback without limits": ("max(-limit, min(limit, value))", "value"),
+            "feedback on either side alike": ("if second else None", "if False else None"),
+            "feedback along x instead of the heading": ("c * v[0] + s * v[1], c * v[1] - s * v[0]", "v[0], v[1]"),
+            "feedback to no heading": ("q[YAW] - self.heading", "q[YAW]"),
+            "feedback halfway compares with the first half": (
+                "partial(self._added, self.halfway,",
+                "partial(self._added, self.nominal,",
+            ),
+            "feedback at any event": ("guard.name not in (system.section, self.between)", "False"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/rules/latching",
+        ["hybrid/test_event_feedback"],
+        {
+            "an event sees the law as it was": (
+                "latch, p = reset.latch, adjusted(law, held)",
+                "latch, p = reset.latch, law",
+            )
+        },
+    ),
+    *mistakes_in(
+        "gaits/feedback",
+        ["gaits/test_feedback"],
+        {
+            "gains of the other sign": ("map(_row, -K @", "map(_row, K @"),
+            "an input that acts on nothing": ("if not column.any():", "if False:"),
+        },
     ),
     *mistakes_in(
         "hybrid/symmetry",

@@ -6,11 +6,11 @@ import numpy as np
 
 from spear_pin import Gait, SpatialLaw, in_space, load, sagittal
 from spear_pin.gaits import library
+from spear_pin.gaits.feedback import regulated
 from spear_pin.gaits.footfalls.collocate import collocated
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.footfalls.trots import trot_beside
-from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.orbits.galloping import galloping
 from spear_pin.gaits.orbits.steering import turned
@@ -40,22 +40,22 @@ def long_stride_in_space() -> Gait:
 
 @solved("long_stride_in_space", close=BY_PARTS)
 def long_stride_upright() -> Gait:
-    return balanced(long_stride_in_space())
+    return regulated(long_stride_in_space())
 
 
 @solved("long_stride_in_space", close=None)
 def long_stride_steady() -> Gait:
-    return balanced(long_stride_in_space(), ACROSS, heading=30.0)
+    return regulated(long_stride_in_space(), ACROSS, heading=30.0)
 
 
 @solved("least_effort", close=BY_PARTS)
 def least_effort_upright() -> Gait:
-    return balanced(in_space(Gait.load("least_effort")))
+    return regulated(in_space(Gait.load("least_effort")))
 
 
 @solved("long_stride_3.50", close=BY_PARTS)
 def fastest_upright() -> Gait:
-    return balanced(in_space(Gait.load("long_stride_3.50")))
+    return regulated(in_space(Gait.load("long_stride_3.50")))
 
 
 @solved("long_stride")
@@ -82,22 +82,22 @@ def gallop_begun() -> Gait:
 
 @solved("trot")
 def trot_steady() -> Gait:
-    return balanced(Gait.load("trot"))
+    return regulated(Gait.load("trot"))
 
 
 @solved("pace", close=None)  # two feet land all but at once: on either side the map has other derivatives
 def pace_steady() -> Gait:
-    return balanced(Gait.load("pace"))
+    return regulated(Gait.load("pace"))
 
 
 @solved("pronk", close=BY_PARTS)
 def pronk_steady() -> Gait:
-    return balanced(Gait.load("pronk"), INPUTS)
+    return regulated(Gait.load("pronk"), INPUTS)
 
 
 @solved("gallop")
 def gallop_steady() -> Gait:
-    return balanced(Gait.load("gallop"))
+    return regulated(Gait.load("gallop"))
 
 
 @solved(extras=ROBOTS)
@@ -107,7 +107,7 @@ def solo12_bound() -> Gait:
 
 @solved("solo12_bound", extras=ROBOTS)
 def solo12_bound_upright() -> Gait:
-    return balanced(solo12_bound())
+    return regulated(solo12_bound())
 
 
 @solved(extras=ROBOTS)
@@ -117,7 +117,7 @@ def anymal_b_bound() -> Gait:
 
 @solved("anymal_b_bound", extras=ROBOTS)
 def anymal_b_bound_upright() -> Gait:
-    return balanced(anymal_b_bound())
+    return regulated(anymal_b_bound())
 
 
 @solved(extras=ROBOTS)
@@ -130,7 +130,7 @@ def solo12_trot() -> Gait:
 
 @solved("solo12_trot", extras=ROBOTS)
 def solo12_trot_steady() -> Gait:
-    return balanced(solo12_trot())
+    return regulated(solo12_trot())
 
 
 @solved(extras=ROBOTS)
@@ -139,4 +139,4 @@ def anymal_b_trot() -> Gait:
     law, swing = StanceLaw.scaled(anymal, knee_rest=math.radians(55.0)), SwingLaw.scaled(anymal)
     speed, footfalls = scale_in_space(anymal).speed, FOOTFALLS["trot"].finer(2)
     asked = FootfallRequest.scaled(anymal, footfalls=footfalls, law=law, swing=swing, speed=speed)
-    return balanced(trot_beside(collocated(anymal, asked)))
+    return regulated(trot_beside(collocated(anymal, asked)))

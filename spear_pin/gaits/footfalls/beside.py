@@ -82,7 +82,7 @@ def orbit_beside(
 
 
 def nearby(system: HybridSystem, state: State, speed: float) -> Gait:
-    """Finds the fixed point by Newton's method from a nearby state, at a speed; feedback compares with the fixed point.
+    """Finds the fixed point by Newton's method from a nearby state, at a speed; the law keeps it.
 
     Args:
         system: a system with the law of the collocated gait.

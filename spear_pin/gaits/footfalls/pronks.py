@@ -11,7 +11,7 @@ from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.spatial.law import INPUTS, SpatialLaw, limits_for
+from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import FLIGHTS
 from spear_pin.gaits.spatial.pronking import pronking
 from spear_pin.hybrid.symmetry import headed
@@ -92,5 +92,4 @@ def law_of_pronk(gait: CollocatedGait) -> SpatialLaw:
         adduction_stiffness=law.adduction_stiffness,
         adduction_damping=law.adduction_damping,
         adduction_epsilon=swing.adduction_epsilon,
-        feedback_limits=limits_for(gait.robot, INPUTS, SpatialLaw.feedback_limits),
     )

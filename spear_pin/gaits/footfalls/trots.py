@@ -10,8 +10,7 @@ from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.spatial.law import limits_for
-from spear_pin.gaits.spatial.trot_law import TROT_INPUTS, TrotLaw
+from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.gaits.spatial.trotting import ALIKE, halfway, pacing, trotting
 from spear_pin.hybrid.symmetry import evened, headed, lopsided, mirror_of
 from spear_pin.kinds import typed
@@ -90,6 +89,5 @@ def law_of_trot(gait: CollocatedGait) -> TrotLaw:
         adduction_damping=law.adduction_damping,
         adduction_epsilon=swing.adduction_epsilon,
         epsilon=swing.epsilon,
-        feedback_limits=limits_for(gait.robot, TROT_INPUTS, TrotLaw.feedback_limits),
         **numbers,
     )

@@ -21,6 +21,7 @@ from spear_pin.gaits.orbits.steering import SECOND
 from spear_pin.gaits.orbits.strides import Strides
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.law import INPUTS
+from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.symmetry import headed
 from spear_pin.kinds import typed
@@ -56,7 +57,7 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
         >>> bound = in_space(Gait.load("long_stride_3.00"))  # doctest: +SKIP
         >>> gallop = galloping(bound, (0.02, 0.02))  # three minutes  # doctest: +SKIP
     """
-    if gait.system.kind != "bounding_in_space" or gait.system.law.feedback:
+    if gait.system.kind != "bounding_in_space" or feedback_of(gait.system) is not None:
         raise BadValue("gait", gait, "one of bounding_in_space, without feedback")
     if len(landing) != len(LEGS):
         raise BadValue("landing", landing, "two times, in s")

@@ -11,7 +11,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.bounding_law import LEGS
-from spear_pin.gaits.orbits.balance import unit_of
+from spear_pin.gaits.inputs import inputs_of
 from spear_pin.gaits.spatial.automaton import speed_ahead
 from spear_pin.gaits.spatial.legs import SIDES
 from spear_pin.gaits.tangent_cycles import tangent_cycles
@@ -65,7 +65,8 @@ class Strides:
         """
         self._system, self._second, self._rtol, self._chart = system, second, rtol, chart(system, state)
         self._cycles = tangent_cycles(system, inputs, ())
-        self._inputs = [(name, parameter(system, name), unit_of(name, system.robot)) for name in inputs]
+        units = [each.one for each in inputs_of(system, inputs)]
+        self._inputs = [(name, parameter(system, name), one) for name, one in zip(inputs, units, strict=True)]
         self.n = self._chart.dimension
         self.unknowns = self.n + len(inputs)
 

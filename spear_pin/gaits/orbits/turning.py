@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
 from spear_pin.errors import NoGait, require
+from spear_pin.gaits.feedback import regulated
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.gaits.orbits.steering import STEERED_BY, turned
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.automaton import forward_speed
 from spear_pin.gaits.spatial.law import INPUTS
-from spear_pin.gaits.spatial.torques import ADJUSTED
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.event_feedback import feedback_of, with_feedback
+from spear_pin.hybrid.fields import ADDED
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import displacement, multipliers, residual, return_map
 from spear_pin.hybrid.result import State
@@ -59,7 +61,7 @@ def turning(
         NoGait: the motion ends, or does not settle, or Newton's method does not end in a gait.
     """
     require("turn", turn, lambda angle: abs(angle) <= 1.0, "within ±1 rad a stride")
-    led = balanced(gait, (*TURNS_BY, *STEADIED_BY), heading=HEADING, rtol=rtol)
+    led = regulated(gait, (*TURNS_BY, *STEADIED_BY), heading=HEADING, rtol=rtol)
     first = math.copysign(min(abs(turn), FIRST), turn)
     system, state = _settled(led, first, rtol, on_stride)
     if first == turn:
@@ -78,9 +80,11 @@ def _settled(
 ) -> tuple[HybridSystem, State]:
     """Returns the system with constant inputs and without feedback, and the state to which it has settled."""
     state, heading, change = led.state, 0.0, np.inf
+    feedback = feedback_of(led.system)
+    assert feedback is not None
     for n in range(1, STRIDES + 1):
         heading += turn * min(1.0, n / RAMP)
-        steered = with_parameters(led.system, {"heading": heading})
+        steered = with_feedback(led.system, replace(feedback, heading=heading))
         run = return_map(steered, state, rtol)
         if not run.cycles:
             raise NoGait(f"the turn was lost in stride {n}: {run.message}", change, remedy="a smaller turn")
@@ -91,8 +95,6 @@ def _settled(
             break
     else:
         raise NoGait(f"the turn does not settle in {STRIDES} strides", change, remedy="a smaller turn")
-    adjusted = dict(zip(INPUTS, run.held[ADJUSTED], strict=True))
-    used = (*TURNS_BY, *STEADIED_BY)
-    values = {name: parameter(led.system, name) + adjusted[name] for name in used}
-    frozen = led.with_law(feedback=(), nominal=())
-    return with_parameters(frozen.system, values), headed(*state)
+    values = {name: parameter(led.system, name) + run.held[ADDED + name] for name in feedback.inputs}
+    frozen = with_feedback(led.with_law(nominal=()).system, None)
+    return with_parameters(frozen, values), headed(*state)

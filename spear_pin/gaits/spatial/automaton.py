@@ -21,7 +21,7 @@ from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, mount, overload
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
 from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg
-from spear_pin.gaits.spatial.torques import ADJUSTED, LegLaw, law_of
+from spear_pin.gaits.spatial.torques import LegLaw, law_of
 from spear_pin.gaits.virtual_constraints import progress
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, WAYS, Contact
@@ -31,7 +31,7 @@ from spear_pin.hybrid.ground import Ground, as_ground, given
 from spear_pin.hybrid.phases import contact_domains, fall, height, spring_switches
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.rules.guards import ON_GROUND, struck_together, touchdown
-from spear_pin.hybrid.symmetry import X, Y, mirror_of
+from spear_pin.hybrid.symmetry import X, Y
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
 from spear_pin.model.spring import PAIR_STIFFNESS, Spring
@@ -197,12 +197,9 @@ class Automaton:
     def _closing(self, group: Group, phase: str) -> list[Guard]:
         """Returns the event just before a group's touchdown; from there on all depends on (q, v) alone."""
         last, others, halfway = self._previous(group), self._others(group), group is not self.closing[0]
-        mirror = mirror_of(self.robot)
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
-            waiting = {name: each for leg in group for name, each in waits(leg, last, others, q, p).items()}
-            seen: Any = (mirror(np.array(q)), mirror(np.array(v))) if halfway else (q, v)
-            return waiting | {ADJUSTED: (p.adjustment_halfway if halfway else p.adjustment)(*seen)}
+            return {name: each for leg in group for name, each in waits(leg, last, others, q, p).items()}
 
         reset = Reset(latch=latch, phase=_before(phase))
         return [Guard(self.sections[halfway], height(leg.toe), reset, tolerance=ON_GROUND) for leg in group]
@@ -212,7 +209,7 @@ class Automaton:
         swinging = [other for other in self._others(own) if other not in bearing]
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
-            latched = bears(leg, own, q, v, held, p, anew)
+            latched = bears(leg, own, q, v, p, anew)
             for other in swinging:
                 latched |= swings(other, own, q, v, {**held, **latched}, p)
             return latched
@@ -231,12 +228,12 @@ class Automaton:
         leaves = lands if follows is own else trails
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
-            latched = swings(leg, follows, q, v, held, p) if supported else leaves(leg, own, others, q, v, held, p)
+            latched = swings(leg, follows, q, v, held, p) if supported else leaves(leg, own, others, q, v, p)
             for other in own:
                 if other != leg and other not in left and f"{other.name}_alpha" not in held:  # where a run begins
-                    latched |= leaves(other, own, others, q, v, held, p)
+                    latched |= leaves(other, own, others, q, v, p)
             for other in landing(aloft, held) if last else ():
-                latched |= lands(other, own, own.legs, q, v, held, p)
+                latched |= lands(other, own, own.legs, q, v, p)
             return latched
 
         phase = self.phase(left) if left else own.flight

@@ -28,7 +28,7 @@ def mean_angle(group: Group, q: Numbers) -> Any:
     return sum(value(leg.angle, q) for leg in group) / len(group.legs)
 
 
-def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw, anew: bool) -> dict[str, Any]:
+def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, p: LegLaw, anew: bool) -> dict[str, Any]:
     """Starts a leg's stance.
 
     Args:
@@ -36,13 +36,12 @@ def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw, a
         own: group of the leg.
         q: configuration.
         v: velocity.
-        held: latched values.
         p: the law.
         anew: whether it is the first leg of its group to land, and is not just back.
     """
     c, s = turn(q[YAW])
     ahead = c * v[0] + s * v[1]
-    adduction, hip, knee = p.torques(leg, held, ahead)
+    adduction, hip, knee = p.torques(leg, ahead)
     latched: dict[str, Any] = {
         "rest": q[leg.knee],
         "taut": 1.0,
@@ -56,9 +55,9 @@ def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw, a
     return {f"{leg.name}_{name}": each for name, each in latched.items()} | of_group
 
 
-def trails(leg: Leg, own: Group, others: Legs, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
+def trails(leg: Leg, own: Group, others: Legs, q: Numbers, v: Numbers, p: LegLaw) -> dict[str, Any]:
     """Starts a leg's trailing, over the travel along its present heading."""
-    return _begins(leg, others, _along(q), p.trailing(leg), q, v, p.span_of_flight(own), held, p, 0.0)
+    return _begins(leg, others, _along(q), p.trailing(leg), q, v, p.span_of_flight(own), p, 0.0)
 
 
 def swings(leg: Leg, bearing: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
@@ -67,12 +66,12 @@ def swings(leg: Leg, bearing: Group, q: Numbers, v: Numbers, held: Held, p: LegL
     angle = mean_angle(bearing, q)
     left = 1.0 - (angle - held.get(f"{bearing.name}_leg", angle)) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
-    return _begins(leg, bearing.legs, (0.0, 0.0, 1.0 / len(bearing.legs)), p.swing(leg), q, v, span, held, p, 1.0)
+    return _begins(leg, bearing.legs, (0.0, 0.0, 1.0 / len(bearing.legs)), p.swing(leg), q, v, span, p, 1.0)
 
 
-def lands(leg: Leg, last: Group, others: Legs, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
+def lands(leg: Leg, last: Group, others: Legs, q: Numbers, v: Numbers, p: LegLaw) -> dict[str, Any]:
     """Brings a leg to its touchdown angles after the group that was last on the ground has lifted off."""
-    return _begins(leg, others, _along(q), p.landing(leg, held), q, v, p.span_of_flight(last), held, p, 1.0)
+    return _begins(leg, others, _along(q), p.landing(leg), q, v, p.span_of_flight(last), p, 1.0)
 
 
 def waits(leg: Leg, last: Group, others: Legs, q: Numbers, p: LegLaw) -> dict[str, Any]:
@@ -101,13 +100,12 @@ def _begins(
     q: Numbers,
     v: Numbers,
     span: Any,
-    held: Held,
     p: LegLaw,
     forward: float,
 ) -> dict[str, Any]:
     evolution = begun(leg.outputs(others, weights), shapes, q, v, span)
     named = _named(leg, weights, evolution.alpha, evolution.origin, evolution.span, forward)
-    return named | {f"{leg.name}_lands_at": leg.signs[0] * p.adduction_touchdown(leg, held)}
+    return named | {f"{leg.name}_lands_at": leg.signs[0] * p.adduction_touchdown(leg)}
 
 
 def _named(

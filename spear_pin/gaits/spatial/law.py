@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import ClassVar
 
-import numpy as np
-
-from spear_pin.errors import BadValue, require
-from spear_pin.gaits.bounding_law import INPUTS as SAGITTAL
+from spear_pin.errors import require
 from spear_pin.gaits.bounding_law import LEGS, PAIR, BoundingLaw, Shape
+from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.gaits.spatial.legs import FLIGHTS, Group, Leg
-from spear_pin.gaits.spatial.torques import ADJUSTED, adjusted
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
@@ -22,8 +19,7 @@ ANTISYMMETRIC = ("hip_difference", "knee_difference", "leg_difference", "adducti
 SYMMETRIC = ("spread", "squeeze")
 ACROSS = tuple(f"{pair}_{name}" for pair in ("posterior", "anterior") for name in ANTISYMMETRIC)
 """Parameters that are zero in symmetric motion, and change sign in the mirror: what turns and what balances."""
-INPUTS = (*ACROSS, *SAGITTAL)
-"""Parameters that event feedback adjusts once a stride: these, and the plane's."""
+_ANTISYMMETRIC = (Input(25.0, 100.0, True), Input(25.0, 100.0, True), ANGLE, Input(0.05, 0.3), Input(10.0, 30.0, True))
 _FLIGHTS = dict(zip(LEGS, FLIGHTS, strict=True))  # of the plane's law, after the stance of a pair
 
 
@@ -55,10 +51,8 @@ class SpatialLaw:
         anterior_adduction_torque: the same for the anterior pair, in N·m.
         anterior_spread: the same for the anterior pair, in rad.
         anterior_squeeze: the same for the anterior pair, in N·m.
-        heading: yaw to which feedback steers, in rad.
-        nominal: section state (q, v) of the gait, x = y = yaw = 0, with which feedback compares.
-        feedback: event feedback, one row for each of `INPUTS`, one column for each of `nominal`.
-        feedback_limits: largest adjustment of each of `INPUTS`, in N·m and rad.
+        nominal: section state (q, v) of the gait, x = y = yaw = 0, from which a search begins.
+        inputs: numbers that event feedback may adjust, for Q-SPEAR.
 
     Example:
         >>> from spear_pin import Gait, SpatialLaw
@@ -85,10 +79,8 @@ class SpatialLaw:
     anterior_adduction_torque: float = 0.0
     anterior_spread: float = 0.0
     anterior_squeeze: float = 0.0
-    heading: float = 0.0
     nominal: tuple[float, ...] = ()
-    feedback: Shape = ()
-    feedback_limits: tuple[float, ...] = (*2 * (100.0, 100.0, 0.2, 0.3, 30.0), *4 * (100.0,), *2 * (0.2,))
+    inputs: ClassVar[Mapping[str, Input]] = {**dict(zip(ACROSS, 2 * _ANTISYMMETRIC, strict=True)), **BoundingLaw.inputs}
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -102,13 +94,6 @@ class SpatialLaw:
                 continue
             test, expected = valid.get(field.name, (math.isfinite, "a finite number"))
             require(f"SpatialLaw.{field.name}", getattr(self, field.name), test, expected)
-        if self.plane.feedback:
-            raise BadValue("SpatialLaw.plane.feedback", "event feedback", "(): in space give SpatialLaw.feedback")
-        if self.feedback and np.shape(self.feedback) != (len(INPUTS), len(self.nominal)):
-            expected = f"{len(INPUTS)} x {len(self.nominal)} numbers, as many columns as `nominal` has, or ()"
-            raise BadValue("SpatialLaw.feedback", self.feedback, expected)
-        if len(self.feedback_limits) != len(INPUTS) or min(self.feedback_limits) < 0:
-            raise BadValue("SpatialLaw.feedback_limits", self.feedback_limits, f"{len(INPUTS)} numbers >= 0")
 
     @classmethod
     @typed
@@ -136,7 +121,6 @@ class SpatialLaw:
             adduction_stiffness=one.adduction_stiffness * scale.torque,
             adduction_damping=one.adduction_damping * scale.torque * scale.time,
             adduction_epsilon=one.adduction_epsilon * scale.time,
-            feedback_limits=limits_for(robot, INPUTS, one.feedback_limits),
         )
 
     @property
@@ -159,22 +143,21 @@ class SpatialLaw:
         """Rule for lift-off in the plane's law."""
         return self.plane.lift_off
 
-    def torques(self, leg: Leg, held: Mapping[str, Any], ahead: float) -> tuple[float, float, float]:
+    def torques(self, leg: Leg, ahead: float) -> tuple[float, float, float]:
         """Returns torques of a landing leg for adduction (to the left), hip and knee (extending), in N·m.
 
         Args:
             leg: the leg.
-            held: latched values.
             ahead: speed of the torso along its heading, in m/s.
         """
         i = LEGS.index(leg.end)
         faster = self.plane.speed_gain[i] * (ahead - self.plane.speed_nominal[i])
-        hip, knee = (self._of_pair(leg, f"{name}_torque", held) for name in ("hip", "knee"))
+        hip, knee = (getattr(self.plane, f"{leg.end}_{name}_torque") for name in ("hip", "knee"))
         squeeze = getattr(self, f"{leg.end}_squeeze")
         return (
-            self._of(leg, "adduction_torque", held) - leg.lateral * squeeze,
-            (hip + faster) / PAIR + self._of(leg, "hip_difference", held),
-            knee / PAIR + self._of(leg, "knee_difference", held),
+            self._of(leg, "adduction_torque") - leg.lateral * squeeze,
+            (hip + faster) / PAIR + self._of(leg, "hip_difference"),
+            knee / PAIR + self._of(leg, "knee_difference"),
         )
 
     def swing(self, leg: Leg) -> Shape:
@@ -187,10 +170,10 @@ class SpatialLaw:
         shape: Shape = getattr(self.plane, f"{_FLIGHTS[leg.end]}_trailing")
         return shape
 
-    def landing(self, leg: Leg, held: Mapping[str, Any]) -> Shape:
+    def landing(self, leg: Leg) -> Shape:
         """Returns coefficients of γ and knee, from the third on, for a leg that moves to its touchdown angles."""
         angle, knee = getattr(self.plane, f"{_FLIGHTS[_other(leg.end)]}_landing")
-        target = self._of_pair(leg, "leg_touchdown", held) + self._of(leg, "leg_difference", held)
+        target = getattr(self.plane, f"{leg.end}_leg_touchdown") + self._of(leg, "leg_difference")
         return (angle, *3 * (target,)), (knee, *3 * (leg.bends * self.plane.knee_touchdown,))
 
     def span_of_stance(self, group: Group) -> float:
@@ -203,38 +186,19 @@ class SpatialLaw:
         span: float = getattr(self.plane, f"{group.flight}_span")
         return span
 
-    def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
+    def adduction_touchdown(self, leg: Leg) -> float:
         """Returns the angle of a leg's adduction at touchdown, to the left, in rad."""
         spread: float = getattr(self, f"{leg.end}_spread")
-        return self._of(leg, "adduction", held) + leg.lateral * spread
+        return self._of(leg, "adduction") + leg.lateral * spread
 
-    def _of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
-        """Returns one of `ANTISYMMETRIC` for a leg, as adjusted; a difference has the leg's sign."""
-        value = self._adjusted(self, f"{leg.end}_{name}", held)
+    def _of(self, leg: Leg, name: str) -> float:
+        """Returns one of `ANTISYMMETRIC` for a leg; a difference has the leg's sign."""
+        value: float = getattr(self, f"{leg.end}_{name}")
         return leg.lateral * value if name.endswith("difference") else value
 
-    def _of_pair(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
-        """Returns a number of the plane's law for a leg's pair, as adjusted."""
-        return self._adjusted(self.plane, f"{leg.end}_{name}", held)
 
-    def _adjusted(self, owner: Any, name: str, held: Mapping[str, Any]) -> float:
-        value: float = getattr(owner, name)
-        return value + held[ADJUSTED][INPUTS.index(name)] if self.feedback and ADJUSTED in held else value
-
-    def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
-        """Returns the adjustment of `INPUTS` for a stride by event feedback, within limits, from a section state."""
-        return adjusted(self.feedback, self.nominal, self.feedback_limits, q, v, self.heading)
-
-
-def is_angle(name: str) -> bool:
-    """Tells whether one of `INPUTS`, or of a trot's inputs, is an angle; the others are torques."""
-    return name.endswith(("leg_difference", "adduction", "spread", "touchdown"))
-
-
-def limits_for(robot: Robot, inputs: Sequence[str], limits: Sequence[float]) -> tuple[float, ...]:
-    """Scales Q-SPEAR's limits of event feedback to a robot: angles stay, torques scale with m g l."""
-    torque = scale_in_space(robot).torque
-    return tuple(limit * (1.0 if is_angle(name) else torque) for name, limit in zip(inputs, limits, strict=True))
+INPUTS = tuple(SpatialLaw.inputs)
+"""Numbers that event feedback may adjust once a stride: those that turn and balance, and the plane's."""
 
 
 def _other(end: str) -> str:

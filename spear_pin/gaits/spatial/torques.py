@@ -9,15 +9,12 @@ import numpy as np
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import Shape
-from spear_pin.gaits.spatial.legs import YAW, Group, Leg, Z
+from spear_pin.gaits.spatial.legs import Group, Leg, Z
 from spear_pin.gaits.virtual_constraints import demanded
-from spear_pin.hybrid.domain import Held, Law
+from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
 from spear_pin.hybrid.result import State
 from spear_pin.model.robot import Robot
-from spear_pin.model.scalars import dot, turn
-
-ADJUSTED = "adjusted"  # name of the latched additions by event feedback to a law's inputs
 
 
 class LegLaw(Protocol):
@@ -37,42 +34,13 @@ class LegLaw(Protocol):
     def leg_stiffness(self) -> float: ...  # noqa: D102
     @property
     def lift_off(self) -> str: ...  # noqa: D102
-    def torques(self, leg: Leg, held: Held, ahead: float) -> tuple[float, float, float]: ...  # noqa: D102
+    def torques(self, leg: Leg, ahead: float) -> tuple[float, float, float]: ...  # noqa: D102
     def swing(self, leg: Leg) -> Shape: ...  # noqa: D102
     def trailing(self, leg: Leg) -> Shape: ...  # noqa: D102
-    def landing(self, leg: Leg, held: Held) -> Shape: ...  # noqa: D102
+    def landing(self, leg: Leg) -> Shape: ...  # noqa: D102
     def span_of_stance(self, group: Group) -> float: ...  # noqa: D102
     def span_of_flight(self, group: Group) -> float: ...  # noqa: D102
-    def adduction_touchdown(self, leg: Leg, held: Held) -> float: ...  # noqa: D102
-    def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
-    def adjustment_halfway(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]: ...  # noqa: D102
-
-
-def adjusted(
-    feedback: Shape,
-    nominal: Sequence[float],
-    limits: Sequence[float],
-    q: Sequence[Any],
-    v: Sequence[Any],
-    heading: float = 0.0,
-) -> tuple[Any, ...]:
-    """Returns what event feedback adds to a law's inputs, within limits, at a section state; () without feedback.
-
-    Args:
-        feedback: one row for each input, one column for each of `nominal`.
-        nominal: the state (q, v) of the gait, x = y = yaw = 0.
-        limits: limit of each input.
-        q: configuration.
-        v: velocity.
-        heading: yaw to which feedback steers, in rad.
-    """
-    if not feedback:
-        return ()
-    c, s = turn(q[YAW])
-    state = [0.0, 0.0, *q[2:], c * v[0] + s * v[1], c * v[1] - s * v[0], *v[2:]]
-    state[YAW] = q[YAW] - heading
-    off = [value - wanted for value, wanted in zip(state, nominal, strict=True)]
-    return tuple(max(-limit, min(limit, dot(row, off))) for row, limit in zip(feedback, limits, strict=True))
+    def adduction_touchdown(self, leg: Leg) -> float: ...  # noqa: D102
 
 
 def nominal_start(robot: Robot, law: Any, landing: Group) -> State:

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
-from typing import Any
-
-import numpy as np
+from typing import ClassVar
 
 from spear_pin.errors import BadValue, require
-from spear_pin.gaits.bounding_law import Shape, has_shape
+from spear_pin.gaits.bounding_law import LEGS, Shape, has_shape
+from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.gaits.spatial.legs import Group, Leg
-from spear_pin.gaits.spatial.torques import ADJUSTED, adjusted
 from spear_pin.kinds import typed
 
-OF_TORQUES = ("hip_torque", "knee_torque", "squeeze")
-OF_ANGLES = ("leg_touchdown", "spread")
-TROT_INPUTS = tuple(f"{end}_{name}" for end in ("posterior", "anterior") for name in (*OF_TORQUES, *OF_ANGLES))
-"""Parameters that event feedback adjusts once in half a stride: torques of the pair that lands, angles of the other."""
+INPUTS_OF_A_LEG = {
+    "hip_torque": Input(50.0, 50.0, True),
+    "knee_torque": Input(50.0, 50.0, True),
+    "squeeze": Input(10.0, 30.0, True),
+    "leg_touchdown": ANGLE,
+    "spread": Input(0.05, 0.3),
+}
 SHAPES = {
     "posterior_swing": (2, 4),
     "anterior_swing": (2, 4),
@@ -26,7 +27,6 @@ SHAPES = {
     "anterior_trailing": (2, 4),
     "posterior_landing": (2,),
     "anterior_landing": (2,),
-    "feedback_limits": (len(TROT_INPUTS),),
 }
 
 
@@ -64,11 +64,8 @@ class TrotLaw:
         adduction_damping: damping of the adduction in stance, in N·m·s/rad.
         adduction_epsilon: ε of the adduction in the air, in s.
         lift_off: "knee" or "force"; see `BoundingLaw`.
-        nominal: section state (q, v) of the gait, x = y = yaw = 0, with which feedback compares.
-        halfway: the same between the halves of a stride, seen in the mirror, for a robot whose left and right differ;
-            () means `nominal`.
-        feedback: event feedback, one row for each of `TROT_INPUTS`, one column for each of `nominal`.
-        feedback_limits: largest adjustment of each of `TROT_INPUTS`, in N·m and rad.
+        nominal: section state (q, v) of the gait, x = y = yaw = 0, from which a search begins.
+        inputs: numbers that event feedback may adjust, for Q-SPEAR.
 
     Example:
         >>> from spear_pin import Gait
@@ -103,9 +100,9 @@ class TrotLaw:
     adduction_epsilon: float = 0.04
     lift_off: str = "knee"
     nominal: tuple[float, ...] = ()
-    halfway: tuple[float, ...] = ()
-    feedback: Shape = ()
-    feedback_limits: tuple[float, ...] = 2 * (50.0, 50.0, 30.0, 0.2, 0.3)
+    inputs: ClassVar[Mapping[str, Input]] = {
+        f"{end}_{name}": each for end in LEGS for name, each in INPUTS_OF_A_LEG.items()
+    }
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -123,23 +120,16 @@ class TrotLaw:
                 expected = f"{' x '.join(map(str, shape))} finite numbers, as tuples"
                 raise BadValue(f"TrotLaw.{name}", getattr(self, name), expected)
         for field in fields(self):
-            if field.name in (*SHAPES, "lift_off", "nominal", "halfway", "feedback"):
+            if field.name in (*SHAPES, "lift_off", "nominal"):
                 continue
             test, expected = valid.get(field.name, (math.isfinite, "a finite number"))
             require(f"TrotLaw.{field.name}", getattr(self, field.name), test, expected)
         if self.lift_off not in ("knee", "force"):
             raise BadValue("TrotLaw.lift_off", self.lift_off, "'knee' or 'force'")
-        if self.feedback and np.shape(self.feedback) != (len(TROT_INPUTS), len(self.nominal)):
-            expected = f"{len(TROT_INPUTS)} x {len(self.nominal)} numbers, as many columns as `nominal` has, or ()"
-            raise BadValue("TrotLaw.feedback", self.feedback, expected)
-        if len(self.halfway) not in (0, len(self.nominal)):
-            raise BadValue("TrotLaw.halfway", self.halfway, "as many numbers as `nominal` has, or ()")
-        if min(self.feedback_limits) < 0:
-            raise BadValue("TrotLaw.feedback_limits", self.feedback_limits, f"{len(TROT_INPUTS)} numbers >= 0")
 
-    def torques(self, leg: Leg, held: Mapping[str, Any], ahead: float) -> tuple[float, float, float]:
+    def torques(self, leg: Leg, ahead: float) -> tuple[float, float, float]:
         """Returns torques of a landing leg for adduction (to the left), hip and knee (extending), in N·m."""
-        hip, knee, squeeze = (self._of(leg, name, held) for name in OF_TORQUES)
+        hip, knee, squeeze = (getattr(self, f"{leg.end}_{name}") for name in ("hip_torque", "knee_torque", "squeeze"))
         return -leg.lateral * squeeze, hip, knee
 
     def swing(self, leg: Leg) -> Shape:
@@ -152,10 +142,11 @@ class TrotLaw:
         shape: Shape = getattr(self, f"{leg.end}_trailing")
         return shape
 
-    def landing(self, leg: Leg, held: Mapping[str, Any]) -> Shape:
+    def landing(self, leg: Leg) -> Shape:
         """Returns coefficients of γ and knee, from the third on, for a leg that moves to its touchdown angles."""
         angle, knee = getattr(self, f"{leg.end}_landing")
-        return (angle, *3 * (self._of(leg, "leg_touchdown", held),)), (knee, *3 * (leg.bends * self.knee_touchdown,))
+        target = getattr(self, f"{leg.end}_leg_touchdown")
+        return (angle, *3 * (target,)), (knee, *3 * (leg.bends * self.knee_touchdown,))
 
     def span_of_stance(self, group: Group) -> float:
         """Returns Δ of (5.10), for the mean leg angle of a pair on the ground, in rad."""
@@ -165,22 +156,7 @@ class TrotLaw:
         """Returns Δ of (5.19), in the flight after the stance of a pair, in m."""
         return self.flight_span
 
-    def adduction_touchdown(self, leg: Leg, held: Mapping[str, Any]) -> float:
+    def adduction_touchdown(self, leg: Leg) -> float:
         """Returns the angle of a leg's adduction at touchdown, to the left, in rad."""
-        return leg.lateral * self._of(leg, "spread", held)
-
-    def adjustment(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
-        """Returns the adjustment of `TROT_INPUTS` for half a stride by event feedback; see `seen` for the state."""
-        return adjusted(self.feedback, self.nominal, self.feedback_limits, q, v)
-
-    def adjustment_halfway(self, q: Sequence[float], v: Sequence[float]) -> tuple[float, ...]:
-        """Returns the same adjustment between the halves of a stride, from a state seen in the mirror."""
-        return adjusted(self.feedback, self.halfway or self.nominal, self.feedback_limits, q, v)
-
-    def _of(self, leg: Leg, name: str, held: Mapping[str, Any]) -> float:
-        """Returns a number for a leg, as adjusted."""
-        value: float = getattr(self, f"{leg.end}_{name}")
-        if not self.feedback or ADJUSTED not in held:
-            return value
-        added: float = held[ADJUSTED][TROT_INPUTS.index(f"{leg.end}_{name}")]
-        return value + added
+        spread: float = getattr(self, f"{leg.end}_spread")
+        return leg.lateral * spread

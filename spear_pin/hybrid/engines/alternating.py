@@ -12,6 +12,7 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.hybrid.fields import adjusted
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.model.mechanism import Mechanism
 
@@ -55,7 +56,7 @@ class Alternating:
         self._flight = Motion(system, between.airborne, mechanism, 0.0, q, v, leaves, numbers, ops)
         self._stance = Motion(system, unloaded, mechanism, 0.0, q, v, touches, numbers, ops, bearing)
         self._domain = domain
-        self._arguments: tuple[Any, ...] = 0.0, q, v, leaves, numbers.law, self, ops
+        self._arguments: tuple[Any, ...] = 0.0, q, v, leaves, adjusted(numbers.law, leaves), self, ops
         fall, rise = (motion.toe_acceleration(between.toe)[1] for motion in (self._flight, self._stance))
         self._share = share = fall / (fall - rise)
         self.shares = (share,)

@@ -20,6 +20,7 @@ from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
+from spear_pin.hybrid.fields import adjusted
 from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.own import refuse_in_law
@@ -43,7 +44,7 @@ class Flow:
         self.system, self.domain = system, domain
         self.evaluations = 0
         self._model, self._data, self._nv = robot.model, pin.Data(robot.model), robot.nv
-        self._law, self._p = domain.law, system.law
+        self._law = domain.law
         self.own = OwnFunctions(domain)
         self._actuated = [robot.index(joint) for joint in robot.actuated]
         self.hold(held)
@@ -88,6 +89,7 @@ class Flow:
     def hold(self, held: Held) -> None:
         """Replaces the held values."""
         self.held: Held = Latched(held)
+        self.p = adjusted(self.system.law, held)
         self._at: tuple[float, Array] | None = None
         self._springs = [(self.system.robot.index(mount.joint), mount) for mount in self.domain.mounts]
         self.knots = [(index, angle) for index, mount in self._springs for angle in mount.knots(held)]
@@ -182,7 +184,7 @@ class Flow:
 
     def _commanded(self, t: float, angles: Sequence[float], rates: Sequence[float]) -> Sequence[float]:
         """Returns the torques that the law commands."""
-        arguments = t, angles, rates, self.held, self._p, self, FLOATS
+        arguments = t, angles, rates, self.held, self.p, self, FLOATS
         if not self.own.law:
             return self._law(*arguments)
         self._in_law = True
@@ -215,7 +217,7 @@ class Flow:
     def value(self, guard: Guard, t: float, y: Array, dyn: Any = None) -> float:
         """Returns a guard's value, NaN where it has none; call the flow with the same (t, y) first."""
         nv = self._nv
-        arguments = t, y[:nv], y[nv : 2 * nv], self.held, self._p, dyn or self, FLOATS
+        arguments = t, y[:nv], y[nv : 2 * nv], self.held, self.p, dyn or self, FLOATS
         try:
             return self.own.value(guard, arguments) if id(guard) in self.own.guards else float(guard.value(*arguments))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -13,13 +13,13 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.engines.identity import Reader
+from spear_pin.hybrid.fields import with_fields
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.spring import UNITS, Spring
 
 Values = Mapping[str, Any]
-D = TypeVar("D")
 FLOATS = frozenset({float, np.float64})  # the types of most values: checked first, as this is called often
 OF_SPRINGS, OF_GROUND = tuple(UNITS), ("slope", "height")
 NONZERO = (*OF_SPRINGS, *OF_GROUND)  # numbers that are run-time parameters where they are not zero
@@ -40,30 +40,6 @@ class Scalars:
     spring: Spring
     ground: Ground
     joints: Sequence[Any]
-
-
-def with_fields(instance: D, values: Mapping[str, Any]) -> D:
-    """Returns a dataclass with other values in some fields, its own or those of dataclasses in it.
-
-    The values need not be valid numbers.
-    """
-    assert is_dataclass(instance)
-    other = object.__new__(type(instance))
-    for field in fields(instance):
-        value = getattr(instance, field.name)
-        if field.name in values:
-            value = values[field.name]
-        elif is_dataclass(value) and not isinstance(value, type):
-            value = with_fields(value, values)
-        object.__setattr__(other, field.name, value)
-    return other
-
-
-def names_of(law: Any) -> set[str]:
-    """Returns the names of the fields of a law, and of dataclasses in it."""
-    inner = [getattr(law, field.name) for field in fields(law)]
-    nested = [names_of(part) for part in inner if is_dataclass(part) and not isinstance(part, type)]
-    return {field.name for field in fields(law)}.union(*nested)
 
 
 def others(system: HybridSystem) -> dict[str, float]:

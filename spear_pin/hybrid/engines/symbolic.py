@@ -19,8 +19,9 @@ from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.elimination import Matrix, factorize, solve, substitute
 from spear_pin.hybrid.engines import structure
-from spear_pin.hybrid.engines.structure import Scalars, with_fields
+from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.trial import mistaken
+from spear_pin.hybrid.fields import adjusted, with_fields
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
 from spear_pin.hybrid.rules.footing import size
 from spear_pin.model.mechanism import Feet, Mechanism
@@ -74,6 +75,7 @@ class Motion:
     ) -> None:
         self.system, self.domain, self.mechanism = system, domain, mechanism
         self.t, self.q, self.v, self.held, self.numbers, self.ops = t, q, v, held, numbers, ops
+        self._p = adjusted(numbers.law, held)
         robot = system.robot
         self._index = {name: i for i, name in enumerate(robot.coordinates)}
         self._terms = mechanism.terms(q, v, ops)
@@ -97,7 +99,7 @@ class Motion:
     @cached_property
     def _controlled(self) -> tuple[list[Any], Imposed | None]:
         """Returns the motor torques, and the motion that they impose if it was found together with them."""
-        arguments = self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops
+        arguments = self.t, self.q, self.v, self.held, self._p, self, self.ops
         what, law = f"law of domain {self.domain.name!r}", self.domain.law
         self._in_law = True
         try:
@@ -113,7 +115,7 @@ class Motion:
     @cached_property
     def guards(self) -> list[Any]:
         """Values of the domain's guards."""
-        arguments = self.t, self.q, self.v, self.held, self.numbers.law, self, self.ops
+        arguments = self.t, self.q, self.v, self.held, self._p, self, self.ops
         found = []
         for guard in self.domain.guards:
             what, value = f"guard {guard.name!r} of domain {self.domain.name!r}", guard.value

@@ -175,7 +175,7 @@ class LoneRunner:
         domain = ready.domain
         if end == UNCLEAR:
             raise _Unclear(f"two events crowd in an instant as {domain.name} begins")
-        at = due(domain, now.switches, self._law)
+        at = due(domain, now.switches, self._law, now.held)
         until = min(at, self._system.phase_limit)
         motion, steps = None, 0
         if end == NONE:
@@ -199,7 +199,7 @@ class LoneRunner:
         begun, start, last = now.t, now.y, self._system.phase_limit
 
         def due_in(domain: Domain) -> float:
-            return min(float(due(domain, now.switches, self._law)), last)
+            return min(float(due(domain, now.switches, self._law, now.held)), last)
 
         given = self._lane_system, now.phase, now.held, begun, start, due_in
         arc = follow(*given, keep=self._keep, longest=self._longest)

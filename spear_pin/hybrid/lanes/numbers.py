@@ -12,8 +12,8 @@ from spear_pin.hybrid import own
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.engines import structure
-from spear_pin.hybrid.engines.structure import with_fields
 from spear_pin.hybrid.engines.taylor import Code, Point, Ready
+from spear_pin.hybrid.fields import with_fields
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take

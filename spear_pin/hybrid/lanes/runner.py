@@ -264,7 +264,9 @@ class Lanes:
         switches = self.switches[group.lanes]
         for n in np.unique(switches):
             chosen = switches == n
-            until[chosen] = np.minimum(due(domain, int(n), self.numbers.law(group.lanes[chosen])), until[chosen])
+            until[chosen] = np.minimum(
+                due(domain, int(n), self.numbers.law(group.lanes[chosen]), group.take(chosen).held), until[chosen]
+            )
         return until
 
     def time_over(self, domain: Domain, group: Group, over: Flags) -> None:

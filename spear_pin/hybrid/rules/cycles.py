@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain, Guard, Reset
+from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
+from spear_pin.hybrid.fields import adjusted
 
 RETOUCH = "retouch"
 ALTERNATE = "toes alternate"
@@ -31,15 +32,16 @@ CYCLE_EVENTS = 1000
 CREEP = 50  # steps of two toes' motion within an instant: where their shares cease to exist they have infinite rates
 
 
-def due(domain: Domain, switches: int, law: Any) -> Any:
+def due(domain: Domain, switches: int, law: Any, held: Held) -> Any:
     """Returns the time since the phase began, in s, at which the next switch is due; infinite if there is none.
 
     Args:
         domain: the domain.
         switches: number of switches in this phase so far.
         law: parameters of the control law.
+        held: held values.
     """
-    return math.inf if domain.switch is None else domain.switch.time(switches + 1, law)
+    return math.inf if domain.switch is None else domain.switch.time(switches + 1, adjusted(law, held))
 
 
 def crowded(before: Any, since: Any) -> Any:

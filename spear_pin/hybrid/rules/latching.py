@@ -8,6 +8,7 @@ from typing import Any
 
 from spear_pin.hybrid import own
 from spear_pin.hybrid.domain import Held, Reset
+from spear_pin.hybrid.fields import adjusted
 
 
 def latched(
@@ -29,11 +30,13 @@ def latched(
     """
     numbers = isinstance(q[0], float)
     for reset in resets:
-        latch = reset.latch
+        if reset.adjust is not None:
+            held = {**held, **reset.adjust(q, v, held, law)}
+        latch, p = reset.latch, adjusted(law, held)
         if latch is not None and numbers and own.is_own(latch):
             what = f"latch of {place_of(reset)}"
-            new = own.asked(what, latch, partial(latch, q, v, held, law))
+            new = own.asked(what, latch, partial(latch, q, v, held, p))
             held = {**held, **own.held(what, latch, new)}
         elif latch is not None:
-            held = {**held, **latch(q, v, held, law)}
+            held = {**held, **latch(q, v, held, p)}
     return held

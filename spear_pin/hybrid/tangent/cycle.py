@@ -21,6 +21,7 @@ from spear_pin.hybrid.automaton import KELLER, HybridSystem
 from spear_pin.hybrid.contact import OPEN, SLIP
 from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.engines.structure import symbols
+from spear_pin.hybrid.fields import adjusted
 from spear_pin.hybrid.rules.cycles import counts_to
 from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.rules.impact import struck_toes
@@ -159,7 +160,7 @@ class _Whole:
         if arc.event is None:
             return np.zeros(self.c)
         if isinstance(arc.event, Switch):
-            due = arc.event.time(arc.switches, self.law)
+            due = arc.event.time(arc.switches, adjusted(self.law, stretch.held))
             return due.d + np.zeros(self.c) if isinstance(due, Dual) else np.zeros(self.c)
         i = stretch.place
         fall, change = stretch.at(END, stretch.slopes.guards[i, END])

@@ -14,6 +14,7 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.identity import Reader
+from spear_pin.hybrid.fields import names_of
 from spear_pin.hybrid.parameters import number, numbers_of_robot, with_numbers
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.numbers import body_numbers
@@ -99,7 +100,7 @@ def changes(system: HybridSystem, names: Sequence[str], of: Callable[[HybridSyst
 
 def _change(system: HybridSystem, name: str, of: Callable[[HybridSystem], Array]) -> Array:
     value = number(system, name)
-    if value == 0.0 and name not in structure.names_of(system.law) - {"friction"}:
+    if value == 0.0 and name not in names_of(system.law) - {"friction"}:
         raise BadValue(name, value, "a number other than zero: at zero its terms are not in the equations")
     h = STEP * 2.0 ** round(math.log2(abs(value) if value else 1.0))
     ends = []

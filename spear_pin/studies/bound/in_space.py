@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
+from spear_pin.gaits.feedback import Regulated
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.measures.of_samples import Sampled, pressed
-from spear_pin.gaits.orbits.balance import Balance
 from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
 from spear_pin.hybrid.trajectory import Trajectory
@@ -70,7 +70,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def multipliers_of(gait: Gait, found: Balance | None) -> dict[str, Any]:
+def multipliers_of(gait: Gait, found: Regulated | None) -> dict[str, Any]:
     """Lists all multipliers of a section, for the gait that is played and for the one without its feedback.
 
     Args:

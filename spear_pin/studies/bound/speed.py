@@ -8,10 +8,10 @@ from collections.abc import Callable
 from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.attempts import Measure
 from spear_pin.gaits.bounding import SPEED_BY
-from spear_pin.gaits.bounding_law import INPUTS
-from spear_pin.gaits.feedback import regulated, speed_regulated
+from spear_pin.gaits.feedback import regulated, speed_regulated, without_feedback
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import find_gait
+from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.kinds import typed
@@ -54,13 +54,13 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
     if gait.system.kind != "bounding":
         raise BadValue("gait", gait.system.kind, "a bounding gait")
     law = gait.system.law
-    regulated_by = [name for name, row in zip(INPUTS, law.feedback, strict=False) if any(row)]
-    if regulated_by and any(law.speed_gain):
+    feedback = feedback_of(gait.system)
+    if feedback is not None and any(law.speed_gain):
         raise BadValue("gait", "one with two kinds of event feedback", "one kind at most")
     begin = mean_speed(gait)
     expected = f"within {FARTHEST:g} m/s of the gait's own, {begin:.2f}"
     require("speed", speed, lambda v: abs(v - begin) <= FARTHEST + 1e-6, expected)
-    gait = gait.with_law(feedback=(), speed_gain=(0.0, 0.0))
+    gait = without_feedback(gait)
     reached, step = begin, SPEED_STEP
     while reached != speed:
         wanted = speed if abs(speed - reached) <= step else reached + math.copysign(step, speed - reached)
@@ -74,8 +74,8 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
     if law.nominal:
         q, v = gait.state
         gait = gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
-    if regulated_by:
-        return regulated(gait, regulated_by)
+    if feedback is not None:
+        return regulated(gait, feedback.inputs)
     return speed_regulated(gait, law.speed_gain) if any(law.speed_gain) else gait
 
 

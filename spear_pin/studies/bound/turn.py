@@ -9,6 +9,7 @@ import numpy as np
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.gait import Gait
+from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
 from spear_pin.hybrid.trajectory import Trajectory
@@ -65,7 +66,7 @@ def summarize_turn(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "radius": radius,
         "lateral_acceleration": speed * abs(rate),
         "largest_multiplier": float(np.abs(gait.multipliers).max()),
-        "feedback": bool(gait.system.law.feedback),
+        "feedback": feedback_of(gait.system) is not None,
         "mean_roll": float(np.trapezoid(roll, t) / np.ptp(t)) if len(t) else 0.0,
         "drift": math.atan2(dy, dx) - float(begin[YAW]) - turn / 2.0,
     }

@@ -15,6 +15,7 @@ from types import MappingProxyType
 
 from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
+from spear_pin.gaits.feedback import without_feedback
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import rebuilt
@@ -204,7 +205,7 @@ def bound_to_explore(gait: Gait, title: str) -> Bound:
     """
     if gait.system.kind != "bounding":
         raise BadValue("gait", gait.system.kind, 'a bound in the plane, such as Gait.load("long_stride")')
-    gait = gait.with_law(feedback=(), speed_gain=(0.0, 0.0))
+    gait = without_feedback(gait)
     law, spring, robot = gait.system.law, gait.system.spring, gait.system.robot
     speed = round(mean_speed(gait), 4)
     slowest = max(SLOWEST * speed, speed - FARTHER)

@@ -7,8 +7,8 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.errors import BadValue
+from spear_pin.gaits.feedback import regulated
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS
-from spear_pin.gaits.orbits.balance import balanced
 from spear_pin.gaits.orbits.galloping import galloping
 from spear_pin.gaits.orbits.strides import first_times, footfall_gap
 from spear_pin.gaits.spatial.automaton import forward_speed
@@ -65,7 +65,7 @@ class TestRefused:
         with pytest.raises(BadValue, match="gait"):
             galloping(Gait.load("trot"), (0.02, 0.02))
         with pytest.raises(BadValue, match="heading"):
-            balanced(gallop(), heading=1.0)
+            regulated(gallop(), heading=1.0)
 
     def test_times(self):
         bound = Gait.load("turn_4")

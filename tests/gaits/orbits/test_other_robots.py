@@ -5,6 +5,7 @@ import pytest
 
 from spear_pin import simulate
 from spear_pin.gaits.spatial.trotting import halfway
+from spear_pin.hybrid.event_feedback import feedback_of, with_feedback
 from spear_pin.hybrid.periodic import chart, residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
@@ -74,7 +75,7 @@ class TestTrot:
 
 class TestTrotOfAnymal:
     def test_an_orbit(self):
-        gait, free = anymal_b_trot(), anymal_b_trot().with_law(feedback=()).system
+        gait, free = anymal_b_trot(), with_feedback(anymal_b_trot().system, None)
         assert residual(gait.system, gait.state) <= 1e-9 and residual(free, gait.state) <= 1e-9
         stride = return_map(free, gait.state)
         assert {"diagonal_left_stance", "diagonal_right_stance", "flight_1", "flight_2"} <= stride.durations.keys()
@@ -92,8 +93,8 @@ class TestTrotOfAnymal:
 
     def test_unstable_by_itself_and_held_by_feedback(self):
         ends = []
-        for feedback in ((), anymal_b_trot().system.law.feedback):
-            system = anymal_b_trot().with_law(feedback=feedback).system
+        for feedback in (None, feedback_of(anymal_b_trot().system)):
+            system = with_feedback(anymal_b_trot().system, feedback)
             q, v = (part.copy() for part in anymal_b_trot().state)
             v[1] += 1e-3 if not feedback else 0.2
             pushed = run(system, (q, v), 3 if not feedback else 10, Options(rtol=1e-8))

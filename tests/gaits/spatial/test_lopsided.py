@@ -1,13 +1,10 @@
 """A trot of a robot whose left and right differ: a cycle is a whole stride, its halves no mirror images."""
 
-from dataclasses import replace
-
 import numpy as np
 import pinocchio as pin
 import pytest
 
 from spear_pin import Gait, trotting
-from spear_pin.errors import BadValue
 from spear_pin.gaits.spatial.trotting import halfway
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.symmetry import evened, headed, lopsided, mirror_of
@@ -61,16 +58,3 @@ def test_between_the_halves_it_is_nearly_as_it_was(trot, heavier):
     np.testing.assert_allclose(own, np.concatenate(headed(*trot.state)), rtol=0, atol=1e-8)
     off = np.abs(np.concatenate(halfway(system, run)) - own).max()
     assert 1e-6 < off < 0.5
-
-
-def test_feedback_compares_with_the_state_of_either_half(trot):
-    nominal = np.concatenate(headed(*trot.state))
-    gains = tuple(map(tuple, np.eye(10, 36, 20)))
-    law = replace(trot.system.law, nominal=tuple(nominal), feedback=gains)
-    assert not any(law.adjustment_halfway(nominal[:18], nominal[18:]))
-    between = nominal + 0.01
-    law = replace(law, halfway=tuple(between))
-    assert law.adjustment_halfway(nominal[:18], nominal[18:])[0] == pytest.approx(-0.01)
-    assert not any(law.adjustment(nominal[:18], nominal[18:]))
-    with pytest.raises(BadValue, match="halfway"):
-        replace(law, halfway=(1.0,))

@@ -6,11 +6,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from spear_pin import Gait, Robot, TrotLaw, simulate, trotting
+from spear_pin import Gait, Robot, TrotLaw, simulate
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.orbits.balance import across, balanced
+from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.linear import linear
 from spear_pin.hybrid.newton import STEP
-from spear_pin.hybrid.periodic import chart, displacement, eigenvalues, residual, return_map
+from spear_pin.hybrid.periodic import chart, eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.symmetry import headed, mirror_of
@@ -106,23 +107,6 @@ def test_balanced():
     assert abs(local.coordinates(pushed.state)).max() <= 0.1 * abs(local.coordinates((q, v))).max()
 
 
-class TestFeedback:
-    @pytest.mark.slow
-    def test_is_the_same_on_either_side(self):
-        """Any feedback: from a state and from its mirror image between the halves, half a stride is the same."""
-        law, nominal = trot().system.law, np.concatenate(headed(*trot().state))
-        gains = 5.0 * np.random.default_rng(8).normal(size=(10, 36))
-        gains[:, :2] = gains[:, 3] = 0.0
-        fed = trotting(trot().system.robot, replace(law, nominal=tuple(nominal), feedback=tuple(map(tuple, gains))))
-        state = chart(fed, trot().state).state(1e-3 * np.random.default_rng(9).normal(size=32))
-        first = return_map(fed, state, 1e-11)
-        whole = run(fed, state, 2, Options(rtol=1e-11))
-        mirror = mirror_of(fed.robot)
-        again = return_map(fed, tuple(mirror(part) for part in headed(*first.state)), 1e-11)
-        np.testing.assert_allclose(displacement(fed, again.state, whole.state), 0.0, rtol=0, atol=1e-7)
-        assert abs(displacement(fed, first.state, state)).max() > 1e-4
-
-
 class TestRefused:
     def test_numbers(self):
         law = trot().system.law
@@ -133,8 +117,6 @@ class TestRefused:
             ("posterior_swing", ((0.0,), (0.0,))),
             ("lift_off", "foot"),
             ("posterior_squeeze", np.nan),
-            ("feedback", ((0.0,),)),
-            ("feedback_limits", (-1.0, *law.feedback_limits[1:])),
         ):
             with pytest.raises(BadValue, match=name):
                 replace(law, **{name: wrong})
@@ -142,11 +124,11 @@ class TestRefused:
 
     def test_parity_and_heading(self):
         with pytest.raises(BadValue, match="gait"):
-            across(trot(), ())
+            linear(trot(), (), lateral=True)
         with pytest.raises(BadValue, match="heading"):
-            balanced(trot(), heading=1.0)
+            regulated(trot(), heading=1.0)
         with pytest.raises(UnknownName, match="input"):
-            balanced(trot(), ("posterior_adduction",))
+            regulated(trot(), ("posterior_adduction",))
 
     def test_no_guess(self):
         with pytest.raises(BadValue, match="nominal"):

@@ -9,6 +9,7 @@ import pytest
 from spear_pin import Gait, simulate, simulate_many
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT
 from spear_pin.hybrid.domain import Reset, Switch
+from spear_pin.hybrid.fields import ADDED
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.result import Options
@@ -207,5 +208,7 @@ class TestTime:
     def test_due(self, gait):
         law = SimpleNamespace(period=0.25)
         domain = replace(gait.system.domains[0], switch=Switch("beat", lambda n, p: n * p.period, Reset()))
-        assert [due(domain, n, law) for n in range(3)] == [0.25, 0.5, 0.75]
-        assert due(replace(domain, switch=None), 0, law) == np.inf
+        assert [due(domain, n, law, {}) for n in range(3)] == [0.25, 0.5, 0.75]
+        assert due(replace(domain, switch=None), 0, law, {}) == np.inf
+        domain, own = replace(domain, switch=Switch("beat", lambda n, p: n * p.frequency, Reset())), gait.system.law
+        assert due(domain, 1, own, {ADDED + "frequency": 0.1}) == pytest.approx(2.0 * (own.frequency + 0.1))

@@ -7,8 +7,10 @@ import pytest
 
 from spear_pin import Gait, simulate
 from spear_pin.errors import BadValue, NoGait
+from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.studies.bound import at_speed, mean_speed, summarize
 from spear_pin.studies.bound import speed as continuation
+from tests.gaits.feeding import fed, idle
 from tests.slow import slow_but
 
 GAITS = ("long_stride", "force_lift_off")
@@ -172,19 +174,15 @@ class TestAnotherSpeed:
     @pytest.mark.parametrize("kind", ["feedback", "speed_gain"])
     def test_by_small_steps_without_feedback(self, gait, monkeypatch, kind):
         """The feedback is designed anew at the end."""
-        zero, row = (0.0,) * 13, (0.1, *(0.0,) * 12)
-        own = (*gait.state[0][1:].tolist(), *gait.state[1].tolist())
-        values = {
-            "feedback": {"feedback": (row, *(zero,) * 3, row, zero), "nominal": own, "speed_gain": (0.0, 0.0)},
-            "speed_gain": {"feedback": (), "speed_gain": (1e-6, 1e-6), "speed_nominal": (2.5, 2.5)},
-        }[kind]
-        system = gait.system
-        law = replace(system.law, **values)
-        regulated = replace(gait, system=system.build(system.robot, law, system.spring, system.contact))
+        own, inputs = (*gait.state[0][1:].tolist(), *gait.state[1].tolist()), ("posterior_hip_torque",)
+        if kind == "feedback":
+            regulated = fed(gait.with_law(nominal=own), inputs, [[0.0, 0.1, *(0.0,) * 12]])
+        else:
+            regulated = gait.with_law(speed_gain=(1e-6, 1e-6), speed_nominal=(2.5, 2.5))
         asked = []
 
         def find(system, vary, target, **options):
-            assert system.law.speed_gain == (0.0, 0.0) and system.law.feedback == ()
+            assert system.law.speed_gain == (0.0, 0.0) and feedback_of(system) is None
             asked.append(target["mean_speed"])
             return replace(gait, system=system)
 
@@ -193,7 +191,7 @@ class TestAnotherSpeed:
         monkeypatch.setattr(continuation, "speed_regulated", lambda gait, gain: gain)
         result = at_speed(regulated, 3.1)
         assert asked == pytest.approx([2.75, 3.0, 3.1], abs=1e-4)
-        assert result == (["posterior_hip_torque", "posterior_leg_touchdown"] if kind == "feedback" else (1e-6, 1e-6))
+        assert result == (inputs if kind == "feedback" else (1e-6, 1e-6))
 
     def test_needs_a_cycle(self, gait):
         with pytest.raises(BadValue, match="a gait whose cycle ends"):
@@ -227,15 +225,10 @@ class TestAnotherSpeed:
         assert len(seen) < 50
 
     def test_two_kinds_of_feedback_are_refused_at_once(self, gait, monkeypatch):
-        own, rows = (*gait.state[0][1:].tolist(), *gait.state[1].tolist()), ((0.1, *(0.0,) * 12),) * 6
-        both = gait.with_law(feedback=rows, nominal=own, speed_gain=(1e-6, 0.0), speed_nominal=(2.5, 2.5))
+        both = idle(gait.with_law(speed_gain=(1e-6, 0.0), speed_nominal=(2.5, 2.5)))
         monkeypatch.setattr(continuation, "run", lambda *_: pytest.fail("a stride was run"))
         with pytest.raises(BadValue, match="^gait is 'one with two kinds of event feedback'; expected one kind"):
             at_speed(both, 2.6)
-
-    def test_rows_of_zeros_are_no_feedback(self, gait):
-        own, speed = (*gait.state[0][1:].tolist(), *gait.state[1].tolist()), mean_speed(gait)
-        assert at_speed(gait.with_law(feedback=((0.0,) * 13,) * 6, nominal=own), speed).system.law.feedback == ()
 
     def test_a_hop_has_none(self, hop):
         with pytest.raises(BadValue, match="^gait is 'hopping'; expected a bounding gait"):

@@ -10,6 +10,7 @@ import pytest
 
 from spear_pin import Gait, find_gait
 from spear_pin.errors import BadValue, NoGait
+from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.studies.explore import bounds
 from spear_pin.studies.explore.bounds import Underway, bound_to_explore, stride
 from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
@@ -48,7 +49,7 @@ def test_every_knob_arrives_in_the_system(subject):
 
 def test_event_feedback_is_left_out():
     subject = bound_to_explore(Gait.load("force_lift_off"), "")
-    assert not subject.gait.system.law.feedback and not any(subject.gait.system.law.speed_gain)
+    assert feedback_of(subject.gait.system) is None and not any(subject.gait.system.law.speed_gain)
 
 
 @pytest.fixture(scope="module")

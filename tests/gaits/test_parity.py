@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spear_pin.gaits.orbits.parity import ALONG, LATERAL, merged, parted
+from spear_pin.gaits.parity import ALONG, LATERAL, merged, parted
 from spear_pin.hybrid.periodic import eigenvalues
 
 LATERAL_BLOCK = np.array([[1.5, 0.3], [0.0, 0.2]])

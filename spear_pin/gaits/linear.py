@@ -1,0 +1,187 @@
+"""The return map to first order: derivatives by the section's coordinates and by numbers of the law."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.arrays import Array
+from spear_pin.errors import BadValue, NoGait
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.inputs import inputs_of
+from spear_pin.gaits.spatial.trotting import HALFWAY, halfway
+from spear_pin.gaits.tangent_cycles import tangent_cycles
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import may_vary
+from spear_pin.hybrid.charts import Chart
+from spear_pin.hybrid.newton import Lanes, Words, jacobian
+from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import chart, one_by_one, return_map
+from spear_pin.hybrid.result import Run, State
+from spear_pin.hybrid.shooting import Shooting
+from spear_pin.hybrid.symmetry import YAW, asymmetry
+from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.section import exact_map
+from spear_pin.hybrid.tangent.seeds import seeds
+from spear_pin.kinds import typed
+
+SYMMETRIC, NEARLY = 1e-9, 0.25  # limits of `asymmetry`: exact, and near enough for separate parities
+
+
+@dataclass(frozen=True)
+class Linear:
+    """First-order motion a⁺ = A a + B w over coordinates of one parity or all; the heading, if included, is the last.
+
+    Attributes:
+        A: (n, n).
+        B: (n, k).
+        inputs: names of the k inputs.
+        coordinates: rows that give the n coordinates of a state (q, v), headed, (n, 2 nv).
+        own: which coordinates of the section these are, without the heading.
+    """
+
+    A: Array
+    B: Array
+    inputs: tuple[str, ...]
+    coordinates: Array
+    own: NDArray[np.int64]
+
+    def of(self, names: Sequence[str]) -> Linear:
+        """Returns the motion by some of the inputs."""
+        columns = [self.inputs.index(name) for name in names]
+        return Linear(self.A, self.B[:, columns], tuple(names), self.coordinates, self.own)
+
+
+@typed
+def linear(
+    gait: Gait, inputs: Sequence[str], *, lateral: bool | None = None, heading: bool = False, rtol: float = 1e-10
+) -> Linear:
+    """Returns A and B of a gait, exact where it has derivatives, else by central differences.
+
+    For a trot or a pace they describe half a stride, seen in the mirror.
+
+    Args:
+        gait: the gait.
+        inputs: names of numbers of its law.
+        lateral: True for antisymmetric motion alone, False for symmetric motion alone, which is planar, where the gait
+            is symmetric, or nearly; None for all motion.
+        heading: whether the yaw is a coordinate, of antisymmetric motion.
+        rtol: relative tolerance of the integrator.
+
+    Raises:
+        BadValue: `lateral` is given, and the gait is not in space, not symmetric, or its cycle is half a stride.
+        NoGait: a perturbed cycle does not close.
+    """
+    if lateral is not None and not separable(gait):
+        raise BadValue(
+            "gait", gait, "a gait in space whose left and right are mirror images, or nearly so, and no trot"
+        )
+    whole = linearized(gait, inputs, rtol)
+    return part_of(chart(gait.system, gait.state), gait.system, whole, inputs, lateral, heading)
+
+
+def part_of(
+    local: Chart,
+    system: HybridSystem,
+    whole: tuple[Array, Array],
+    inputs: Sequence[str],
+    lateral: bool | None,
+    heading: bool,
+) -> Linear:
+    """Returns the part of `linearized` that is lateral, or is not, or all of it, with the heading as the last row."""
+    A, B = whole
+    d = local.dimension
+    own = np.arange(d) if lateral is None else np.flatnonzero(local.even != lateral)
+    rows = np.append(own, [d] if heading else []).astype(np.int64)
+    free = np.zeros((len(rows), len(rows)))
+    free[:, : len(own)] = A[np.ix_(rows, own)]
+    free[len(own) :, len(own) :] = 1.0  # nothing depends on the heading
+    nv, dq = local.q_basis.shape
+    coordinates = np.zeros((len(rows), 2 * nv))
+    coordinates[: len(own), :nv] = np.pad(local.q_basis.T, ((0, d - dq), (0, 0)))[own]
+    coordinates[: len(own), nv:] = np.pad(local.v_basis.T, ((dq, 0), (0, 0)))[own]
+    coordinates[:, [system.robot.index(name) for name in system.cyclic]] = 0.0  # but for rounding they are
+    coordinates[len(own) :, YAW] = 1.0
+    return Linear(free, B[rows], tuple(inputs), coordinates, own)
+
+
+def halved(system: HybridSystem) -> bool:
+    """Tells whether a stride of a system consists of two halves, one the mirror image of the other, or nearly so."""
+    return bool(system.mirrored_toes) or bool(between(system))
+
+
+def between(system: HybridSystem) -> str:
+    """Returns the event between the halves of a stride, if a cycle is the whole of it; else ""."""
+    names = {guard.name for domain in system.domains for guard in domain.guards}
+    return HALFWAY if HALFWAY in names else ""
+
+
+def separable(gait: Gait) -> bool:
+    """Tells whether symmetric and antisymmetric motion of a gait are separate, or nearly so."""
+    system, local = gait.system, chart(gait.system, gait.state)
+    if local.lane.section.closed or halved(system):
+        return False
+    return asymmetry(system.robot, gait.state) <= NEARLY
+
+
+@typed
+def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
+    """Returns A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
+
+    In the plane they are exact where the fast engine runs the gait and no events meet in it, because each side of a
+    meeting has its own derivatives. In space they are exact for every cycle that has derivatives. Else they are central
+    differences of the reference engine's cycles. Where two feet may land in either order they are the mean of both
+    sides. In space A and B have a last row, for the change of heading.
+
+    Args:
+        gait: the gait.
+        inputs: names of parameters, each constant through a stride.
+        rtol: relative tolerance of the integrator.
+
+    Raises:
+        NoGait: a perturbed cycle does not close.
+    """
+    system = gait.system
+    end: Callable[[Run], State] | None = partial(halfway, system) if between(system) else None
+    local = chart(system, gait.state)
+    nominal, n = np.array([parameter(system, name) for name in inputs]), local.dimension
+
+    def cycle(begun: State, values: Array) -> tuple[Run, Array]:
+        trial = with_parameters(system, dict(zip(inputs, values.tolist(), strict=True)))
+        run = return_map(trial, begun, rtol)
+        turn = run.state[0][YAW : YAW + 1] - begun[0][YAW : YAW + 1] if system.section_toes else np.empty(0)
+        if end is not None and run.cycles:
+            run.state = end(run)
+        return run, turn
+
+    if system.section_toes and end is None and may_vary(system, ()):
+        try:
+            found = exact_map(system, gait.state, seeds(system, inputs).numbers)
+            return found[:, :n], found[:, n:]
+        except REFUSALS:
+            pass
+    exact = None if system.section_toes else tangent_cycles(system, inputs, ())
+    slopes = None if exact is None else exact.slopes
+    cycles = one_by_one(cycle, int(bool(system.section_toes)))
+    shooting = Shooting(local.lane, cycles, tuple(inputs), slopes=slopes)
+    if exact is not None and not exact.borders(*gait.state, nominal):
+        here = np.concatenate([np.zeros(n), nominal])
+        found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
+        if np.isfinite(found).all():
+            return found[:, :n] + np.eye(n), found[:, n:]
+    sizes = np.array([*np.ones(n), *(each.one for each in inputs_of(system, inputs))])
+    centre = np.concatenate([np.zeros(n), nominal])
+
+    def mapped(lanes: Lanes, z: Array) -> tuple[Array, Words]:
+        unknowns = centre + sizes * z
+        after = cycles(lanes, *shooting.states(lanes, unknowns), unknowns[:, n:])
+        return np.concatenate([local.lane.take(lanes).coordinates(after.q, after.v), after.measured], 1), after.reason
+
+    found, why = jacobian(mapped, np.zeros(len(centre)))
+    if why:
+        raise NoGait("a perturbed cycle does not close", gait.residual)
+    return found[:, :n], found[:, n:] / sizes[n:]

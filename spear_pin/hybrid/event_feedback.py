@@ -1,0 +1,166 @@
+"""Event feedback: at the section it adds to numbers of the law what the deviation from a gait's state asks for.
+
+The numbers stay changed until the next cycle begins. On the gait itself nothing is added, so its orbit is the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from spear_pin.errors import BadValue, UnknownName, require
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain, Guard, Held
+from spear_pin.hybrid.fields import ADDED
+from spear_pin.hybrid.parameters import PARTS, changed, numbers_of_law, replaced
+from spear_pin.hybrid.symmetry import YAW, Mirror, mirror_of
+from spear_pin.model.scalars import dot, turn
+
+Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class EventFeedback:
+    """The change of a system that adds w = K (x - x*) to numbers of the law, for the cycle that begins at a state x.
+
+    Of a robot in space x is headed: x = y = 0, the velocity along the heading and across it.
+
+    Attributes:
+        inputs: names of the k numbers.
+        gains: K, a row for each input with a column for each of the 2 nv numbers of a state (q, v).
+        nominal: x*, the 2 nv numbers of the gait's state (q, v).
+        limits: largest |w| of each input, (k,).
+        heading: yaw to which feedback steers a robot in space, in rad.
+        between: name of the event between the halves of a stride at which a state seen in the mirror counts too, if a
+            cycle is no half; "" for none.
+        halfway: x* there, seen in the mirror.
+    """
+
+    inputs: tuple[str, ...]
+    gains: tuple[Numbers, ...]
+    nominal: Numbers
+    limits: Numbers
+    heading: float = 0.0
+    between: str = ""
+    halfway: Numbers = ()
+
+    def __call__(self, system: HybridSystem) -> HybridSystem:
+        """Returns the system with feedback.
+
+        Raises:
+            UnknownName: an input is no number of the law.
+            BadValue: there is feedback already, a shape does not fit, a limit is not a number >= 0, or the ground is not
+                level at height zero, as x holds heights above it.
+        """
+        self._check(system)
+        domains = tuple(replace(each, guards=tuple(self._guards(system, each))) for each in system.domains)
+        return replace(system, domains=domains)
+
+    def _check(self, system: HybridSystem) -> None:
+        valid, columns = numbers_of_law(system), 2 * system.robot.nv
+        for name in self.inputs:
+            if name not in valid:
+                raise UnknownName("input", name, valid)
+        if any(guard.reset is not None and guard.reset.adjust for domain in system.domains for guard in domain.guards):
+            raise BadValue("system", system.kind, "one without event feedback")
+        halfway = {"EventFeedback.halfway": self.halfway} if self.between else {}
+        for name, row in {"EventFeedback.nominal": self.nominal, **halfway}.items():
+            _fits(name, row, columns)
+        if not len(self.gains) == len(self.limits) == len(self.inputs):
+            raise BadValue("EventFeedback.gains", self.gains, f"a row, and a limit, for each of {self.inputs}")
+        for row in self.gains:
+            _fits("a row of EventFeedback.gains", row, columns)
+        for limit in self.limits:
+            require("a limit of EventFeedback.limits", limit, lambda value: value >= 0, "a number >= 0")
+        require("EventFeedback.heading", self.heading, math.isfinite, "a finite number, in rad")
+        if not system.ground.plain:
+            expected = "level ground at height zero: feedback compares the height of the robot"
+            raise BadValue("ground", system.contact, expected)
+
+    def _guards(self, system: HybridSystem, domain: Domain) -> Sequence[Guard]:
+        return [self._guard(system, domain, guard) for guard in domain.guards]
+
+    def _guard(self, system: HybridSystem, domain: Domain, guard: Guard) -> Guard:
+        """Returns a guard that adjusts the law, where it begins a cycle or the second half of a stride."""
+        if guard.reset is None or guard.name not in (system.section, self.between):
+            return guard
+        phase = guard.reset.phase or domain.phase
+        second = bool(system.mirrored_toes) and phase != system.section_phase
+        headed = bool(system.section_toes)
+        if guard.name != system.section:
+            adjust = partial(self._added, self.halfway, headed, mirror_of(system.robot))
+        else:
+            adjust = partial(self._added, self.nominal, headed, mirror_of(system.robot) if second else None)
+        return replace(guard, reset=replace(guard.reset, adjust=adjust, latch=guard.reset.latch or _nothing))
+
+    def _added(
+        self,
+        nominal: Numbers,
+        headed: bool,
+        mirror: Mirror | None,
+        q: Sequence[Any],
+        v: Sequence[Any],
+        held: Held,
+        p: Any,
+    ) -> Held:
+        """Returns what is added to each input at a state of any scalars, within its limits."""
+        if mirror is not None:
+            q, v = _seen(mirror, q), _seen(mirror, v)
+        state = [*q, *v]
+        if headed:
+            (c, s), n = turn(q[YAW]), len(q)
+            state[:2], state[YAW] = (0.0, 0.0), q[YAW] - self.heading
+            state[n : n + 2] = c * v[0] + s * v[1], c * v[1] - s * v[0]
+        off = [value - wanted for value, wanted in zip(state, nominal, strict=True)]
+        rows = zip(self.inputs, self.gains, self.limits, strict=True)
+        return {ADDED + name: _within(limit, dot(row, off)) for name, row, limit in rows}
+
+
+def feedback_of(system: HybridSystem) -> EventFeedback | None:
+    """Returns the event feedback of a system, None if it has none."""
+    return next((change for change in system.changes if isinstance(change, EventFeedback)), None)
+
+
+def with_feedback(system: HybridSystem, feedback: EventFeedback | None) -> HybridSystem:
+    """Returns the system with event feedback in the place of its own, or without any; other changes are kept.
+
+    Raises:
+        UnknownName: an input is no number of the law.
+        BadValue: the feedback does not fit the system; see `EventFeedback`.
+    """
+    if feedback_of(system) is not None:
+        kept = [change for change in system.changes if not isinstance(change, EventFeedback)]
+        parts = (getattr(system, part) for part in PARTS)
+        others, system = replaced(system), system.made["builder"](system.robot, *parts)
+        for change in kept:
+            system = changed(system, change)
+        system = replace(system, **others) if others else system
+    return system if feedback is None else changed(system, feedback)
+
+
+def _fits(name: str, row: Numbers, count: int) -> None:
+    if np.shape(row) != (count,) or not np.isfinite(row).all():
+        raise BadValue(name, row, f"{count} finite numbers, those of a state (q, v)")
+
+
+def _seen(mirror: Mirror, values: Sequence[Any]) -> list[Any]:
+    """Returns a configuration or a velocity, of any scalars, in the mirror."""
+    seen = list(values)
+    for i, sign, value in zip(mirror.of, mirror.signs, values, strict=True):
+        seen[i] = sign * value
+    return seen
+
+
+def _within(limit: float, value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return np.clip(value, -limit, limit)
+    return max(-limit, min(limit, value))
+
+
+def _nothing(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
+    return {}

@@ -1,0 +1,50 @@
+"""Fields of dataclasses, and of dataclasses in them: other values in them, and values that events add to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any, TypeVar
+
+D = TypeVar("D")
+ADDED = "added to "  # begins the names of held values that are added to numbers of the law
+
+
+def with_fields(instance: D, values: Mapping[str, Any]) -> D:
+    """Returns a dataclass with other values in some fields, its own or those of dataclasses in it.
+
+    The values need not be valid numbers.
+    """
+    assert is_dataclass(instance)
+    other = object.__new__(type(instance))
+    for field in fields(instance):
+        value = getattr(instance, field.name)
+        if field.name in values:
+            value = values[field.name]
+        elif is_dataclass(value) and not isinstance(value, type):
+            value = with_fields(value, values)
+        object.__setattr__(other, field.name, value)
+    return other
+
+
+def names_of(law: Any) -> set[str]:
+    """Returns the names of the fields of a law, and of dataclasses in it."""
+    inner = [getattr(law, field.name) for field in fields(law)]
+    nested = [names_of(part) for part in inner if is_dataclass(part) and not isinstance(part, type)]
+    return {field.name for field in fields(law)}.union(*nested)
+
+
+def adjusted(law: D, held: Mapping[str, Any]) -> D:
+    """Returns the parameters of a law with the held values added that are meant for them, see `ADDED`."""
+    added = {name.removeprefix(ADDED): value for name, value in held.items() if name.startswith(ADDED)}
+    if not added:
+        return law
+    return with_fields(law, {name: value_in(law, name) + value for name, value in added.items()})
+
+
+def value_in(law: Any, name: str) -> Any:
+    """Returns the value of a field of a dataclass, or of a dataclass in it, by its name."""
+    if name in vars(law):
+        return getattr(law, name)
+    inner = [part for part in vars(law).values() if is_dataclass(part) and not isinstance(part, type)]
+    return next(value_in(part, name) for part in inner if name in names_of(part))
