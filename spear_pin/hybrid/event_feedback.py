@@ -15,7 +15,7 @@ import numpy as np
 
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain, Guard, Held
+from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.fields import ADDED
 from spear_pin.hybrid.parameters import PARTS, changed, numbers_of_law, replaced
 from spear_pin.hybrid.symmetry import YAW, Mirror, mirror_of
@@ -54,12 +54,12 @@ class EventFeedback:
 
         Raises:
             UnknownName: an input is no number of the law.
-            BadValue: there is feedback already, a shape does not fit, a limit is not a number >= 0, or the ground is not
+            BadValue: there is feedback already, a shape does not fit, a limit is negative, or the ground is not
                 level at height zero, as x holds heights above it.
         """
         self._check(system)
-        domains = tuple(replace(each, guards=tuple(self._guards(system, each))) for each in system.domains)
-        return replace(system, domains=domains)
+        made: dict[int, Reset] = {}  # domains share resets, and go on sharing them
+        return replace(system, domains=tuple(self._domain(system, each, made) for each in system.domains))
 
     def _check(self, system: HybridSystem) -> None:
         valid, columns = numbers_of_law(system), 2 * system.robot.nv
@@ -82,21 +82,25 @@ class EventFeedback:
             expected = "level ground at height zero: feedback compares the height of the robot"
             raise BadValue("ground", system.contact, expected)
 
-    def _guards(self, system: HybridSystem, domain: Domain) -> Sequence[Guard]:
-        return [self._guard(system, domain, guard) for guard in domain.guards]
+    def _domain(self, system: HybridSystem, domain: Domain, made: dict[int, Reset]) -> Domain:
+        """Returns a domain whose guards adjust the law where a cycle, or the second half of a stride, begins."""
+        guards = []
+        for guard in domain.guards:
+            reset = guard.reset
+            if reset is not None and guard.name in (system.section, self.between):
+                if id(reset) not in made:
+                    made[id(reset)] = self._adjusting(system, guard.name, reset, reset.phase or domain.phase)
+                guard = replace(guard, reset=made[id(reset)])
+            guards.append(guard)
+        return replace(domain, guards=tuple(guards))
 
-    def _guard(self, system: HybridSystem, domain: Domain, guard: Guard) -> Guard:
-        """Returns a guard that adjusts the law, where it begins a cycle or the second half of a stride."""
-        if guard.reset is None or guard.name not in (system.section, self.between):
-            return guard
-        phase = guard.reset.phase or domain.phase
-        second = bool(system.mirrored_toes) and phase != system.section_phase
-        headed = bool(system.section_toes)
-        if guard.name != system.section:
+    def _adjusting(self, system: HybridSystem, event: str, reset: Reset, phase: str) -> Reset:
+        headed, second = bool(system.section_toes), bool(system.mirrored_toes) and phase != system.section_phase
+        if event != system.section:
             adjust = partial(self._added, self.halfway, headed, mirror_of(system.robot))
         else:
             adjust = partial(self._added, self.nominal, headed, mirror_of(system.robot) if second else None)
-        return replace(guard, reset=replace(guard.reset, adjust=adjust, latch=guard.reset.latch or _nothing))
+        return replace(reset, adjust=adjust, latch=reset.latch or _nothing)
 
     def _added(
         self,

@@ -131,6 +131,15 @@ class TestWhen:
         assert {guard.name for guard in guards if guard.reset.adjust is not None} == {"posterior_touchdown"}
         assert "posterior_return" in {guard.name for guard in guards}
 
+    def test_domains_that_share_an_event_go_on_sharing_it(self):
+        """Motion on a switching surface finds a guard of another domain by its reset."""
+        bare = Gait.load("long_stride").system
+        before, after = (
+            [guard.reset for domain in system.domains for guard in domain.guards if guard.reset is not None]
+            for system in (bare, idle(Gait.load("long_stride")).system)
+        )
+        assert len({*map(id, before)}) == len({*map(id, after)}) < len(after)
+
     def test_by_the_heading_in_space(self):
         """A state moved and turned has the same deviation; the yaw counts from the heading to which it steers."""
         gait = Gait.load("turn_9")

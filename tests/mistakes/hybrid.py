@@ -75,7 +75,7 @@ MUTATIONS = [
                 "partial(self._added, self.halfway,",
                 "partial(self._added, self.nominal,",
             ),
-            "feedback at any event": ("guard.name not in (system.section, self.between)", "False"),
+            "feedback at any event": ("guard.name in (system.section, self.between)", "True"),
         },
     ),
     *mistakes_in(
