@@ -21,10 +21,10 @@ from spear_pin.gaits.lane_cycles import NOT_VALID, LaneCycles, multipliers, vali
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
+from spear_pin.hybrid import batch
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import simulate_many
-from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.structure import OF_GROUND
+from spear_pin.hybrid.ground import PLACE
 from spear_pin.hybrid.newton import CONVERGED, Roots, Words
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.result import State
@@ -70,7 +70,7 @@ def find_many(
             parameter moves the ground, no cycle has a target (a flight too short to close a cycle), or the engine
             cannot compile a part of the system.
     """
-    taylor.require()
+    batch.require()
     target = dict(target or {})
     given = {name: np.array(values, dtype=float) for name, values in parameters.items()}
     n = len(next(iter(given.values()))) if given and next(iter(given.values())).ndim else 0
@@ -78,7 +78,7 @@ def find_many(
         if values.shape != (n,) or not n or not np.isfinite(values).all():
             raise BadValue(f"parameters[{name!r}]", values, "finite numbers, equally many for each parameter")
     for name in vary:
-        if name in OF_GROUND:
+        if name in PLACE:
             raise BadValue(
                 "vary", name, "a parameter that does not move the ground: the sections of the lanes lie on it"
             )

@@ -15,10 +15,9 @@ from spear_pin.gaits.sensitivity.measures import measures, of_ends
 from spear_pin.hybrid.arc import Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import LOCK, has_lanes, may_vary
-from spear_pin.hybrid.engines.structure import NONZERO
 from spear_pin.hybrid.newton import Lanes
 from spear_pin.hybrid.orders import Order
-from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.parameters import NONZERO, parameter, with_parameters
 from spear_pin.hybrid.result import Moment, Run
 from spear_pin.hybrid.shooting import Cycle, Cycles
 from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE

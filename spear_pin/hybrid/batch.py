@@ -13,13 +13,14 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.structure import NONZERO
+from spear_pin.hybrid.engines.taylor import available as available
+from spear_pin.hybrid.engines.taylor import require as require
 from spear_pin.hybrid.fields import names_of
 from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.lanes.runner import FEW as FEW
 from spear_pin.hybrid.lanes.runner import Lanes
 from spear_pin.hybrid.orders import Order
-from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.parameters import NONZERO, parameter, with_parameters
 from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
@@ -99,7 +100,7 @@ def simulate_many(
     Raises:
         MissingExtra: heyoka is not installed.
         BadValue: shapes do not fit, a number is not finite, lanes cannot differ in a parameter (a spring's fixed rest
-            angle), or the engine cannot compile the system, since it has hardware or dry friction of joints.
+            angle), or the system has hardware, dry friction of joints, a pinned toe or a post.
         UnknownName: no part has a numeric field of a name in `parameters`.
 
     Example:
@@ -114,7 +115,7 @@ def simulate_many(
     given = {name: np.array(values, dtype=float) for name, values in (parameters or {}).items()}
     _check(system, q, v, given, cycles)
     system = _varying(system, given)
-    taylor.require()
+    require()
     code = taylor.Code(rtol / TIMES_FINER, observe, system.robot.nv <= taylor.UNROLLED if unroll is None else unroll)
     options, parts = Options(rtol, max_step=max_step), []
     for first in range(0, max(len(q), 1), CHUNK):
@@ -137,19 +138,6 @@ def check_equations(system: HybridSystem) -> None:
     if system.hardware is not None or any(domain.rubs for domain in system.domains):
         raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
     if system.robot.added is not None:
-        raise BadValue("robot", system.robot.name, "one without a rotary boom")
-
-
-def check_lanes(system: HybridSystem) -> None:
-    """Checks that a system can run in many lanes.
-
-    Raises:
-        BadValue: see `check_equations`; or it has a pinned toe, or its robot goes round a post.
-    """
-    check_equations(system)
-    if system.pins:
-        raise BadValue("system", system.kind, "one without pinned toes")
-    if system.robot.post is not None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
 
 
@@ -187,7 +175,9 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
         raise BadValue("v", len(v), f"as many lanes as q has, {len(q)}")
     if not cycles >= 1 or cycles % 1:
         raise BadValue("cycles", cycles, "a whole number, at least 1")
-    check_lanes(system)
+    check_equations(system)
+    if system.pins or robot.post is not None:
+        raise BadValue("system", system.kind, "one without pinned toes and a post, which run one at a time: find_gait")
     for name, values in given.items():
         parameter(system, name)  # its error lists the parameters
         if not may_differ(system, name):

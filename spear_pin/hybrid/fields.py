@@ -1,12 +1,15 @@
-"""Fields of dataclasses, and of dataclasses in them: other values in them, and values that events add to them."""
+"""Numbers in fields of dataclasses, of dataclasses in them, and in tuples."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
+import numpy as np
+
 D = TypeVar("D")
+FLOATS = frozenset({float, np.float64})  # the types of most values: checked first, as this is called often
 ADDED = "added to "  # begins the names of held values that are added to numbers of the law
 
 
@@ -48,3 +51,23 @@ def value_in(law: Any, name: str) -> Any:
         return getattr(law, name)
     inner = [part for part in vars(law).values() if is_dataclass(part) and not isinstance(part, type)]
     return next(value_in(part, name) for part in inner if name in names_of(part))
+
+
+def flattened(values: Collection[Any]) -> list[Any]:
+    """Returns the numbers among values, in nested tuples of values and in fields of dataclasses, in their order."""
+    if FLOATS.issuperset(map(type, values)):
+        return list(values)
+    flat: list[Any] = []
+    for value in values:
+        if isinstance(value, tuple):
+            flat += flattened(value)
+        elif is_dataclass(value):
+            flat += flattened([getattr(value, field.name) for field in fields(value)])
+        elif is_number(value):
+            flat.append(value)
+    return flat
+
+
+def is_number(value: Any) -> bool:
+    """Tells whether a value is a number of any kind, or a symbol."""
+    return not (value is None or isinstance(value, (bool, str)))

@@ -22,6 +22,7 @@ from spear_pin.model.mechanism import Feet, Terms
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import plus, times
 
+PLACE = ("slope", "height")  # its numbers besides friction
 STEEPEST = 1.2  # rad: steeper slopes are walls
 SHAPE = frozenset({"above", "axes", "under"})  # methods that a ground of another shape overrides
 HIGHEST = 10.0  # m: far from zero, rounding of coordinates hides changes of guards

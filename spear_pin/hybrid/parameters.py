@@ -9,6 +9,7 @@ from typing import Any
 
 from spear_pin.errors import BadValue, SpearError, UnknownName
 from spear_pin.hybrid.automaton import REPLACED, HybridSystem
+from spear_pin.hybrid.ground import PLACE
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
 from spear_pin.model.numbers import body_numbers, with_body_numbers
@@ -20,6 +21,7 @@ PARTS = ("law", "spring", "contact")
 Change = Callable[[HybridSystem], HybridSystem]
 LIMITS = ("phase_limit", "shortest_flight", "overlap")
 OF_GROUND = {"friction": "1", "slope": "rad", "height": "m"}
+NONZERO = (*OF_SPRINGS, *PLACE)  # numbers that equations leave out where they are zero
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:

@@ -29,9 +29,8 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.charts import Chart, Charts, Section
-from spear_pin.hybrid.engines.structure import OF_GROUND
 from spear_pin.hybrid.fields import with_fields
-from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.ground import PLACE, Ground
 from spear_pin.hybrid.per_lane import applied, null_spaces
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.footing import closed_toes, still
@@ -54,7 +53,7 @@ def section(system: HybridSystem, numbers: Mapping[str, Array] | None = None) ->
     """
     if system.section_toes:
         return BeforeImpact(system.robot, system.section_toes, system.ground, system.mirrored_toes)
-    ground = with_fields(system.ground, {name: each for name, each in (numbers or {}).items() if name in OF_GROUND})
+    ground = with_fields(system.ground, {name: each for name, each in (numbers or {}).items() if name in PLACE})
     domain = system.of_phase(system.section_phase)[0]
     toes = tuple(toe for toe, _ in closed_toes(system.robot.toes, domain))
     mechanism = mechanism_of(system.robot) if system.robot.planar else None
@@ -101,7 +100,7 @@ class AfterImpact(Section):
 
     def on(self, numbers: Mapping[str, Array]) -> Self:
         """Returns the section on other ground, see `Section`; `translations` stay those that charts leave out."""
-        own = {name: values for name, values in numbers.items() if name in OF_GROUND}
+        own = {name: values for name, values in numbers.items() if name in PLACE}
         return replace(self, ground=with_fields(self.ground, own)) if own else self
 
     def geometry(self, q: Array) -> tuple[Array, Array]:

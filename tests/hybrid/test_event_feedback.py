@@ -54,6 +54,24 @@ class TestWhatIsAdded:
         for name, each in zip(INPUTS, GAINS @ then, strict=True):  # the cycle that begins has its own
             assert found.held[ADDED + name] == pytest.approx(each, abs=1e-12)
 
+    @pytest.mark.slow
+    def test_is_there_for_what_the_event_itself_latches(self):
+        """A bound's torques are latched at the touchdown that adjusts them, and its angles later in the stride."""
+        gait, inputs = Gait.load("long_stride"), ("posterior_hip_torque", "anterior_leg_touchdown")
+        gains = np.random.default_rng(4).normal(size=(2, 14)) * [[100.0], [0.2]]
+        gains[:, 0] = 0.0  # of torso_x
+        local = chart(gait.system, gait.state)
+        state = local.state(0.003 * np.random.default_rng(5).normal(size=local.dimension))
+        by = gains @ (np.concatenate(state) - np.concatenate(gait.state))
+        values = {name: parameter(gait.system, name) + each for name, each in zip(inputs, by, strict=True)}
+        found, wanted = (
+            return_map(system, state, 1e-11)
+            for system in (fed(gait, inputs, gains).system, with_parameters(gait.system, values))
+        )
+        assert (np.abs(by) > [0.5, 1e-3]).all() and found.cycles == 1
+        for one, other in zip(found.state, wanted.state, strict=True):
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-8)
+
     def test_is_within_limits(self, hop, beside):
         limits, local = np.array([0.01, 0.005, 1.0]), chart(hop.system, hop.state)
         for sign in (1.0, -1.0):

@@ -7,9 +7,9 @@ from spear_pin import Gait
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.batch import simulate_many
-from spear_pin.hybrid.engines.structure import flattened
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR
+from spear_pin.hybrid.fields import flattened
 from spear_pin.hybrid.lanes import lone_runner
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.parameters import parameter, with_parameters

@@ -7,9 +7,9 @@ import pytest
 
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Guard, Reset, Switch
-from spear_pin.hybrid.engines.structure import flattened
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR
+from spear_pin.hybrid.fields import flattened
 from spear_pin.hybrid.lanes import runner
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers

@@ -7,9 +7,9 @@ import pytest
 
 from spear_pin import Contact, Gait, hopping, simulate_many
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.structure import flattened
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.engines.taylor_single import AHEAD, UNCLEAR, Entry
+from spear_pin.hybrid.fields import flattened
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, alone, spread
 from spear_pin.hybrid.lanes.modes import choose

@@ -20,8 +20,8 @@ from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.electricity import check_gears
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.targets import check_wanted
+from spear_pin.hybrid import batch
 from spear_pin.hybrid.batch import check_equations
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.kinds import typed
@@ -88,7 +88,7 @@ def optimize_design(
     """
     check_equations(gait.system)
     check_gears(gait.system, motors)
-    taylor.require()
+    batch.require()
     solved_for = tuple(vary) if vary is not None else tuple(gait.parameters) if keep else ()
     problem = Problem(
         minimize, dict(over), solved_for, dict(keep), dict(at_most), dict(at_least), largest_multiplier, dict(motors)

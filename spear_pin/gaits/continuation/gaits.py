@@ -19,10 +19,10 @@ from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures, of_ends
 from spear_pin.hybrid.batch import LOCK
 from spear_pin.hybrid.charts import Chart, Charts
-from spear_pin.hybrid.engines.structure import NONZERO
 from spear_pin.hybrid.newton import differentiated as differences
 from spear_pin.hybrid.newton import stencil
 from spear_pin.hybrid.orders import Order
+from spear_pin.hybrid.parameters import NONZERO
 from spear_pin.hybrid.periodic import chart, eigenvalues
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section

@@ -16,14 +16,13 @@ from spear_pin.gaits.sensitivity.panels import Panels
 from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import motors_at
-from spear_pin.hybrid.engines.structure import flattened
-from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.fields import flattened
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent.collocation import POINTS
 from spear_pin.hybrid.tangent.heights import Heights
 from spear_pin.hybrid.tangent.points import points
-from spear_pin.hybrid.tangent.record import Recorder, many
+from spear_pin.hybrid.tangent.record import Numbers, Recorder, many
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.motor import NO_MOTORS, Motor
 

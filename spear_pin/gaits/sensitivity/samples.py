@@ -18,7 +18,7 @@ from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import has_lanes
-from spear_pin.hybrid.engines.structure import OF_GROUND
+from spear_pin.hybrid.ground import PLACE
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
@@ -71,7 +71,7 @@ def side_by_side(local: Neighbourhood) -> bool:
     return (
         not any(isinstance(each, Drive) for each in local.motors.values())
         and has_lanes(local.system, (*local.over, *local.vary))
-        and not set(local.vary) & set(OF_GROUND)
+        and not set(local.vary) & set(PLACE)
         and all(name in MEASURES and name in local.system.measures for name in local.keep)
     )
 

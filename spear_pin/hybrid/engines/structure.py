@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property
 from typing import Any
@@ -13,16 +13,14 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.engines.identity import Reader
-from spear_pin.hybrid.fields import with_fields
-from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.fields import FLOATS, flattened, is_number, with_fields
+from spear_pin.hybrid.ground import PLACE, Ground
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.mechanism import Mechanism
-from spear_pin.model.spring import UNITS, Spring
+from spear_pin.model.spring import UNITS as OF_SPRINGS
+from spear_pin.model.spring import Spring
 
 Values = Mapping[str, Any]
-FLOATS = frozenset({float, np.float64})  # the types of most values: checked first, as this is called often
-OF_SPRINGS, OF_GROUND = tuple(UNITS), ("slope", "height")
-NONZERO = (*OF_SPRINGS, *OF_GROUND)  # numbers that are run-time parameters where they are not zero
 
 
 @dataclass(frozen=True)
@@ -49,7 +47,7 @@ def others(system: HybridSystem) -> dict[str, float]:
 
 def all_others(system: HybridSystem) -> dict[str, float]:
     """Returns the scalars other than the law's, including zeros, in their order."""
-    parts = [(system.spring, OF_SPRINGS), (system.ground, OF_GROUND)]
+    parts = [(system.spring, OF_SPRINGS), (system.ground, PLACE)]
     values = {name: getattr(part, name) for part, names in parts for name in names}
     return {"friction": system.ground.friction, **values}
 
@@ -96,21 +94,6 @@ def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Va
     for i, value in enumerate(flat):
         rows[i] = value
     return rows
-
-
-def flattened(values: Collection[Any]) -> list[Any]:
-    """Returns the numbers among values, in nested tuples of values and in fields of dataclasses, in their order."""
-    if FLOATS.issuperset(map(type, values)):
-        return list(values)
-    flat: list[Any] = []
-    for value in values:
-        if isinstance(value, tuple):
-            flat += flattened(value)
-        elif is_dataclass(value):
-            flat += flattened([getattr(value, field.name) for field in fields(value)])
-        elif _is_number(value):
-            flat.append(value)
-    return flat
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +144,7 @@ def _shape_of_ground(ground: Ground) -> Any:
     """Returns the identity of a ground that is no plane, and those of its numbers that are no parameters."""
     if type(ground) is Ground:
         return None
-    own = tuple(getattr(ground, field.name) for field in fields(ground) if field.name not in ("friction", *OF_GROUND))
+    own = tuple(getattr(ground, field.name) for field in fields(ground) if field.name not in ("friction", *PLACE))
     return type(ground), own, Reader().identity(type(ground).above), Reader().identity(type(ground).axes)
 
 
@@ -181,17 +164,13 @@ class _Counter:
             return tuple(self.number(item) for item in value)
         if is_dataclass(value) and not isinstance(value, type):
             return with_fields(value, {field.name: self.number(getattr(value, field.name)) for field in fields(value)})
-        if not _is_number(value):
+        if not is_number(value):
             return value
         self._count += 1
         return self._par[self._count - 1]
 
     def nonzero(self, value: float) -> Any:
         return self.number(value) if value != 0.0 else 0.0
-
-
-def _is_number(value: Any) -> bool:
-    return not (value is None or isinstance(value, (bool, str)))
 
 
 def shape_of(held: Values) -> Any:
@@ -204,7 +183,7 @@ def _shape(value: Any) -> Any:
         return len(value) if FLOATS.issuperset(map(type, value)) else tuple(map(_shape, value))
     if is_dataclass(value) and not isinstance(value, type):
         return type(value), *(_shape(getattr(value, field.name)) for field in fields(value))
-    return float if _is_number(value) else value
+    return float if is_number(value) else value
 
 
 def functions(domain: Domain) -> list[Any]:

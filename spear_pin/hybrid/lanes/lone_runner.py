@@ -18,9 +18,11 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
-from spear_pin.hybrid.engines.structure import OF_GROUND, flattened, shape_of
+from spear_pin.hybrid.engines.structure import shape_of
 from spear_pin.hybrid.engines.taylor import AHEAD, KINK, TIME_LIMIT
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry, Single
+from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.ground import PLACE
 from spear_pin.hybrid.lanes.groups import Group, Held, alone, spread
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -36,7 +38,7 @@ from spear_pin.hybrid.strikes import Overlap, struck
 
 EVENTS = 50  # most events in a cycle
 FEW_AT_ONCE = 4  # most events in an instant
-GROUND = ("friction", *OF_GROUND)
+GROUND = ("friction", *PLACE)
 RISES = "a toe that comes down rises"
 
 

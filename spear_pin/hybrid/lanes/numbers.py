@@ -13,14 +13,15 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.taylor import Code, Point, Ready
-from spear_pin.hybrid.fields import with_fields
+from spear_pin.hybrid.fields import flattened, with_fields
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take
+from spear_pin.hybrid.parameters import NONZERO
 from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.latching import latched
 
-OTHERS = (*structure.OF_SPRINGS, "friction", *structure.OF_GROUND)  # may differ, besides the law's
+OTHERS = (*NONZERO, "friction")  # may differ, besides the law's
 
 
 class Numbers:
@@ -49,7 +50,7 @@ class Numbers:
     def constants(self, lane: int) -> list[float]:
         """Returns a lane's run-time parameters, which come before the held values."""
         law, others = self.law_of(lane), [float(take(value, lane)) for value in self._others.values()]
-        return structure.flattened((law, *others, *self.compilation.robot))
+        return flattened((law, *others, *self.compilation.robot))
 
     def law(self, lanes: Indices) -> Any:
         """Returns the parameters of the law in some lanes."""

@@ -19,7 +19,7 @@ from spear_pin.hybrid.engines.structure import Structure, shape_of
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import Compilation
 from spear_pin.hybrid.lanes.lone_runner import Lap, LoneRunner
-from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.lanes.numbers import Numbers as Numbers
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.rules.latching import latched

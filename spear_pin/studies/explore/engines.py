@@ -20,8 +20,8 @@ from spear_pin.gaits.lane_cycles import LaneCycles, multipliers
 from spear_pin.gaits.many import find_many
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.gaits.tolerances import TOLERANCE
+from spear_pin.hybrid import batch
 from spear_pin.hybrid.batch import simulate_many
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.result import Options, State
 from spear_pin.hybrid.run import run
@@ -177,4 +177,4 @@ REFERENCE = Engine("reference", None, _advance_run, _solve_run, _beside_run)
 
 def best_engine() -> Engine:
     """Returns the fastest engine that is installed."""
-    return TAYLOR if taylor.available() else REFERENCE
+    return TAYLOR if batch.available() else REFERENCE

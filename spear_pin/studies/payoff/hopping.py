@@ -20,8 +20,8 @@ from spear_pin.errors import NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.gaits.targets import check_wanted
+from spear_pin.hybrid import batch
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.parameters import rebuilt as with_parts
 from spear_pin.hybrid.simulate import simulate
@@ -312,5 +312,5 @@ def hops(robot: Robot, path: Path, **options: Any) -> Study:
         NoGait, BadFile, BadValue: see `studied`.
         MissingExtra: heyoka, or for several processes joblib, is not installed.
     """
-    taylor.require()
+    batch.require()
     return studied(HOPS, robot, path, **options)

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.gait_table import REASONS, GaitTable
 from spear_pin.gaits.search import find_gait
+from spear_pin.hybrid import batch
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.parameters import PARTS, with_parameters
 from spear_pin.hybrid.result import Options, State
 from spear_pin.kinds import typed
@@ -77,7 +77,7 @@ def sweep(
         BadFile: a file is there already, or the sweep to resume is another one.
     """
     if system.robot.planar:
-        taylor.require()
+        batch.require()
     store.require()
     workers.require(PURPOSE)
     out, target = Path(out), dict(target or {})

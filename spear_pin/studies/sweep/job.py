@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, is_dataclass, replace
 from functools import reduce
 from typing import Any
@@ -12,14 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError, UnknownName
-from spear_pin.gaits.gait import KINDS, built_as_named
 from spear_pin.gaits.gait_table import REASONS
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
 from spear_pin.gaits.singly import find_each
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import check_equations, check_lanes
+from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
 from spear_pin.hybrid.result import State
@@ -37,6 +36,7 @@ class Job:
 
     Attributes:
         kind: kind of the system.
+        build: makes the system from (robot, law, spring, contact).
         robot: the robot that is varied.
         parts: law, spring and contact.
         changes: other changes of the system, in order.
@@ -49,6 +49,7 @@ class Job:
     """
 
     kind: str
+    build: Callable[..., HybridSystem]
     robot: Robot
     parts: Mapping[str, Any]
     changes: tuple[Change, ...]
@@ -65,7 +66,7 @@ class Job:
 
     def system(self, **varied: float) -> HybridSystem:
         """Returns the system with its varied robot."""
-        bare = KINDS[self.kind][0](vary(self.robot, **varied), *self.parts.values())
+        bare = self.build(vary(self.robot, **varied), *self.parts.values())
         return replace(reduce(changed, self.changes, bare), **self.replaced)
 
     def rows(self) -> Rows:
@@ -92,7 +93,7 @@ class Job:
             start: dict[str, Any] = {
                 name: np.full(len(lanes), parameter(system, name)) for name in (*self.vary, "stiffness")
             }
-            find = find_many if system.robot.planar else find_each
+            find = find_many if system.robot.planar and not system.pins else find_each
             table = find(system, {**start, **own}, self.vary, target, guess=self.guess, rtol=self.rtol)
             rows["q"][lanes], rows["v"][lanes], rows["residual"][lanes] = table.q, table.v, table.residual
             rows["multipliers"][lanes, : table.multipliers.shape[1]] = table.multipliers
@@ -128,14 +129,13 @@ def asked(
     parts = {part: getattr(system, part) for part in PARTS}
     given = {name: values[order] for name, values in given.items()}
     nowhere = np.zeros(system.robot.nq), np.zeros(system.robot.nv)
-    return Job(system.kind, system.robot, parts, system.changes, kept, given, vary, dict(target), nowhere, rtol)
+    build = system.made["builder"]
+    return Job(system.kind, build, system.robot, parts, system.changes, kept, given, vary, dict(target), nowhere, rtol)
 
 
 def _check_system(system: HybridSystem) -> dict[str, Any]:
     """Returns fields that were replaced in a system and that other processes can replace; refuses others."""
-    if system.kind not in KINDS or not built_as_named(system):
-        raise BadValue("system", system.kind, f"one of {', '.join(KINDS)}, made by the builder of that name")
-    (check_lanes if system.robot.planar else check_equations)(system)
+    check_equations(system)
     kept = replaced(system)
     for name in kept:
         if name not in CARRIED:

@@ -66,6 +66,7 @@ def description(job: Job, chunk: int, n: int, guess: State | None) -> dict[str, 
         "format": FORMAT,
         "version": spear_pin.__version__,
         "kind": job.kind,
+        "builder": f"{job.build.__module__}.{job.build.__qualname__}",
         "robot": fingerprint(job.robot),
         **{part: asdict(value) for part, value in job.parts.items()},
         "changes": [
