@@ -2,7 +2,7 @@
 
 Hops: plain, with limited flexion, with a spring that is never switched, on slippery ground, on a slope, with boom_x
 free; friction and stiffness are drawn for each lane, and a third of them starts far off. Strides: the gaits that ship,
-around their fixed points. Of each lane the reason and the number of cycles are compared, and the state where it ended;
+around their fixed points, in the plane and in space. Of each lane the reason and the number of cycles are compared, and the state where it ended;
 what differs is listed, states that are apart with how far each is from the reference engine's at its finest tolerance.
 """
 
@@ -21,6 +21,7 @@ from tqdm import tqdm
 from spear_pin import Gait, Ground, Spring, find_gait, hopping, load, simulate_many
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
+from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.lanes.runner import FEW
 from spear_pin.hybrid.parameters import with_parameters
@@ -93,6 +94,18 @@ HOPS = {
     "x free": Case(free_hop, 3, {"friction": GROUND, "stiffness": STIFF}),
 }
 BOUNDS = {name: Case(partial(gait, name), 2, {"friction": (0.3, 1.2)}, far=0.05) for name in SHIPPED}
+
+
+def bound_in_space() -> tuple[HybridSystem, State]:
+    """`long_stride` in space."""
+    return embedded(Gait.load("long_stride"))
+
+
+SPACE = {
+    "trot": Case(partial(gait, "trot"), 1, {"friction": (0.5, 1.2)}, far=0.1),
+    "turn_9": Case(partial(gait, "turn_9"), 1, {"friction": (0.5, 1.2)}, far=0.1),
+    "bound in space": Case(bound_in_space, 1, {"friction": (0.5, 1.2)}, far=0.1),
+}
 
 
 @dataclass(frozen=True)
@@ -188,10 +201,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--hops", type=int, default=12_000, help="lanes that hop")
     parser.add_argument("--strides", type=int, default=1_400, help="lanes that bound")
+    parser.add_argument("--space", type=int, default=1_500, help="lanes in space")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
     asked = parser.parse_args()
-    for cases, n in ((HOPS, asked.hops), (BOUNDS, asked.strides)):
+    for cases, n in ((HOPS, asked.hops), (BOUNDS, asked.strides), (SPACE, asked.space)):
         for seed, (name, case) in enumerate(cases.items()):
             if n:
                 for line in compare(name, case, n // len(cases), asked.seed + seed, asked.processes):

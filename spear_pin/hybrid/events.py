@@ -25,6 +25,7 @@ from spear_pin.hybrid.span import NEGATIVE, POSITIVE, Step, glances, parted
 
 Interpolant = Callable[[float], Array]
 BEND = -1  # stands for a guard's index
+EARLY = np.geomspace(1e-4, 1.0, 25)  # where in a step it is seen whether a guard that begins on zero rises
 ON_KNOT = 1e-9  # rad: within this of a knot, the motion has just passed it
 
 
@@ -138,7 +139,7 @@ class Watch:
         if self._armed[i]:
             if min(middle, end) > 0.0 and not _dips(before, middle, end):
                 return None
-        elif end > 0.0 or (self._guards[i].waits and middle <= 0.0):
+        elif end > 0.0 or (self._guards[i].waits and middle <= 0.0 and not self._rises(i, nodes, interpolant)):
             self._armed[i] = end > 0.0
             if not self._guards[i].patience or min(middle, end) >= self._floors[i]:
                 return None
@@ -160,6 +161,14 @@ class Watch:
     def _later(self, t: float, y: Array, h: float) -> Array:
         return np.array([self._at(t + h, ahead(self._flow, t, y, h))]).T
 
+    def _rises(self, i: int, nodes: list[tuple[float, float]], interpolant: Callable[[], Interpolant]) -> bool:
+        """Tells whether a guard that is not positive halfway is so before."""
+        (begin, before), (_, middle), (end, after) = nodes
+        if not 4.0 * middle - 3.0 * before - after > 0.0:  # the slope at first of the parabola through all three
+            return False
+        solution = interpolant()
+        return any(self._value(i, solution, t) > 0.0 for t in begin + (end - begin) * EARLY)
+
     def _value(self, i: int, solution: Interpolant, t: float) -> float:
         y = solution(t)
         self._flow(t, y)
@@ -180,7 +189,7 @@ class Watch:
         nodes = [(time, estimate - floor) for time, estimate in nodes]
         begin, end = nodes[0][0], nodes[-1][0]
         if not self._armed[i] and not floor:  # a guard that waits at zero may rise and fall again soon after
-            nodes = [nodes[0], *((t, value(t)) for t in begin + (end - begin) * np.geomspace(1e-4, 1.0, 25))]
+            nodes = [nodes[0], *((t, value(t)) for t in begin + (end - begin) * EARLY)]
             if all(g <= 0.0 for _, g in nodes):
                 return begin
         else:
