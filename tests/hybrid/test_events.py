@@ -1,6 +1,7 @@
 """Events found exactly: free fall in closed form, guards of time alone, ties, starts on a guard, grazing."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -232,6 +233,24 @@ class TestStartOnAGuard:
     @pytest.mark.parametrize("length", [1e-3, 2e-2, 0.2])
     def test_rising_from_zero_and_falling_back(self, length):
         assert self.first(lambda t: t * (length - t)) == pytest.approx(length, rel=1e-12)
+
+    @pytest.mark.parametrize("begins", [0.0, -1e-9])
+    @pytest.mark.parametrize("length", [1e-4, 1e-3, 2e-2, 0.2])
+    def test_patience_ends_as_it_rises(self, length, begins):
+        """A toe that bounces strikes where it comes back, however long a step is, and not where patience ends."""
+        found = self.patient(lambda t: begins + 10.0 * t * (length - t))
+        back = 0.5 * (length + math.sqrt(length**2 + 0.4 * begins))
+        assert found == pytest.approx(back, rel=1e-9)
+
+    def test_patience_where_it_never_rises(self):
+        assert self.patient(lambda t: -0.01 * t) == pytest.approx(1e-4, rel=1e-9)
+
+    @staticmethod
+    def patient(value):
+        """When a guard that waits, of the package, is an event: it is watched between steps, unlike a user's."""
+        guard = once(lambda t: value(t))
+        guard.value.__module__ = "spear_pin"
+        return times(fall(falling(replace(guard, patience=1e-6))), "once")[0]
 
     def test_rising_from_just_below_zero_is_none(self):
         assert self.first(lambda t: t - 1e-10) is None

@@ -212,7 +212,10 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/events",
         ["hybrid/test_events"],
-        {"grazing overlooked": ("<= 0.05 * max(before, middle, end)", "<= -1.0")},
+        {
+            "grazing overlooked": ("<= 0.05 * max(before, middle, end)", "<= -1.0"),
+            "patience for a toe that has risen": ("and not self._rises(i, nodes, interpolant)", ""),
+        },
     ),
     *mistakes_in(
         "hybrid/span",

@@ -57,10 +57,10 @@ def test_energy_is_booked_through_bounces(bouncing):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [0, 62])
+@pytest.mark.parametrize("seed", [57, 62])
 def test_where_other_toes_have_events_none_is_on_the_ground_before_it_has_struck_it(seed):
     dropping = dropped(seed)
-    assert dropping.cycles and np.abs(dropping.ledger.residual).max() < 1e-6  # 1e-2 and 3e-5 J without
+    assert dropping.cycles and np.abs(dropping.ledger.residual).max() < 1e-6  # 8e-3 and 3e-5 J without
 
 
 @pytest.mark.slow
