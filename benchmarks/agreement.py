@@ -2,8 +2,9 @@
 
 Hops: plain, with limited flexion, with a spring that is never switched, on slippery ground, on a slope, with boom_x
 free; friction and stiffness are drawn for each lane, and a third of them starts far off. Strides: the gaits that ship,
-around their fixed points, in the plane and in space. Of each lane the reason and the number of cycles are compared, and the state where it ended;
-what differs is listed, states that are apart with how far each is from the reference engine's at its finest tolerance.
+around their fixed points, in the plane and in space. Of each lane the reason and the number of cycles are compared, and
+the state where it ended; what differs is listed, states that are apart with how far each is from the reference engine's
+at its finest tolerance.
 """
 
 from __future__ import annotations
