@@ -13,6 +13,7 @@ from spear_pin.hybrid.fields import flattened
 from spear_pin.hybrid.lanes import lone_runner
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.run import run
@@ -53,6 +54,22 @@ def test_pushed(name, cycles):
             off = np.abs(np.concatenate([found.q[lane] - expected.state[0], found.v[lane] - expected.state[1]])).max()
             assert off < 1e-7, (lane, off)
     assert not found.repeated[0]
+
+
+@compiles
+@pytest.mark.slow
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_toe_that_bounces_and_falls_at_once(monkeypatch, alone):
+    """An impact of another toe leaves it on the ground and moving down; no step of the compiled code shows that."""
+    if not alone:
+        monkeypatch.setattr(lone_runner.LoneRunner, "lap", lambda *_: None)
+    gait, rng = Gait.load("trot"), np.random.default_rng(0)
+    local = chart(gait.system, gait.state)
+    far = np.where(np.arange(500) % 3 == 0, 0.1, 0.02)
+    q, v = [local.state(size * rng.normal(size=local.dimension)) for size in far][417]
+    system = with_parameters(gait.system, {"friction": 1.1144459030615723})
+    found = simulate_many(system, q[None], v[None], unroll=False)
+    assert found.reason[0] == run(system, (q, v), 1, Options()).reason == "painleve"
 
 
 @compiles

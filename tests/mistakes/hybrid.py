@@ -210,6 +210,16 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/lanes/runner",
+        ["hybrid/test_lanes_in_space"],
+        {"lanes: a bouncing toe sinks": ("        clear &= ~sinking(self.numbers, ready, group, point)\n", "")},
+    ),
+    *mistakes_in(
+        "hybrid/engines/taylor_single",
+        ["hybrid/test_lanes_in_space"],
+        {"lane alone: a bouncing toe sinks": ("if values[i] <= tolerance]", "if values[i] <= 0.0]")},
+    ),
+    *mistakes_in(
         "hybrid/events",
         ["hybrid/test_events"],
         {

@@ -68,7 +68,7 @@ class Single:
         happening = enumerate(thresholds(self.domain.guards), self._slopes)
         self._thresholds = [each for each in happening if each[1] > -math.inf]
         patient = enumerate(self.domain.guards, self._slopes)
-        self._patient = [i for i, guard in patient if 0.0 < guard.patience < math.inf]
+        self._patient = [(i, guard.tolerance) for i, guard in patient if 0.0 < guard.patience < math.inf]
         self._kinks, self._bends = slice(kinks, kinks + code.kinks), code.kinks > 0
         self._toes = [(mode, kinks + code.kinks + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
 
@@ -98,11 +98,11 @@ class Single:
             return None
         waiting = [i for i, threshold in self._thresholds if values[i] <= threshold]
         on_kink = self._bends and any(map(bent, values[self._kinks]))
-        below = [i for i in self._patient if values[i] <= 0.0]
+        below = [i for i, tolerance in self._patient if values[i] <= tolerance]
         if not (waiting or on_kink or below):
             return Entry(fits, t, y, NONE)
         state, later = self._later(t, y, parameters, here[: self._slopes])
-        if any(later[i] <= 0.0 for i in below):  # it may fall further without having risen, which no step would show
+        if any(later[i] <= 0.0 for i in below):  # it falls from zero, which no step would show
             return Entry(fits, t, y, UNCLEAR)
         if not (waiting or on_kink):
             return Entry(fits, t, y, NONE)

@@ -55,6 +55,19 @@ def first_event(numbers: Numbers, ready: Ready, group: Group, point: Point) -> t
     return found, waiting | bent(point.kinks).any(axis=0)
 
 
+def sinking(numbers: Numbers, ready: Ready, group: Group, point: Point) -> Flags:
+    """Tells in which lanes a guard with patience is on zero and falls: no step would show it."""
+    patient = [(i, guard.tolerance) for i, guard in enumerate(ready.domain.guards) if 0.0 < guard.patience < np.inf]
+    below = np.zeros((len(patient), len(group)), bool)
+    for k, (i, tolerance) in enumerate(patient):
+        below[k] = point.guards[i] <= tolerance
+    if not below.any():
+        return np.zeros(len(group), bool)
+    later = numbers.at(ready, numbers.ahead(ready, group, AWAY[0])).guards
+    falls = below & (later[[i for i, _ in patient]] <= 0.0)
+    return np.asarray(falls.any(axis=0))
+
+
 def away(numbers: Numbers, ready: Ready, group: Group) -> tuple[list[Group], Group]:
     """Returns lanes a moment later, where no guard is zero any more, and the lanes for which that fails."""
     gone, happening = [], np.isfinite(thresholds(ready.domain.guards))

@@ -22,7 +22,7 @@ from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Poin
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, along, finite, merged, spread
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
-from spear_pin.hybrid.lanes.modes import away, choose, first_event
+from spear_pin.hybrid.lanes.modes import away, choose, first_event, sinking
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.orders import Happening, Order, happening, in_order, order_of
@@ -204,9 +204,10 @@ class Lanes:
     def watch(self, ready: Ready, group: Group, point: Point, came: Came | None) -> None:
         """Carries out the events that happen on entering a domain, and queues the other lanes for integration."""
         domain = ready.domain
-        defined = np.isfinite(point.guards).all(axis=0) & np.isfinite(group.y).all(axis=0)
-        self.give_up(group.take(~defined))
-        group, point = group.take(defined), point.take(defined)
+        clear = np.isfinite(point.guards).all(axis=0) & np.isfinite(group.y).all(axis=0)
+        clear &= ~sinking(self.numbers, ready, group, point)
+        self.give_up(group.take(~clear))
+        group, point = group.take(clear), point.take(clear)
         first, on_zero = first_event(self.numbers, ready, group, point)
         if not on_zero.all():
             self.fly(ready, group.take(~on_zero))
@@ -217,9 +218,9 @@ class Lanes:
                 self.happen(domain, index, part.take(~just))
                 part = self.slide(ready, index, came, part.take(just))
             self.happen(domain, index, part)
-        clear, left = away(self.numbers, ready, group.take(on_zero & (first < 0)))
+        gone, left = away(self.numbers, ready, group.take(on_zero & (first < 0)))
         self.give_up(left)
-        for each in clear:
+        for each in gone:
             self.fly(ready, each)
 
     def slide(self, ready: Ready, index: int, came: Came, group: Group) -> Group:
