@@ -210,14 +210,14 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "hybrid/lanes/runner",
+        "hybrid/lanes/modes",
         ["hybrid/test_lanes_in_space"],
-        {"lanes: a bouncing toe sinks": ("        clear &= ~sinking(self.numbers, ready, group, point)\n", "")},
+        {"lanes: a bouncing toe sinks": ("np.asarray(falls.any(axis=0))", "np.zeros(len(group), bool)")},
     ),
     *mistakes_in(
         "hybrid/engines/taylor_single",
         ["hybrid/test_lanes_in_space"],
-        {"lane alone: a bouncing toe sinks": ("if values[i] <= tolerance]", "if values[i] <= 0.0]")},
+        {"lane alone: a bouncing toe falls": ("if values[i] <= tolerance]", "if values[i] <= 0.0]")},
     ),
     *mistakes_in(
         "hybrid/events",
