@@ -162,11 +162,10 @@ class Watch:
         return np.array([self._at(t + h, ahead(self._flow, t, y, h))]).T
 
     def _rises(self, i: int, nodes: list[tuple[float, float]], interpolant: Callable[[], Interpolant]) -> bool:
-        """Tells whether a guard that is not positive halfway is so before."""
-        (begin, before), (_, middle), (end, after) = nodes
-        if not 4.0 * middle - 3.0 * before - after > 0.0:  # the slope at first of the parabola through all three
+        """Tells whether a guard with patience that is not positive halfway is so before."""
+        if not self._guards[i].patience:
             return False
-        solution = interpolant()
+        begin, end, solution = nodes[0][0], nodes[-1][0], interpolant()
         return any(self._value(i, solution, t) > 0.0 for t in begin + (end - begin) * EARLY)
 
     def _value(self, i: int, solution: Interpolant, t: float) -> float:

@@ -33,8 +33,8 @@ LANES, SPREAD = 3, (2e-4, 2e-3)  # the first lane is the gait itself; m and rad,
 def pushed(gait):
     rng = np.random.default_rng(5)
     q, v = (np.tile(part, (LANES, 1)) for part in gait.state)
-    for part, spread in zip((q, v), SPREAD, strict=True):
-        part[1:] += rng.uniform(-spread, spread, part[1:].shape)
+    for part, most in zip((q, v), SPREAD, strict=True):
+        part[1:] += rng.uniform(-most, most, part[1:].shape)
     q[1:, 2] += 0.01  # no toe is below the ground, so these fly on first
     return q, v
 
