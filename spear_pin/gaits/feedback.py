@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
@@ -16,13 +17,16 @@ from spear_pin.gaits.inputs import inputs_of, listed
 from spear_pin.gaits.linear import SYMMETRIC, Linear, between, linearized, part_of, separable
 from spear_pin.gaits.parity import Multipliers, merged, parted
 from spear_pin.gaits.spatial.trotting import halfway
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
-from spear_pin.hybrid.parameters import numbers_of_law
+from spear_pin.hybrid.fields import names_of, value_in, with_fields
+from spear_pin.hybrid.parameters import numbers_of_law, rebuilt
 from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers, return_map
 from spear_pin.hybrid.symmetry import asymmetry
 from spear_pin.kinds import typed
 
 UPRIGHT = ("posterior_adduction",)  # enough to keep a symmetric gait in space from falling sideways
+MIXED = 1e-6  # share of an input's effect on motion of the other parity that is not rounding
 GAINS, GAIN_STEP = (-150.0, 150.0), 20.0  # N·s: range of the search, and step between simulated gains
 
 
@@ -70,7 +74,7 @@ def regulate(
 ) -> Regulated:
     """Designs linear-quadratic feedback of the section state to numbers of the law, once a cycle.
 
-    At the section w = -K ξ is added to the inputs until the next cycle begins; in a trot or a pace twice a stride. K
+    At the section w = K ξ is added to the inputs until the next cycle begins; in a trot or a pace twice a stride. K
     minimises Σ ξᵀQ ξ + weight Σ (w / one)², with Q = 1 but for the yaw, and what counts as one of each input; see
     `spear_pin.gaits.inputs`. In a gait in space that is symmetric, or nearly, lateral and symmetric motion are
     regulated separately, each by the inputs that act on it.
@@ -115,7 +119,10 @@ def regulate(
         if acting:
             Q = np.eye(len(own.A))
             Q[-1, -1] = heading if turns and lateral else 1.0
-            K = quadratic_gains(own.A, own.B, [one[i].one for i in acting], weight, Q)
+            try:
+                K = quadratic_gains(own.A, own.B, [one[i].one for i in acting], weight, Q)
+            except np.linalg.LinAlgError:
+                raise BadValue("inputs", own.inputs, "inputs that act on all motion that grows: add others") from None
             held[lateral] = eigenvalues(own.A - own.B @ K)
             gains[np.array(acting)[:, None], own.own] = K[:, : len(own.own)]
             rows |= dict(zip(own.inputs, map(_row, -K @ own.coordinates), strict=True))
@@ -134,9 +141,9 @@ def regulate(
     d = local.dimension
     if event:  # whole strides, of which feedback acts on halves
         without, found = (merged({None: multipliers(each, gait.state, rtol)}) for each in (system, closed))
-    elif not apart or asymmetry(system.robot, gait.state) <= SYMMETRIC:
+    elif not apart or (asymmetry(system.robot, gait.state) <= SYMMETRIC and not _mixed(B[:d], local.even)):
         without, found = merged(free), merged(held)
-    else:  # left and right act on each other a little
+    else:  # left and right act on each other
         without, found = (parted(each[:d], local.even) for each in (A, A - B @ gains))
     return Regulated(replace(gait, system=closed, multipliers=found.values), without, found)
 
@@ -150,7 +157,8 @@ def _checked(gait: Gait, inputs: Sequence[str] | None, apart: bool) -> Sequence[
     """
     valid = numbers_of_law(gait.system)
     if inputs is None:
-        inputs = UPRIGHT if apart else tuple(name for name in listed(gait.system.law) if name in valid)
+        known = tuple(name for name in listed(gait.system.law) if name in valid)
+        inputs = UPRIGHT if apart and {*UPRIGHT} <= {*known} else known
     for name in inputs:
         if name not in valid:
             raise UnknownName("input", name, valid)
@@ -163,6 +171,12 @@ def _acts_most(name: str, lateral: bool | None, parts: Mapping[bool | None, Line
     """Tells whether an input acts most on one of the parts."""
     sizes = {each: np.abs(part.B[: len(part.own), part.inputs.index(name)]).max() for each, part in parts.items()}
     return max(sizes, key=lambda each: float(sizes[each])) == lateral
+
+
+def _mixed(B: Array, even: NDArray[np.bool_]) -> bool:
+    """Tells whether some input acts on symmetric and on antisymmetric motion."""
+    sizes = np.array([np.abs(B[even]).max(axis=0), np.abs(B[~even]).max(axis=0)])
+    return bool((sizes.min(axis=0) > MIXED * sizes.max(axis=0)).any())
 
 
 def _row(values: Any) -> tuple[float, ...]:
@@ -180,13 +194,10 @@ def quadratic_gains(A: Array, B: Array, scales: Sequence[float], weight: float, 
         Q: weights of the coordinates, (n, n); 1 by default.
 
     Raises:
-        BadValue: no gains make the motion stable.
+        LinAlgError: no gains make the motion stable.
     """
     R = weight * np.diag([scale**-2 for scale in scales])
-    try:
-        P = scipy.linalg.solve_discrete_are(A, B, np.eye(len(A)) if Q is None else Q, R)
-    except np.linalg.LinAlgError:
-        raise BadValue("inputs", B.shape[1], "inputs that act on every motion that grows: name others") from None
+    P = scipy.linalg.solve_discrete_are(A, B, np.eye(len(A)) if Q is None else Q, R)
     return np.asarray(np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A), np.float64)
 
 
@@ -233,14 +244,23 @@ def _best_gain(trial: Callable[[float], Gait], rtol: float) -> float:
 
 @typed
 def without_feedback(gait: Gait) -> Gait:
-    """Returns a gait without event feedback of either kind; its multipliers stay those with it."""
-    if any(getattr(gait.system.law, "speed_gain", ())):
-        gait = gait.with_law(speed_gain=(0.0, 0.0))
-    return replace(gait, system=with_feedback(gait.system, None))
+    """Returns a gait without event feedback of either kind, with the multipliers that it then has."""
+    system = gait.system
+    if not _has_feedback(system):
+        return gait
+    if "speed_gain" in names_of(system.law):
+        system = rebuilt(system, law=with_fields(system.law, {"speed_gain": (0.0, 0.0)}))
+    system = with_feedback(system, None)
+    return replace(gait, system=system, multipliers=multipliers(system, gait.state))
+
+
+def _has_feedback(system: HybridSystem) -> bool:
+    gains = value_in(system.law, "speed_gain") if "speed_gain" in names_of(system.law) else ()
+    return feedback_of(system) is not None or any(gains)
 
 
 def _check_without(gait: Gait) -> None:
-    if feedback_of(gait.system) is not None or any(getattr(gait.system.law, "speed_gain", ())):
+    if _has_feedback(gait.system):
         raise BadValue("gait", "one with event feedback", "one without: without_feedback(gait)")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, unit
 from spear_pin.model.scale import scale_in_space, scale_of
@@ -42,7 +43,7 @@ def inputs_of(system: HybridSystem, names: Sequence[str]) -> list[Input]:
 
     Raises:
         UnknownName: nothing has a number of a name.
-        BadValue: a number has no value.
+        BadValue: a number has no value, or the law does not list it and it is zero.
     """
     known, robot = listed(system.law), system.robot
     torque = 1.0
@@ -50,9 +51,10 @@ def inputs_of(system: HybridSystem, names: Sequence[str]) -> list[Input]:
         torque = (scale_of if robot.planar else scale_in_space)(robot).torque
     found = []
     for name in names:
-        value = parameter(system, name)
-        one = SHARE * abs(value)
-        other = ANGLE if not value or unit(system, name) == "rad" else Input(one, 2.0 * one)
+        share = SHARE * abs(parameter(system, name))
+        other = ANGLE if unit(system, name) == "rad" else Input(share, 2.0 * share)
         one, most, scales = known.get(name, other)
+        if not one:
+            raise BadValue(name, one, "a number other than zero, or one that the law lists in `inputs`")
         found.append(Input(one * torque, most * torque, True) if scales else Input(one, most))
     return found

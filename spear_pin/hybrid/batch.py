@@ -177,7 +177,7 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
         raise BadValue("cycles", cycles, "a whole number, at least 1")
     check_equations(system)
     if system.pins or robot.post is not None:
-        raise BadValue("system", system.kind, "one without pinned toes and a post, which run one at a time: find_gait")
+        raise BadValue("system", system.kind, "one without pinned toes, and not round a post; run it one at a time")
     for name, values in given.items():
         parameter(system, name)  # its error lists the parameters
         if not may_differ(system, name):

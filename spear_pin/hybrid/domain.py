@@ -97,8 +97,8 @@ class Reset:
         latch: function that returns newly held values, from (q, v, held, p) after the impact.
         phase: the phase entered; None stays in the present phase, whose clock continues.
         stop: toes in space whose sliding has almost ended, and is stopped.
-        adjust: function like `latch`, called before it, that returns what is added to numbers of the law from then on,
-            each held by its name after `fields.ADDED`.
+        adjust: function like `latch`, called before it where a cycle begins, that returns what is added to numbers of
+            the law from then on, each held by its name after `fields.ADDED`.
     """
 
     impact: tuple[str, ...] = ()

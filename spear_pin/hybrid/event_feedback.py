@@ -1,6 +1,7 @@
 """Event feedback: at the section it adds to numbers of the law what the deviation from a gait's state asks for.
 
 The numbers stay changed until the next cycle begins. On the gait itself nothing is added, so its orbit is the same.
+Other numbers move the gait, but not the state with which feedback compares: take it off first, and design it again.
 """
 
 from __future__ import annotations
@@ -66,8 +67,15 @@ class EventFeedback:
         for name in self.inputs:
             if name not in valid:
                 raise UnknownName("input", name, valid)
-        if any(guard.reset is not None and guard.reset.adjust for domain in system.domains for guard in domain.guards):
+        if feedback_of(system) is not None:
             raise BadValue("system", system.kind, "one without event feedback")
+        if len({*self.inputs}) < len(self.inputs):
+            raise BadValue("EventFeedback.inputs", self.inputs, "each number once")
+        events = {guard.name for domain in system.domains for guard in domain.guards}
+        if self.between and self.between not in events:
+            raise UnknownName("event", self.between, events)
+        if self.halfway and not self.between:
+            raise BadValue("EventFeedback.halfway", self.halfway, "() without an event `between`")
         halfway = {"EventFeedback.halfway": self.halfway} if self.between else {}
         for name, row in {"EventFeedback.nominal": self.nominal, **halfway}.items():
             _fits(name, row, columns)
@@ -154,16 +162,13 @@ def _fits(name: str, row: Numbers, count: int) -> None:
 
 def _seen(mirror: Mirror, values: Sequence[Any]) -> list[Any]:
     """Returns a configuration or a velocity, of any scalars, in the mirror."""
-    seen = list(values)
-    for i, sign, value in zip(mirror.of, mirror.signs, values, strict=True):
-        seen[i] = sign * value
-    return seen
+    return [sign * values[i] for i, sign in zip(mirror.of, mirror.signs, strict=True)]
 
 
 def _within(limit: float, value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return np.clip(value, -limit, limit)
-    return max(-limit, min(limit, value))
+    return limit if value > limit else -limit if value < -limit else value
 
 
 def _nothing(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:

@@ -141,7 +141,7 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
         standing = all(rests(height, float(jacobian[-1] @ v), STATE_AT_REST) for height, jacobian in closed)
     phase, resets = start(system, standing)
     try:
-        return phase, latched({}, resets, q.tolist(), v.tolist(), system.law, system.place_of)
+        return phase, latched({}, resets, q.tolist(), v.tolist(), system.law, system.place_of, begins=standing)
     except ArithmeticError:
         raise BadValue("state", state, "one at which the control law gives numbers") from None
 

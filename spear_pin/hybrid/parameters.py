@@ -144,9 +144,13 @@ def numbers_of_robot(robot: Robot) -> tuple[str, ...]:
 
 
 def numbers_of_law(system: HybridSystem) -> tuple[str, ...]:
-    """Returns the names of the numbers of a system's law that have a value."""
-    places = _places(system.law).items()
-    return tuple(name for name, inner in places if _held(system, "law", inner, name) is not None)
+    """Returns the names of the numbers that a system's law has alone, and that have a value."""
+    others = {*_places(system.spring), *_places(system.ground)}  # which have a name before the law has
+    return tuple(
+        name
+        for name, inner in _places(system.law).items()
+        if name not in others and _held(system, "law", inner, name) is not None
+    )
 
 
 def unit(system: HybridSystem, name: str) -> str:

@@ -186,7 +186,7 @@ class _Runner:
         self.grounded[domain.on_ground] = now
         again = bool(rules.retouches(self.system, reset, now - self.grounded))
         try:
-            held = self._reset(rules.RETOUCH if again else guard.name, reset)
+            held = self._reset(rules.RETOUCH if again else guard.name, reset, begins=not again)
         except _Undefined:
             self._end("not_finite", f"what {guard.name} does at t = {now:.6g} s")
             return
@@ -203,8 +203,10 @@ class _Runner:
         if guard.name == self.system.section and not again:
             self._close_cycle()
 
-    def _reset(self, name: str, reset: Reset) -> Held:
+    def _reset(self, name: str, reset: Reset, *, begins: bool) -> Held:
         """Resets the state at an event, records the event and books its energy; returns the values held after it.
+
+        A toe that only touches again begins no cycle.
 
         Raises:
             _Undefined: its impact, or its latch, has no value.
@@ -224,7 +226,7 @@ class _Runner:
             held = {**held, **strike.rises}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
         try:
-            held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, self.system.place_of)
+            held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, self.system.place_of, begins=begins)
         except ArithmeticError:
             raise _Undefined from None
         domain = self.flow.domain.name

@@ -11,13 +11,17 @@ from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.gaits.feedback import regulated
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.fields import ADDED, adjusted, value_in
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, displacement, multipliers, return_map
-from spear_pin.hybrid.result import Moment, Options
+from spear_pin.hybrid.result import Moment, Options, Segment
+from spear_pin.hybrid.rules import surface
+from spear_pin.hybrid.rules.cycles import RETOUCH
+from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.symmetry import headed, mirror_of
 from tests.gaits.feeding import fed, idle
@@ -38,6 +42,12 @@ def held(hop):
 def beside(hop):
     local = chart(hop.system, hop.state)
     return [local.state(np.array(xi)) for xi in ([0.01, -0.02, 0.03], [-0.004, 0.003, 0.02])]
+
+
+@pytest.fixture(scope="module")
+def chattering(robot):
+    """A hop whose toe alternates between ground and air as it lifts off."""
+    return find_gait(hopping(robot, HoppingLaw(stance_torque=5.92)))
 
 
 class TestWhatIsAdded:
@@ -175,6 +185,7 @@ class TestWhen:
         found = adjust(q.tolist(), v.tolist(), {}, None)[ADDED + "posterior_spread"]
         assert found == pytest.approx(by + 0.5 * row[3], abs=1e-12)
 
+    @pytest.mark.extra("example-robot-data")
     def test_between_the_halves_by_a_state_of_its_own(self):
         """A robot whose left and right differ: seen in the mirror, compared with the state halfway."""
         system = solo12_trot_steady().system
@@ -188,6 +199,35 @@ class TestWhen:
         ):
             q, v = see(np.array(nominal[:18])), see(np.array(nominal[18:]))
             assert max(map(abs, reset.adjust(q.tolist(), v.tolist(), {}, None).values())) < 1e-12
+
+
+class TestWhereNoCycleBegins:
+    """Motion on a switching surface and re-touches use the reset of the section, and adjust nothing."""
+
+    def test_the_orbit_stays_as_it_is(self, chattering):
+        held = regulated(chattering, ("knee_touchdown", "stance_torque"))
+        once = return_map(held.system, chattering.state, 1e-11)
+        assert "chatter" in " ".join(event.domain for event in once.events)
+        assert np.abs(displacement(chattering.system, chattering.state, once.state)).max() < 1e-8
+        found = multipliers(held.system, chattering.state)
+        assert np.abs(held.multipliers) == pytest.approx(np.abs(found), abs=1e-4)
+
+    def test_a_retouch_begins_no_cycle(self, hop, held):
+        local, seen = chart(hop.system, hop.state), 0
+        for i in range(12):
+            state, segments = local.state(0.2 * np.random.default_rng(i).normal(size=3)), list[Segment]()
+            found = run(held.system, state, 1, Options(1e-9), on_segment=segments.append)
+            if any(event.name == RETOUCH for event in found.events):
+                seen += 1
+                assert len({each.held[ADDED + "stance_torque"] for each in segments}) == 1
+        assert seen
+
+    def test_what_is_added_is_added_once_where_two_toes_alternate(self, hop):
+        """There a latch calls others, with the law as it is."""
+        law, seen = hop.system.law, []
+        one = Reset(latch=lambda q, v, held, p: seen.append(p.stance_torque) or {})
+        latched({ADDED + "stance_torque": 1.0}, [surface._after([one], one)], [0.0], [0.0], law)
+        assert seen == 2 * [law.stance_torque + 1.0]
 
 
 class TestOnAndOff:
@@ -240,12 +280,18 @@ class TestRefused:
             ({"limits": (1.0,)}, "gains"),
             ({"limits": (1.0, 1.0, -1.0)}, "limits"),
             ({"heading": np.inf}, "heading"),
-            ({"between": "halfway", "halfway": (1.0,)}, "halfway"),
+            ({"between": "apex", "halfway": (1.0,)}, "halfway"),
+            ({"halfway": 6 * (0.0,)}, "between"),
+            ({"inputs": ("stance_torque", "frequency", "frequency")}, "each number once"),
         ],
     )
     def test_numbers(self, hop, other, said):
         with pytest.raises(BadValue, match=said):
             self.feedback(hop, **other)
+
+    def test_an_event_that_does_not_exist(self, hop):
+        with pytest.raises(UnknownName, match="half_way"):
+            self.feedback(hop, between="half_way", halfway=6 * (0.0,))
 
     def test_ground_on_which_heights_are_others(self, robot, hop):
         sloped = hopping(robot, HoppingLaw(), Spring(), ground=Ground(slope=0.05))

@@ -67,7 +67,7 @@ MUTATIONS = [
         "hybrid/event_feedback",
         ["hybrid/test_event_feedback"],
         {
-            "feedback without limits": ("max(-limit, min(limit, value))", "value"),
+            "feedback without limits": ("limit if value > limit else -limit if value < -limit else value", "value"),
             "feedback on either side alike": ("if second else None", "if False else None"),
             "feedback along x instead of the heading": ("c * v[0] + s * v[1], c * v[1] - s * v[0]", "v[0], v[1]"),
             "feedback to no heading": ("q[YAW] - self.heading", "q[YAW]"),
@@ -85,7 +85,8 @@ MUTATIONS = [
             "an event sees the law as it was": (
                 "latch, p = reset.latch, adjusted(law, held)",
                 "latch, p = reset.latch, law",
-            )
+            ),
+            "feedback wherever a toe touches": ("if begins and reset.adjust", "if reset.adjust"),
         },
     ),
     *mistakes_in(

@@ -71,7 +71,7 @@ def embedded(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = No
         raise BadValue("gait", gait, "a planar bounding gait")
     if plane.changes or replaced(plane):
         raise BadValue(
-            "gait", gait, "one without hardware, dry friction or other changes, which gaits in space cannot have yet"
+            "gait", gait, "one without event feedback, hardware, dry friction or other changes: without_feedback(gait)"
         )
     robot = robot or whole(plane.robot)
     law = law or SpatialLaw.scaled(plane.law, robot)

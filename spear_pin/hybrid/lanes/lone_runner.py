@@ -259,7 +259,7 @@ class LoneRunner:
         elif reset.impact:
             self._strike(now, domain, reset)
         if reset.latch is not None:
-            self._latch(now, reset)
+            self._latch(now, reset, not again)
         if reset.phase is not None:
             now.spent[counts_to(domain, reset, again)] += now.t
             now.phase, now.past, now.t, now.switches = reset.phase, time, 0.0, 0
@@ -311,10 +311,11 @@ class LoneRunner:
     def _domains(self) -> Mapping[tuple[str, str], Domain]:
         return {domain.key: domain for domain in self._system.domains}
 
-    def _latch(self, now: _Now, reset: Reset) -> None:
+    def _latch(self, now: _Now, reset: Reset, begins: bool) -> None:
         y = now.y.tolist()
         try:
-            now.held = latched(now.held, [reset], y[: self._nv], y[self._nv :], self._law, self._system.place_of)
+            q, v, place_of = y[: self._nv], y[self._nv :], self._system.place_of
+            now.held = latched(now.held, [reset], q, v, self._law, place_of, begins=begins)
         except ArithmeticError:
             raise _Unclear(f"{reset.phase or now.phase} cannot be latched") from None
         now.singles, now.parameters = self._given(now.held)

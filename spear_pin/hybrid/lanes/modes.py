@@ -57,14 +57,12 @@ def first_event(numbers: Numbers, ready: Ready, group: Group, point: Point) -> t
 
 def sinking(numbers: Numbers, ready: Ready, group: Group, point: Point) -> Flags:
     """Tells in which lanes a guard with patience is on zero and falls: no step would show it."""
-    patient = [(i, guard.tolerance) for i, guard in enumerate(ready.domain.guards) if 0.0 < guard.patience < np.inf]
-    below = np.zeros((len(patient), len(group)), bool)
-    for k, (i, tolerance) in enumerate(patient):
-        below[k] = point.guards[i] <= tolerance
+    guards = ready.domain.guards
+    patient = [i for i, guard in enumerate(guards) if 0.0 < guard.patience < np.inf]
+    below = point.guards[patient] <= np.array([guards[i].tolerance for i in patient])[:, None]
     if not below.any():
         return np.zeros(len(group), bool)
-    later = numbers.at(ready, numbers.ahead(ready, group, AWAY[0])).guards
-    falls = below & (later[[i for i, _ in patient]] <= 0.0)
+    falls = below & (numbers.at(ready, numbers.ahead(ready, group, AWAY[0])).guards[patient] <= 0.0)
     return np.asarray(falls.any(axis=0))
 
 

@@ -86,8 +86,8 @@ class Numbers:
 
         return replace(group, t=group.t + h, y=ahead(slope, group.t, group.y, h))
 
-    def latch(self, group: Group, reset: Reset) -> Group:
-        """Returns the group after an event's latch.
+    def latch(self, group: Group, reset: Reset, *, begins: bool) -> Group:
+        """Returns the group after an event's latch; see `latched`.
 
         A latch that is plain arithmetic is called once for all lanes, any other lane by lane.
 
@@ -100,24 +100,25 @@ class Numbers:
         try:
             if n == 1:  # NumPy may take an array of one for a number, or not
                 raise TypeError
-            held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes))
+            held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes), begins=begins)
             return replace(group, held={name: spread(value, n) for name, value in held.items()})
         except Exception as error:
             if not (own.is_own(reset.latch) or isinstance(error, (TypeError, ValueError, ArithmeticError))):
                 raise
-            found = [self._latch_alone(group, reset, i) for i in range(n)]
+            found = [self._latch_alone(group, reset, i, begins) for i in range(n)]
             pattern = next((one for one in found if one is not None), {"undefined": 0.0})
             each = [_undefined(pattern) if one is None else one for one in found]
             new = {name: collected([one[name] for one in each]) for name in pattern}
             return replace(group, held={**group.held, **new})
 
-    def _latch_alone(self, group: Group, reset: Reset, i: int) -> Mapping[str, Any] | None:
+    def _latch_alone(self, group: Group, reset: Reset, i: int, begins: bool) -> Mapping[str, Any] | None:
         """Returns the values held after an event in the i-th lane of a group, None where one is undefined."""
         assert reset.latch is not None
         held = {name: take(value, i) for name, value in group.held.items()}
         q, v = group.y[: self.nv, i].tolist(), group.y[self.nv :, i].tolist()
         try:
-            return latched(held, [reset], q, v, self.law_of(int(group.lanes[i])), self.system.place_of)
+            law = self.law_of(int(group.lanes[i]))
+            return latched(held, [reset], q, v, law, self.system.place_of, begins=begins)
         except ArithmeticError:
             return None
 

@@ -139,7 +139,7 @@ class Lanes:
             group = Group(lanes, np.zeros(len(lanes)), self.start[:, lanes].copy(), {})
             phase, resets = start(system, stands)
             for reset in resets:
-                group = self.numbers.latch(group, reset)
+                group = self.numbers.latch(group, reset, begins=stands)
             self.on_section[lanes] = stands
             self.go_on(phase, group, None)
 
@@ -325,7 +325,7 @@ class Lanes:
         if struck and len(group):
             group, rising = strike(self.numbers, struck, reset.impact, group)
             self.give_up(rising)
-        group = self.numbers.latch(group, reset)
+        group = self.numbers.latch(group, reset, begins=not again)
         latched = finite(group.held, len(group))
         self.give_up(group.take(~latched))
         group = group.take(latched)

@@ -61,7 +61,7 @@ def _at_once_after(
     """
     assert reset.phase is not None
     waiting: list[tuple[tuple[Reset, ...], Group]] = [
-        ((), numbers.latch(replace(group, t=np.zeros(len(group))), reset))
+        ((), numbers.latch(replace(group, t=np.zeros(len(group))), reset, begins=False))
     ]
     while waiting:
         follow, group = waiting.pop()
@@ -73,7 +73,7 @@ def _at_once_after(
                 if then is None or then.phase is not None or len(follow) == MOST_AT_ONCE:
                     yield then, follow, own
                 else:
-                    waiting.append(((*follow, then), numbers.latch(own, then)))
+                    waiting.append(((*follow, then), numbers.latch(own, then, begins=False)))
 
 
 def _begin(numbers: Numbers, between: Alternation, group: Group) -> Iterator[tuple[Ready, Group, Point]]:

@@ -12,7 +12,14 @@ from spear_pin.hybrid.fields import adjusted
 
 
 def latched(
-    held: Held, resets: Iterable[Reset], q: Any, v: Any, law: Any, place_of: Callable[[Reset], str] = str
+    held: Held,
+    resets: Iterable[Reset],
+    q: Any,
+    v: Any,
+    law: Any,
+    place_of: Callable[[Reset], str] = str,
+    *,
+    begins: bool = False,
 ) -> Held:
     """Returns the values held after resets, one after the other; values that no reset latches stay unchanged.
 
@@ -23,6 +30,7 @@ def latched(
         v: velocity after the impact, a sequence of scalars.
         law: parameters of the control law.
         place_of: names the event of a reset.
+        begins: whether a cycle, or the second half of a stride, begins: only then numbers of the law are adjusted.
 
     Raises:
         ArithmeticError: a latch has no value at this state.
@@ -30,7 +38,7 @@ def latched(
     """
     numbers = isinstance(q[0], float)
     for reset in resets:
-        if reset.adjust is not None:
+        if begins and reset.adjust is not None:
             held = {**held, **reset.adjust(q, v, held, law)}
         latch, p = reset.latch, adjusted(law, held)
         if latch is not None and numbers and own.is_own(latch):

@@ -13,6 +13,7 @@ from typing import Any
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, GuardValue, Held, Reset
+from spear_pin.hybrid.fields import ADDED
 from spear_pin.hybrid.rules.latching import latched
 
 CHATTER = "chatter"
@@ -80,7 +81,8 @@ def _after(others: Sequence[Reset], reset: Reset) -> Reset:
     """Returns a reset that first latches the values of other resets."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        return latched(held, (*others, reset), q, v, p)
+        own = {name: value for name, value in held.items() if not name.startswith(ADDED)}  # p has what is added
+        return latched(own, (*others, reset), q, v, p)
 
     return replace(reset, latch=latch) if others else reset
 

@@ -111,7 +111,7 @@ class _Whole:
         """Returns the values held at the beginning of the cycle."""
         _, resets = self.recorder.start
         state = duals(y, dy)
-        return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law))
+        return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True))
 
     def carry(self, arc: Arc, now: _Now) -> Stretch:
         """Carries the derivatives along an arc."""
@@ -187,7 +187,7 @@ class _Whole:
         now.after = self._strike(arc, reset, now)
         state = duals(now.after, now.dy)
         q, v = state[: self.nv], state[self.nv :]
-        now.held = dict(latched(now.held, [reset], q, v, self.law))
+        now.held = dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again))
         if reset.phase is not None:
             phase = counts_to(arc.domain, reset, arc.again)
             now.durations[phase] = now.durations.get(phase, 0.0) + Dual(arc.end, tau)

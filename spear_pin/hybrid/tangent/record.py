@@ -131,7 +131,7 @@ class Recorder:
             NotDifferentiable: the cycle does not close, or has an event without a derivative.
         """
         phase, resets = self.start
-        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law)
+        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law, begins=True)
         found = self.motion(phase, y, held)
         if found is None:
             raise NotDifferentiable(f"{PLAIN}: {self._why}")

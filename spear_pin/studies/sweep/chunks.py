@@ -76,7 +76,7 @@ def sweep(
         BadValue: an argument is not valid.
         BadFile: a file is there already, or the sweep to resume is another one.
     """
-    if system.robot.planar:
+    if system.robot.planar and not system.pins:
         batch.require()
     store.require()
     workers.require(PURPOSE)
