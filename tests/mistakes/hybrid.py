@@ -296,8 +296,8 @@ MUTATIONS = [
         {
             "impact not applied": ("v, impulse, work", "_, impulse, work"),
             "nothing is latched anew": (
-                "held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, self.system.place_of)",
-                "held = {**latched(held, [reset], q.tolist(), v.tolist(), self.system.law), **held}",
+                "self.system.law, self.system.place_of, begins=begins)",
+                "self.system.law, self.system.place_of, begins=begins) | held",
             ),
             "release left out of the ledger": ("= -in_springs(", "= -0.0 * in_springs("),
         },

@@ -16,12 +16,12 @@ MUTATIONS = [
                 "stretch.dstate",
             ),
             "derivatives: a latch at the section held fixed": (
-                "return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law))",
-                "return value_of(dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law)))",
+                "return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True))",
+                "return value_of(dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True)))",
             ),
             "derivatives: a latch in the cycle held fixed": (
-                "now.held = dict(latched(now.held, [reset], q, v, self.law))",
-                "now.held = value_of(dict(latched(now.held, [reset], q, v, self.law)))",
+                "now.held = dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again))",
+                "now.held = value_of(dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again)))",
             ),
             "derivatives: phases that last as long": ("Dual(arc.end, tau)", "Dual(arc.end, 0.0 * tau)"),
             "derivatives: a schedule that stays": ("due.d + np.zeros(self.c) if", "0.0 * due.d + np.zeros(self.c) if"),
