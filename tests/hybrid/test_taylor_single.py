@@ -144,7 +144,8 @@ def first_held(numbers, gait):
     """What is held just behind the section."""
     flight, lands = gait.system.landing
     group = Group(np.array([0]), np.zeros(1), np.concatenate(gait.state)[:, None], {})
-    return alone(numbers.latch(numbers.latch(group, gait.system.reset_into(flight)), lands).held)
+    flying = numbers.latch(group, gait.system.reset_into(flight), begins=False)
+    return alone(numbers.latch(flying, lands, begins=True).held)
 
 
 def single_of(numbers, domain, held):
