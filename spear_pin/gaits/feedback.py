@@ -14,7 +14,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.inputs import inputs_of, listed
-from spear_pin.gaits.linear import SYMMETRIC, Linear, between, linearized, part_of, separable
+from spear_pin.gaits.linear import SYMMETRIC, Linear, between, linear, linearized, separable
 from spear_pin.gaits.parity import Multipliers, merged, parted
 from spear_pin.gaits.spatial.trotting import halfway
 from spear_pin.hybrid.automaton import HybridSystem
@@ -107,7 +107,7 @@ def regulate(
         if not column.any():
             raise BadValue("inputs", name, "numbers on which the next state depends")
     parts = {
-        lateral: part_of(local, system, (A, B), inputs, lateral, turns and bool(lateral))
+        lateral: linear(gait, inputs, lateral=lateral, heading=turns and bool(lateral), whole=(A, B))
         for lateral in ((True, False) if apart else (None,))
     }
     free, held = {}, {}

@@ -17,7 +17,6 @@ from spear_pin.gaits.spatial.trotting import HALFWAY, halfway
 from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import may_vary
-from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.newton import Lanes, Words, jacobian
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, one_by_one, return_map
@@ -56,11 +55,15 @@ class Linear:
         return Linear(self.A, self.B[:, columns], tuple(names), self.coordinates, self.own)
 
 
-@typed
 def linear(
-    gait: Gait, inputs: Sequence[str], *, lateral: bool | None = None, heading: bool = False, rtol: float = 1e-10
+    gait: Gait,
+    inputs: Sequence[str],
+    *,
+    lateral: bool | None = None,
+    heading: bool = False,
+    whole: tuple[Array, Array] | None = None,
 ) -> Linear:
-    """Returns A and B of a gait, exact where it has derivatives, else by central differences.
+    """Returns A and B of a gait, of all motion or of one parity.
 
     For a trot or a pace they describe half a stride, seen in the mirror.
 
@@ -69,8 +72,8 @@ def linear(
         inputs: names of numbers of its law.
         lateral: True for antisymmetric motion alone, False for symmetric motion alone, which is planar, where the gait
             is symmetric, or nearly; None for all motion.
-        heading: whether the yaw is a coordinate, of antisymmetric motion.
-        rtol: relative tolerance of the integrator.
+        heading: whether the yaw is a coordinate, of antisymmetric motion; then it is the last.
+        whole: what `linearized` returns, if it is known.
 
     Raises:
         BadValue: `lateral` is given, and the gait is not in space, not symmetric, or its cycle is half a stride.
@@ -80,20 +83,8 @@ def linear(
         raise BadValue(
             "gait", gait, "a gait in space whose left and right are mirror images, or nearly so, and no trot"
         )
-    whole = linearized(gait, inputs, rtol)
-    return part_of(chart(gait.system, gait.state), gait.system, whole, inputs, lateral, heading)
-
-
-def part_of(
-    local: Chart,
-    system: HybridSystem,
-    whole: tuple[Array, Array],
-    inputs: Sequence[str],
-    lateral: bool | None,
-    heading: bool,
-) -> Linear:
-    """Returns the part of `linearized` that is lateral, or is not, or all of it, with the heading as the last row."""
-    A, B = whole
+    system, local = gait.system, chart(gait.system, gait.state)
+    A, B = whole or linearized(gait, inputs)
     d = local.dimension
     own = np.arange(d) if lateral is None else np.flatnonzero(local.even != lateral)
     rows = np.append(own, [d] if heading else []).astype(np.int64)
@@ -109,11 +100,6 @@ def part_of(
     return Linear(free, B[rows], tuple(inputs), coordinates, own)
 
 
-def halved(system: HybridSystem) -> bool:
-    """Tells whether a stride of a system consists of two halves, one the mirror image of the other, or nearly so."""
-    return bool(system.mirrored_toes) or bool(between(system))
-
-
 def between(system: HybridSystem) -> str:
     """Returns the event between the halves of a stride, if a cycle is the whole of it; else ""."""
     names = {guard.name for domain in system.domains for guard in domain.guards}
@@ -123,7 +109,7 @@ def between(system: HybridSystem) -> str:
 def separable(gait: Gait) -> bool:
     """Tells whether symmetric and antisymmetric motion of a gait are separate, or nearly so."""
     system, local = gait.system, chart(gait.system, gait.state)
-    if local.lane.section.closed or halved(system):
+    if local.lane.section.closed or system.mirrored_toes or between(system):  # or a stride has mirrored halves
         return False
     return asymmetry(system.robot, gait.state) <= NEARLY
 

@@ -226,8 +226,30 @@ class TestInSpace:
         assert lateral[1] <= 0.55 < 1.0 < lateral[0]
         np.testing.assert_array_equal(found.gait.multipliers, found.held.values)
 
+    def test_inputs_that_act_on_both_parities(self, monkeypatch):
+        """Each gets gains for one parity; the multipliers are those of all motion, by the gains that the gait has."""
+        gait, names = in_space(), ("posterior_adduction", "posterior_hip_torque")
+        local = chart(gait.system, gait.state)
+        i, j = np.flatnonzero(~local.even)[0], np.flatnonzero(local.even)[0]
+        A, B = np.zeros((33, 32)), np.zeros((33, 2))
+        A[i, i], A[j, j] = 1.5, 1.4
+        B[[i, j]] = np.array([[1.0, 0.9], [0.9, 1.0]]) / [0.05, 50.0]
+        monkeypatch.setattr(feedback, "linearized", lambda *_: (A, B))
+        found = regulate(gait, names)
+        gains = np.array(feedback_of(found.gait.system).gains) @ scipy.linalg.block_diag(local.q_basis, local.v_basis)
+        wanted = np.linalg.eigvals(A[:32] + B[:32] @ gains)
+        assert np.abs(found.held.values[:2]) == pytest.approx(sorted(np.abs(wanted), reverse=True)[:2], abs=1e-9)
+        assert abs(found.held.values[0]) > 1.0 and not found.gait.stable
+
 
 class TestRefusedInSpace:
+    def test_feedback_of_the_speed_in_the_law_of_the_plane(self):
+        law = in_space().system.law
+        gait = in_space().with_law(plane=replace(law.plane, speed_gain=(5.0, 0.0)))
+        with pytest.raises(BadValue, match="without_feedback"):
+            regulated(gait)
+        assert without_feedback(gait).system.law == law
+
     def test_inputs_that_are_none(self):
         with pytest.raises(UnknownName, match="input"):
             regulated(in_space(), ("hip_torque",))

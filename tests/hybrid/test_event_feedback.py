@@ -1,7 +1,7 @@
 """Event feedback: what it adds, when, for how long; all engines agree; it comes off again, and is refused by name."""
 
 import runpy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +16,7 @@ from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.fields import ADDED, adjusted, value_in
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.parameters import parameter, with_parameters
+from spear_pin.hybrid.parameters import numbers_of_law, parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, displacement, multipliers, return_map
 from spear_pin.hybrid.result import Moment, Options, Segment
 from spear_pin.hybrid.rules import surface
@@ -201,6 +201,13 @@ class TestWhen:
             assert max(map(abs, reset.adjust(q.tolist(), v.tolist(), {}, None).values())) < 1e-12
 
 
+@dataclass(frozen=True)
+class Slippery(HoppingLaw):
+    """A law with a number that the ground has, too."""
+
+    friction: float = 0.3
+
+
 class TestWhereNoCycleBegins:
     """Motion on a switching surface and re-touches use the reset of the section, and adjust nothing."""
 
@@ -211,6 +218,18 @@ class TestWhereNoCycleBegins:
         assert np.abs(displacement(chattering.system, chattering.state, once.state)).max() < 1e-8
         found = multipliers(held.system, chattering.state)
         assert np.abs(held.multipliers) == pytest.approx(np.abs(found), abs=1e-4)
+
+    @pytest.mark.extra("heyoka")
+    def test_lanes_after_those_of_other_feedback(self, chattering):
+        """Motion on a surface is compiled once for all feedback, as it has none of it."""
+        states = [
+            chart(chattering.system, chattering.state).state(np.array(xi)) for xi in (3 * [0.0], [0.0, 0.0, 0.003])
+        ]
+        for gait in (idle(chattering, INPUTS), fed(chattering, INPUTS, GAINS)):
+            found = simulate_many(gait.system, *(np.array(part) for part in zip(*states, strict=True)))
+            for i, state in enumerate(states):
+                wanted = return_map(gait.system, state, 1e-11).state
+                np.testing.assert_allclose(found.v[i], wanted[1], rtol=0, atol=1e-6)
 
     def test_a_retouch_begins_no_cycle(self, hop, held):
         local, seen = chart(hop.system, hop.state), 0
@@ -269,6 +288,11 @@ class TestRefused:
                 self.feedback(hop, inputs=("stance_torque", "knee_touchdown", name))
         with pytest.raises(UnknownName, match="hip_touchdown"):  # which has no value
             self.feedback(hop, inputs=("stance_torque", "knee_touchdown", "hip_touchdown"))
+
+    def test_a_number_that_the_ground_has_too(self, robot):
+        """Its derivatives would be the ground's."""
+        system = hopping(robot, Slippery())
+        assert "friction" not in numbers_of_law(system) and "stance_torque" in numbers_of_law(system)
 
     @pytest.mark.parametrize(
         ("other", "said"),

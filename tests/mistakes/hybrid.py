@@ -79,6 +79,16 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/parameters",
+        ["hybrid/test_event_feedback"],
+        {"feedback to the ground's number": ("name not in others", "name")},
+    ),
+    *mistakes_in(
+        "hybrid/rules/surface",
+        ["hybrid/test_event_feedback"],
+        {"what is added is added twice": ("if not name.startswith(ADDED)}", "}")},
+    ),
+    *mistakes_in(
         "hybrid/rules/latching",
         ["hybrid/test_event_feedback"],
         {
@@ -95,6 +105,11 @@ MUTATIONS = [
         {
             "gains of the other sign": ("map(_row, -K @", "map(_row, K @"),
             "an input that acts on nothing": ("if not column.any():", "if False:"),
+            "inputs of one parity each": ("and not _mixed(B[:d], local.even)", ""),
+            "feedback of the speed in the plane alone": (
+                "or any(gains)",
+                "or any(getattr(system.law, 'speed_gain', ()))",
+            ),
         },
     ),
     *mistakes_in(

@@ -136,7 +136,8 @@ def asked(
 def _check_system(system: HybridSystem) -> dict[str, Any]:
     """Returns fields that were replaced in a system and that other processes can replace; refuses others."""
     check_equations(system)
-    if "<" in getattr(system.made["builder"], "__qualname__", "<").replace("<locals>", ""):
+    named = getattr(system.made["builder"], "__qualname__", "")
+    if not named or "<lambda>" in named:
         raise BadValue("system.build", system.build, "a function with a name, which identifies the sweep")
     kept = replaced(system)
     for name in kept:

@@ -112,6 +112,11 @@ class TestDataset:
             with pytest.raises(BadFile, match="another"):
                 sweep(other, points, tmp_path / "shared.zarr", **ASKED, resume=True)
 
+    def test_refuses_a_builder_without_a_name(self, system, tmp_path):
+        unnamed = replace(system, build=lambda *parts, **named: hopping(*parts, **named))
+        with pytest.raises(BadValue, match="a function with a name"):
+            sweep(unnamed, grid({"stiffness": [50.0]}), tmp_path / "points.zarr")
+
     def test_refuses_what_cannot_be_carried(self, system, tmp_path):
         for other, told in (
             (changed(system, lambda built: built), "dataclass"),
