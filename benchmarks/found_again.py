@@ -2,7 +2,7 @@
 
 Each number is changed by three small steps to both sides, and the gait is found again for each. Richardson's
 extrapolation of the differences stands beside the exact derivative, of the section's coordinates, the period and the
-effort; a side counts if its gaits have the same events in the same order. A row has the largest error, relative to the
+effort; a side counts if its gaits have the same events. A row has the largest error, relative to the
 largest derivative of its kind. It takes some minutes a gait.
 """
 
@@ -24,7 +24,6 @@ from spear_pin.errors import SpearError
 from spear_pin.gaits.round_hopping import round_hopping
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.orbit import Orbit
-from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart
 from tests.gaits.sensitivity.oracle import order
@@ -82,11 +81,11 @@ def compared(gait: Gait, name: str) -> list[str]:
         ]
     )
 
-    def at(by: float) -> tuple[Array, Order]:
+    def at(by: float) -> tuple[Array, list[str]]:
         found = gait_beside(with_numbers(gait.system, {name: value * (1.0 + by)}), gait.state, (), {})
         orbit = Orbit(found.system, found.state, ())
         measures = [orbit.measures[each].value for each in MEASURED]
-        events = tuple(each for each in order(orbit) if each[1] != KINK)
+        events = sorted(name for _, name in order(orbit) if name != KINK)
         return np.array([*local.coordinates(found.state), *measures]), events
 
     here, own = at(0.0)
@@ -109,7 +108,8 @@ def compared(gait: Gait, name: str) -> list[str]:
         return [f"{value:.4g}", "none found again with the same events", "", "", ""]
     off = np.abs(exact - np.mean([*sides.values()], axis=0))
     least = np.abs(here) * SMALL / abs(value)
-    state = off[:-2].max() / max(np.abs(exact[:-2]).max(), least[:-2].max())
+    size = max(np.abs(exact[:-2]).max(), least[:-2].max(), SMALL / abs(value))  # of states in m, rad, m/s and rad/s
+    state = off[:-2].max() / size
     rest = [f"{off[i] / max(abs(exact[i]), least[i]):.1e}" for i in (-2, -1)]
     return [f"{value:.4g}", "both" if len(sides) == 2 else "one", f"{state:.1e}", *rest]
 

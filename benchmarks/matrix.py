@@ -47,10 +47,8 @@ from spear_pin.hybrid.periodic import multipliers
 from spear_pin.model.mjcf import to_mjcf
 from spear_pin.model.scale import scale_of
 from spear_pin.studies.bound import bound_of
-from spear_pin.studies.explore.bounds import bound_to_explore, stride
-from spear_pin.studies.explore.engines import TAYLOR
-from spear_pin.studies.explore.hops import settled
-from spear_pin.studies.explore.legs import hop_of_leg
+from spear_pin.studies.explore.carried import carried
+from spear_pin.studies.explore.gaits import gait_to_explore
 from spear_pin.studies.hardware import Rig
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 from spear_pin.studies.sweep import grid, sweep
@@ -156,9 +154,8 @@ def _exported(gait: Gait, folder: Path) -> object:
 
 
 def _explored(gait: Gait, folder: Path) -> object:
-    if len(gait.system.robot.toes) == 1:
-        return settled(hop_of_leg(gait.system.robot, "").at(), TAYLOR)
-    return stride(bound_to_explore(gait, "").at(), TAYLOR)
+    name, value = varied(gait)
+    return carried(gait_to_explore(gait, "").at(**{name: (1.0 + SHARE) * value}))
 
 
 def _on_hardware(gait: Gait, folder: Path) -> object:

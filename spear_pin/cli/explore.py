@@ -6,23 +6,28 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open
-from spear_pin.cli.gaits import BOUND, bounding_gait
+from spear_pin.cli.gaits import BOUND, WHAT, named_gait
 from spear_pin.cli.legs import OPTIONS, add_leg, called, one_leg
+from spear_pin.cli.pairs import names
 from spear_pin.cli.python_lines import Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
     from spear_pin.studies.explore.knobs import Subject
 
+HELP = f"motion to change: a leg's hop in place, the bound {BOUND}, or a gait by name or path"
+OVER = (
+    "numbers with a slider, separated by commas, such as a trot's roll_inertia_xx; help lists all (default: those of"
+    " springs, ground and law)"
+)
+
 
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear explore --open", "change SPEAR-II's spring and gains, and watch it hop")
     parser = add_command(commands, "explore", run, "change a gait with sliders in a local web page", example)
-    parser.add_argument(
-        "motion", nargs="?", choices=("hop", "bound"), default="hop", help="motion to change (default: hop)"
-    )
-    parser.add_argument("gait", nargs="?", metavar="GAIT", help=f"a bound by name or path (default: {BOUND})")
+    parser.add_argument("what", metavar=WHAT, nargs="?", default="hop", help=f"{HELP} (default: hop)")
+    parser.add_argument("--over", type=names, action="extend", metavar="NAME", help=OVER)
     parser.add_argument("--port", type=int, default=0, metavar="N", help="port of the page (default: any free one)")
     add_leg(parser, "one of its legs hops, and sliders change its size")
     add_open(parser, "the page")
@@ -46,14 +51,14 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     engine = best_engine()
     with progress() as show:
-        show(f"solving the default {arguments.motion}")
+        show(f"solving the default {arguments.what}")
         explorer = Explorer(_subject(arguments), engine)
     try:
         with Server(explorer, arguments.port) as server:
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, end)
             text = f"{server.url}  ({engine.name} engine; Ctrl-C ends it)"
-            told = {"url": server.url, "port": server.port, "engine": engine.name, "motion": arguments.motion}
+            told = {"url": server.url, "port": server.port, "engine": engine.name, "motion": arguments.what}
             program = Program()
             program.say_functions(Explorer, Server)
             print_result(told | {"text": text, "python": str(program)}, arguments.json)
@@ -67,24 +72,28 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _check(arguments: argparse.Namespace) -> None:
     """Refuse what does not go together, before anything is computed."""
-    if arguments.motion == "hop" and arguments.gait is not None:
-        raise BadValue("GAIT", arguments.gait, "only with bound: a hop starts from its default numbers")
+    hops = arguments.what == "hop"
+    if hops and arguments.over:
+        raise BadValue("--over", arguments.over, "only with a gait's name or path: a hop has its own sliders")
     for name in ("robot", *OPTIONS):
         value = getattr(arguments, name)
-        if arguments.motion == "bound" and value is not None:
-            expected = (
-                "to be left out with bound: `spear bound --robot NAME --save` writes bound.json; give that as GAIT"
-            )
+        if not hops and value is not None:
+            expected = "only with hop: a gait has its robot; `spear bound --robot NAME --save` writes one"
             raise BadValue(f"--{name}", value, expected)
 
 
 def _subject(arguments: argparse.Namespace) -> Subject:
     """What is turned."""
     from spear_pin.studies.explore.bounds import bound_to_explore
+    from spear_pin.studies.explore.gaits import gait_to_explore
     from spear_pin.studies.explore.legs import hop_of_leg, spear_ii_hop
 
-    if arguments.motion == "bound":
-        _, gait = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)
-        return bound_to_explore(gait, f"{called(gait.system.robot)} bounding")
-    robot = one_leg(arguments, ["boom_x"])
-    return spear_ii_hop() if robot is None else hop_of_leg(robot, f"{called(robot)} hopping")
+    if arguments.what == "hop":
+        robot = one_leg(arguments, ["boom_x"])
+        return spear_ii_hop() if robot is None else hop_of_leg(robot, f"{called(robot)} hopping")
+    gait, source = named_gait(arguments.what), BOUND if arguments.what == "bound" else arguments.what
+    moving = gait.system.kind.replace("_", " ")
+    title = f"{called(gait.system.robot)} {moving}"
+    if gait.system.kind == "bounding" and not arguments.over:
+        return bound_to_explore(gait, title, source)
+    return gait_to_explore(gait, title, arguments.over or (), source)

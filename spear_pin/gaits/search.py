@@ -97,7 +97,12 @@ def find_gait(
 
 
 def gait_beside(
-    system: HybridSystem, state: State, vary: Sequence[str], target: Mapping[str, float], rtol: float = 1e-10
+    system: HybridSystem,
+    state: State,
+    vary: Sequence[str],
+    target: Mapping[str, float],
+    rtol: float = 1e-10,
+    on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> Gait:
     """Finds the fixed point near a state that is nearly one, by Newton's method from there alone.
 
@@ -107,11 +112,12 @@ def gait_beside(
         vary: names of the parameters to solve for.
         target: wanted values of as many measures, by name.
         rtol: relative tolerance of the integrator.
+        on_iteration: called with the iteration and the residual.
 
     Raises:
         NoGait: Newton's method does not converge to a gait.
     """
-    search = sought(system, vary, target, rtol)
+    search = sought(system, vary, target, rtol, on_iteration)
     try:
         return search.gait(*search.newton(system, state, search.wanted, rtol, min(TOLERANCE, rtol)))
     except Hopeless:

@@ -49,7 +49,7 @@ class TestBash:
             (["compare", "long_stride_3.0"], {"long_stride_3.00"}),
             (["bound", "long_stride_3.0"], {"long_stride_3.00"}),
             (["sweep", "bou"], {"bound"}),
-            (["explore", "bound", "long_stride_3.0"], {"long_stride_3.00"}),
+            (["explore", "long_stride_3.0"], {"long_stride_3.00"}),
             (["hop", "--out", "fo"], {"folder"}),
             (["report", "--figures", ""], {"svg", "pdf", "png"}),
             (["completion", ""], {"bash", "zsh", "fish"}),

@@ -72,9 +72,11 @@ def test_a_port_that_is_taken_is_refused(capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("hop", "long_stride"), "GAIT is"),
-        (("bound", "nope"), "unknown gait"),
-        (("bound", "--robot", "solo12"), "--robot is"),
+        (("hop", "--over", "friction"), "--over is ['friction']"),
+        (("nope",), "unknown gait 'nope'"),
+        (("trot", "--over", "nope"), "unknown parameter 'nope'"),
+        (("trot", "--over", "slope"), "slope is 0.0; expected a number other than zero"),
+        (("bound", "--robot", "solo12"), "--robot is 'solo12'; expected only with hop"),
         (("--body", "2"), "only with --robot"),
     ],
 )

@@ -241,11 +241,11 @@ def _explored_hop(table: Table) -> None:
 
 
 def _explored_bound(table: Table) -> None:
-    from spear_pin.studies.explore.bounds import bound_to_explore, stride
-    from spear_pin.studies.explore.engines import best_engine
+    from spear_pin.studies.explore.bounds import bound_to_explore
+    from spear_pin.studies.explore.carried import carried
     from spear_pin.studies.explore.figures import figures
 
-    motion = stride(bound_to_explore(Gait.load("long_stride"), "a bound").at(), best_engine())
+    motion = carried(bound_to_explore(Gait.load("long_stride"), "a bound").at())
     _explored(table, motion, figures(motion))
 
 

@@ -314,9 +314,11 @@ OPTIONS = {
 }
 # and what does not go together
 LINES = (
-    "explore trot",
-    "explore bound nope",
-    "explore hop long_stride",
+    "explore nope",
+    "explore bound long_stride",
+    "explore trot --over nope",
+    "explore trot --over adduction_stiffness,slope",
+    "explore hop --over friction",
     "dynamics",
     "dynamics nope",
     "dynamics none.urdf",

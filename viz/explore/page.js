@@ -3,9 +3,10 @@
 (function () {
   const data = JSON.parse(document.getElementById("data").textContent);
   const at = (id) => document.getElementById(id);
-  const VIEWS = { settled: "settled", transient: "first hops", stride: "a stride" };
+  const VIEWS = { settled: "settled", transient: "first hops", cycle: "a cycle" };
   const REPEATS = ["periodic", "pattern"];
   const HOLD = 0.8; // s at the end of what does not repeat
+  const LONG = 160; // letters: kinds with more are not told
   const PATIENCE = 1000; // ms between entries of the history
   const names = Object.keys(data.knobs);
   const defaults = Object.fromEntries(names.map((name) => [name, data.knobs[name].default]));
@@ -65,7 +66,8 @@
   // peaks may jump where another kind comes in
   function tellKind(other) {
     const another = other && other.kind && state.hop.kind && other.kind !== state.hop.kind;
-    at("kind").textContent = another ? `Of another kind than ${other.name}, which is: ${other.kind}.` : "";
+    const which = !another || other.kind.length > LONG ? "" : `, which is: ${other.kind}`;
+    at("kind").textContent = another ? `Of another kind than ${other.name}${which}.` : "";
   }
 
   const sameNumbers = (a, b) => names.every((name) => a[name] === b[name]);
@@ -191,11 +193,11 @@
       at("legend").append(make("li", {}, make("i", { style: `background:${color}` }), text));
     const origins = new Set(names.map((name) => data.knobs[name].origin));
     at("origins").append(...[...origins].map((origin) => make("span", { class: origin }, ORIGINS_SAID[origin])));
-    at("said").textContent = data.kind === "hop" ? "Unless the flight time is kept, the torque stays where its slider is."
-      : "The posterior hip torque is solved for the speed.";
+    const [said, lasting] = data.said;
+    at("said").textContent = said;
     if (!data.engine.extra)
       at("engine").textContent = "Without the extra fast (pip install '.[fast]' in the package's folder) every change takes "
-        + (data.kind === "hop" ? "a second or so." : "five to ten seconds.");
+        + `${lasting}.`;
     at("panel").addEventListener("submit", (event) => event.preventDefault());
     const clicks = { reset, pin, unpin, back: takeA, csv: saveCsv, png: savePng };
     for (const [id, act] of Object.entries(clicks)) at(id).addEventListener("click", act);

@@ -11,18 +11,14 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from spear_pin.gaits.bounding_law import LEGS
-from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.explore.engines import Engine
-from spear_pin.studies.explore.figures import figures
+from spear_pin.studies.explore.figures import OF_A_GAIT, figures
 from spear_pin.studies.explore.knobs import Subject
 from spear_pin.studies.explore.motion import Motion
 from spear_pin.studies.explore.tangents import MULTIPLIER, Tangents
 from spear_pin.studies.explore.views import views_of
 from spear_pin.viz.bench.samples import packed, samples_of, thinned
+from spear_pin.viz.explore.series import plots, series
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.frames import Frames, resample
 from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
@@ -30,8 +26,6 @@ from spear_pin.viz.playback.scene import Scene, moving
 from spear_pin.viz.playback.stage import HORIZON, WORLD
 from spear_pin.viz.player import SPEEDS, encoded, in_words
 from spear_pin.viz.template import css, environment
-
-Columns = dict[str, tuple[NDArray[np.float64], int]]
 
 CLIENT = "Spear-Client"  # header by which a page tells itself from others; what comes without is one client
 RATE = 60.0  # frames per second
@@ -60,6 +54,19 @@ READOUTS: Mapping[str, Mapping[str, tuple[str, str, int]]] = {  # label, unit an
         "cost_of_transport": ("Cost of transport", "", 3),
         "posterior_hip_torque": ("Post. hip, solved", "N·m", 2),
     },
+    "gait": {
+        "mean_speed": ("Mean speed", "m/s", 3),
+        "stride": ("Stride", "m", 3),
+        "period": ("Period", "s", 4),
+        "peak_force": ("Peak force, a toe", "N", 1),
+        "friction_used": ("Friction used", "", 2),
+        "peak_torque": ("Peak torque, a motor", "N·m", 2),
+        "rms_torque": ("RMS torque, a motor", "N·m", 2),
+        "peak_speed": ("Peak speed, a joint", "rad/s", 1),
+        "positive_work": ("Positive work a cycle", "J", 2),
+        "cost_of_transport": ("Cost of transport", "", 3),
+        "effort": ("Effort", "N²·m²·s", 2),
+    },
 }
 EFFECTS: Mapping[str, tuple[str, ...]] = {  # figures whose derivatives are shown, the first at first
     "hop": (
@@ -83,19 +90,12 @@ EFFECTS: Mapping[str, tuple[str, ...]] = {  # figures whose derivatives are show
         "posterior_hip_torque",
         MULTIPLIER,
     ),
+    "gait": (*OF_A_GAIT, MULTIPLIER),
 }
-PLOTS: Mapping[str, tuple[tuple[str, str, dict[str, str]], ...]] = {  # title, unit, and the series with their labels
-    "hop": (
-        ("Height of the hip", "m", {"height": "hip"}),
-        ("Ground force", "N", {"normal": "normal", "tangential": "tangential"}),
-        ("Knee torque", "N·m", {"motor": "motor", "damper": "damping", "spring": "spring"}),
-    ),
-    "bound": (
-        ("Pitch, nose up", "rad", {"pitch": "torso"}),
-        ("Normal force, a pair", "N", {f"normal_{leg}": leg for leg in LEGS}),
-        ("Knee motors, a pair", "N·m", {f"knee_{leg}": leg for leg in LEGS}),
-        ("Hip motors, a pair", "N·m", {f"hip_{leg}": leg for leg in LEGS}),
-    ),
+SAID: Mapping[str, tuple[str, str]] = {  # beside the sliders, and how long a change takes without the extra
+    "hop": ("Unless the flight time is kept, the torque stays where its slider is.", "a second or so"),
+    "bound": ("The posterior hip torque is solved for the speed.", "five to ten seconds"),
+    "gait": ("Numbers without a slider stay as the gait has them.", "seconds, and in space minutes"),
 }
 
 
@@ -140,38 +140,6 @@ def slopes(found: Tangents) -> dict[str, Any]:
     return {**asdict(found), "slopes": known}
 
 
-def series(motion: Motion) -> dict[str, list[float]]:
-    """Returns series to plot over t, in s; torques in N·m, forces in N, heights in m, angles in rad."""
-    trajectory = motion.trajectory
-    own = _bound_columns(trajectory) if motion.knobs.subject.kind == "bound" else _hop_columns(trajectory)
-    columns: Columns = {"t": (trajectory.t - trajectory.t[0], 5), **own}
-    return {name: np.round(values, digits).tolist() for name, (values, digits) in columns.items()}
-
-
-def _hop_columns(trajectory: Trajectory) -> Columns:
-    """Returns height, forces and the torques on the knee."""
-    knee = trajectory.actuated.index("knee")
-    motor, spring = trajectory.u[:, knee], trajectory.spring[:, trajectory.spring_joints.index("knee")]
-    return {
-        "height": (trajectory.q[:, trajectory.coordinates.index("boom_z")], 5),
-        "normal": (trajectory.force[:, 0, 1], 2),
-        "tangential": (trajectory.force[:, 0, 0], 2),
-        "motor": (motor, 4),
-        "spring": (spring, 4),
-        "damper": (trajectory.tau[:, knee] - motor - spring, 4),
-    }
-
-
-def _bound_columns(trajectory: Trajectory) -> Columns:
-    """Returns pitch, nose up, forces and motors of the pairs."""
-    columns: Columns = {"pitch": (-trajectory.q[:, trajectory.coordinates.index("pitch")], 5)}
-    for i, leg in enumerate(LEGS):
-        columns[f"normal_{leg}"] = trajectory.force[:, i, 1], 1
-        for joint in ("knee", "hip"):
-            columns[f"{joint}_{leg}"] = trajectory.u[:, trajectory.actuated.index(f"{leg}_{joint}")], 2
-    return columns
-
-
 def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
     """Returns data for the page's start: its knobs, the stage, the default motion for comparison."""
     views = views_of(subject)
@@ -189,7 +157,8 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
         "views": list(views),
         "engine": {"name": engine.name, "extra": engine.extra},
         "readouts": {name: said for name, said in READOUTS[subject.kind].items() if known[name] is not None},
-        "plots": PLOTS[subject.kind],
+        "plots": plots(hops),
+        "said": SAID[subject.kind],
         "default": {"series": series(hops), "figures": known, "knobs": hops.knobs.values}
         | {"multipliers": _multipliers(hops), "view": next(iter(views)), "verdict": hops.verdict, "kind": hops.kind},
         "legend": [

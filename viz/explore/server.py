@@ -17,7 +17,7 @@ from typing import Any
 from urllib.parse import parse_qsl
 
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName, brief
-from spear_pin.studies.explore.bounds import Underway
+from spear_pin.studies.explore.carried import Underway
 from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.figures import script
 from spear_pin.studies.explore.knobs import Knobs, Subject

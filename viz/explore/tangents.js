@@ -70,7 +70,7 @@ function makeTangents(data, questions, at) {
     if (Math.abs(slope) * (knob.high - knob.low) < NOTHING * Math.abs(value)) return "no effect";
     const share = (slope * state.hop.knobs[name]) / value;
     const relative = !Number.isFinite(share) || !share ? "" : Math.abs(share) < 5e-4 ? ", 0.000 %/%" : `, ${signed(share, 2)} %/%`;
-    return `${withUnit(slope, labels[choice.value][1])} per ${knob.unit}${relative}`;
+    return `${withUnit(slope, labels[choice.value][1])} per ${knob.unit || 1}${relative}`;
   }
 
   function say(name, answer) {

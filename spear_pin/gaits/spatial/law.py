@@ -20,6 +20,11 @@ SYMMETRIC = ("spread", "squeeze")
 ACROSS = tuple(f"{pair}_{name}" for pair in ("posterior", "anterior") for name in ANTISYMMETRIC)
 """Parameters that are zero in symmetric motion, and change sign in the mirror: what turns and what balances."""
 _ANTISYMMETRIC = (Input(25.0, 100.0, True), Input(25.0, 100.0, True), ANGLE, Input(0.05, 0.3), Input(10.0, 30.0, True))
+_UNITS = {
+    **{f"{pair}_{name}": "N·m" for pair in LEGS for name in (*ANTISYMMETRIC, *SYMMETRIC)},
+    **{f"{pair}_{name}": "rad" for pair in LEGS for name in ("leg_difference", "adduction", "spread")},
+    **{"adduction_stiffness": "N·m/rad", "adduction_damping": "N·m·s/rad", "adduction_epsilon": "s"},
+}
 _FLIGHTS = dict(zip(LEGS, FLIGHTS, strict=True))  # of the plane's law, after the stance of a pair
 
 
@@ -52,6 +57,7 @@ class SpatialLaw:
         anterior_spread: the same for the anterior pair, in rad.
         anterior_squeeze: the same for the anterior pair, in N·m.
         nominal: section state (q, v) of the gait, x = y = yaw = 0, from which a search begins.
+        units: units of the scalar numbers, by name.
         inputs: numbers that event feedback may adjust, for Q-SPEAR.
 
     Example:
@@ -80,6 +86,7 @@ class SpatialLaw:
     anterior_spread: float = 0.0
     anterior_squeeze: float = 0.0
     nominal: tuple[float, ...] = ()
+    units: ClassVar[Mapping[str, str]] = BoundingLaw.units | _UNITS
     inputs: ClassVar[Mapping[str, Input]] = {**dict(zip(ACROSS, 2 * _ANTISYMMETRIC, strict=True)), **BoundingLaw.inputs}
 
     def __post_init__(self) -> None:

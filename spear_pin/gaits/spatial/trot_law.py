@@ -10,6 +10,7 @@ from typing import ClassVar
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.bounding_law import LEGS, Shape, has_shape
 from spear_pin.gaits.inputs import ANGLE, Input
+from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import Group, Leg
 from spear_pin.kinds import typed
 
@@ -65,6 +66,7 @@ class TrotLaw:
         adduction_epsilon: ε of the adduction in the air, in s.
         lift_off: "knee" or "force"; see `BoundingLaw`.
         nominal: section state (q, v) of the gait, x = y = yaw = 0, from which a search begins.
+        units: units of the scalar numbers, by name.
         inputs: numbers that event feedback may adjust, for Q-SPEAR.
 
     Example:
@@ -100,6 +102,10 @@ class TrotLaw:
     adduction_epsilon: float = 0.04
     lift_off: str = "knee"
     nominal: tuple[float, ...] = ()
+    units: ClassVar[Mapping[str, str]] = {
+        **SpatialLaw.units,
+        **{"stance_span": "rad", "flight_span": "m", "leg_stiffness": "N·m/rad"},
+    }
     inputs: ClassVar[Mapping[str, Input]] = {
         f"{end}_{name}": each for end in LEGS for name, each in INPUTS_OF_A_LEG.items()
     }

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
+from typing import TypeVar
 
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.measures.of_samples import Sampled
@@ -12,14 +13,34 @@ from spear_pin.model.loading import ROBOTS
 from spear_pin.model.robot import Robot
 from spear_pin.studies.bound import summarize
 from spear_pin.studies.energetics import costs
+from spear_pin.studies.explore.carried import Carried
 from spear_pin.studies.explore.legs import RATIO
 from spear_pin.studies.explore.motion import Motion
 from spear_pin.studies.hop import durations, spring_share
 
+T = TypeVar("T")
+OF_A_GAIT = (
+    *("mean_speed", "stride", "period", "peak_force", "friction_used", "peak_torque", "rms_torque", "peak_speed"),
+    *("positive_work", "cost_of_transport", "effort"),
+)
+
 
 def figures(motion: Motion) -> dict[str, float | None]:
-    """Returns figures of a motion, SI units; None where there is none. See `hop_figures` and `bound_figures`."""
-    return bound_figures(motion) if motion.knobs.subject.kind == "bound" else hop_figures(motion)
+    """Returns figures of a motion, SI units; None where there is none. See the functions of each kind."""
+    return FIGURES[motion.knobs.subject.kind](motion)
+
+
+def gait_figures(motion: Motion) -> dict[str, float | None]:
+    """Returns measures of a cycle by their names; of joints and toes the largest."""
+    system, cycles = motion.knobs.system, range(1, motion.trajectory.cycles + 1)
+    found = Sampled(system.robot, motion.trajectory, cycles, halves=bool(system.mirrored_toes)).values()
+    return {name: max(of_kind(found, name).values(), default=None) for name in OF_A_GAIT}
+
+
+def of_kind(found: Mapping[str, T], kind: str) -> dict[str, T]:
+    """Returns the measure of a name, or those of the name with a joint or a toe behind it."""
+    own = {name: each for name, each in found.items() if name == kind}
+    return own or {name: each for name, each in found.items() if name.startswith(f"{kind}_")}
 
 
 def bound_figures(motion: Motion) -> dict[str, float | None]:
@@ -83,7 +104,8 @@ def hop_figures(hops: Motion) -> dict[str, float | None]:
 
 def script(motion: Motion) -> str:
     """Writes a short Python program that computes the same motion with the public interface, prints and plays it."""
-    return _bound_script(motion) if motion.knobs.subject.kind == "bound" else _hop_script(motion)
+    subject = motion.knobs.subject
+    return _carried_script(motion, subject) if isinstance(subject, Carried) else _hop_script(motion)
 
 
 def _hop_script(hops: Motion) -> str:
@@ -110,22 +132,19 @@ def _hop_script(hops: Motion) -> str:
     )
 
 
-def _bound_script(motion: Motion) -> str:
-    (q, v), system = motion.start, motion.knobs.system
-    assert motion.gait is not None
-    loading, needed = _loading(system.robot)
-    return BOUND_PROGRAM.format(
-        title=_said(motion.knobs.subject.title),
-        shown=repr(motion.knobs.subject.title),
+def _carried_script(motion: Motion, subject: Carried) -> str:
+    (q, v), values = motion.start, motion.knobs.values
+    return CARRIED_PROGRAM.format(
+        title=_said(subject.title),
+        shown=repr(subject.title),
         message=textwrap.fill(_said(motion.message), 110),
-        imported=needed,
-        loading=loading,
-        law=_code(motion.gait.system.law),
-        spring=_code(system.spring),
-        contact=f"Contact(friction={system.contact.friction})",
+        source=subject.source,
+        numbers=subject.changed(values),
+        vary=[each.parameter for each in subject.kept.values()],
+        target=subject.wanted_of(values),
+        page=f"{subject.kind}.html",
         q=q.tolist(),
         v=v.tolist(),
-        speed=motion.knobs.values["speed"],
     )
 
 
@@ -206,27 +225,33 @@ SOLVE = "gait = find_gait(system, guess=(q, v))\nhops = simulate(gait.system, ga
 SOLVED = """print("multipliers", gait.multipliers, "stable" if gait.stable else "unstable")
 print("flight {flight:.4f} s, stance {stance:.4f} s".format(**gait.durations))"""
 UNSOLVED = 'print(f"{hops.cycles} whole hops; {hops.message}")'
-BOUND_PROGRAM = '''"""{title}, with numbers set in `spear explore`.
+CARRIED_PROGRAM = '''"""{title}, with numbers set in `spear explore`.
 
 {message}
 """
 
 import numpy as np
 
-from spear_pin import BoundingLaw, Contact, Spring, {imported}bounding, find_gait, load, simulate, vary
+from spear_pin import Gait, find_gait, simulate
+from spear_pin.gaits.feedback import without_feedback
+from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.viz.player import record
 
-{loading}
-law = {law}
-system = bounding(robot, law, {spring}, {contact})
+begun = without_feedback(Gait.load({source!r}))
+system = with_numbers(begun.system, {numbers})
 
-# just after posterior touchdown: m, rad, and their rates
+# on the section: m, rad, and their rates
 q = np.array({q})
 v = np.array({v})
-gait = find_gait(system, ["posterior_hip_torque"], {{"mean_speed": {speed}}}, guess=(q, v))
-strides = simulate(gait.system, gait.state, cycles=1)
+gait = find_gait(system, {vary}, {target}, guess=(q, v))
+cycle = simulate(gait.system, gait.state, cycles=1)
 
 print("multipliers", gait.multipliers, "stable" if gait.stable else "unstable")
-print(f"period {{gait.period:.4f}} s, posterior hip torque {{gait.parameters['posterior_hip_torque']:.3f}} N·m")
-record(robot, strides, "bound.html", title={shown})
+print(f"period {{gait.period:.4f}} s", gait.parameters)
+record(gait.system.robot, cycle, {page!r}, title={shown})
 '''
+FIGURES: Mapping[str, Callable[[Motion], dict[str, float | None]]] = {
+    "hop": hop_figures,
+    "bound": bound_figures,
+    "gait": gait_figures,
+}

@@ -6,13 +6,12 @@ So the numbers name a hop. Where two kinds of hops exist, it is the one to which
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 
 from spear_pin.errors import NoGait
+from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.periodic import displacement
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.explore.engines import Engine
@@ -31,13 +30,13 @@ def settled(knobs: Knobs, engine: Engine) -> Motion:
 
     Args:
         knobs: the numbers.
-        engine: engine that follows the hops and solves for the periodic one.
+        engine: engine that follows the hops.
 
     Raises:
         NoGait: the flight time is kept, and no stance torque was found for it.
     """
     if knobs.kept:
-        return _kept(knobs, engine)
+        return _kept(knobs)
     begun, done = engine.advance(knobs, knobs.subject.start, SETTLE)
     if done < SETTLE:
         return _ended(knobs, engine, done)
@@ -55,13 +54,13 @@ def settled(knobs: Knobs, engine: Engine) -> Motion:
         hops = shown(knobs, "pattern", "", state, length)
         text = f"Periodic over {length} hops, not over one: they take {_lasting(hops.trajectory)}."
         return replace(hops, message=text)
-    gait = engine.solve(knobs, state)
-    if gait is None:
+    try:
+        return periodic(knobs, find_gait(knobs.system, guess=state))
+    except NoGait:
         text = (
             f"Not settled: {SETTLE} hops after the default hop each nearly repeats the last; no periodic hop was found."
         )
         return shown(knobs, "unsettled", text, begun, SHOWN)
-    return periodic(knobs, gait)
 
 
 def transient(knobs: Knobs, engine: Engine) -> Motion:
@@ -73,18 +72,16 @@ def transient(knobs: Knobs, engine: Engine) -> Motion:
     return replace(hops, message=text)
 
 
-VIEWS: Mapping[str, Callable[[Knobs, Engine], Motion]] = MappingProxyType({"settled": settled, "transient": transient})
-
-
-def _kept(knobs: Knobs, engine: Engine) -> Motion:
+def _kept(knobs: Knobs) -> Motion:
     """Returns the hop with the default flight time, for which the stance torque is solved."""
     subject = knobs.subject
     ((solved, measure),) = subject.held(kept=True).items()
     knob = subject.knobs[solved]
     knobs = knobs.turned(**{solved: knob.default})  # so that it does not matter where the slider stood
-    gait = engine.solve(knobs, subject.start, (solved,), {measure: subject.wanted})
-    if gait is None:
-        raise NoGait(f"no stance torque was found with {subject.keeps}", float("inf"))
+    try:
+        gait = find_gait(knobs.system, [solved], {measure: subject.wanted}, guess=subject.start)
+    except NoGait as error:
+        raise NoGait(f"no stance torque was found with {subject.keeps}", error.residual) from None
     torque = gait.parameters[solved]
     if not knob.admits(torque):
         raise NoGait(f"{subject.keeps} takes {torque:.3f} N·m of stance torque, beyond the slider", gait.residual)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,7 +23,7 @@ class Knob:
 
     Attributes:
         label: label of the knob.
-        unit: unit of its values; a ratio has the unit 1.
+        unit: unit of its values; a ratio has the unit 1, and a number of a law that names no units has none.
         default: default value.
         low: least value.
         high: largest value.
@@ -48,14 +49,22 @@ class Knob:
     @property
     def expected(self) -> str:
         """Valid values, in words."""
-        return f"a number from {self.low:g} to {self.high:g}" + ("" if self.unit == "1" else f", in {self.unit}")
+        measured = "" if self.unit in ("", "1") else f", in {self.unit}"
+        return f"a number from {self.low:g} to {self.high:g}{measured}"
+
+
+def about(label: str, unit: str, value: float, note: str, least: float = 0.5, most: float = 2.0) -> Knob:
+    """Returns a knob for a gait's own number, from some of it to a multiple of it; to 100 for a number that is zero."""
+    digits = max(0, 3 - math.floor(math.log10(max(abs(value), 1e-3))))
+    low, high = sorted((least * value, most * value or 100.0))
+    return Knob(label, unit, value, low, high, digits, "own", note)
 
 
 class Subject(ABC):
     """A motion whose numbers a user can change; two subjects are compared by identity, not by content.
 
     Attributes:
-        kind: kind of the motion, "hop" or "bound".
+        kind: kind of the motion, "hop", "bound" or "gait".
         title: title of the page.
         knobs: knobs by name.
         keeps: the measure that can be kept while numbers change, in words; "" where there is none.
@@ -72,9 +81,9 @@ class Subject(ABC):
     def system(self, values: Mapping[str, float]) -> HybridSystem:
         """Returns the system with these numbers."""
 
-    @abstractmethod
     def lane(self, values: Mapping[str, float]) -> tuple[HybridSystem, dict[str, float]]:
         """Returns a system that other settings share, so that it is compiled once, and the numbers to put into it."""
+        return self.system(values), {}
 
     @property
     @abstractmethod

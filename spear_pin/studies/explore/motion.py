@@ -13,6 +13,8 @@ from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.explore.knobs import Knobs
 
+LONG = 160  # letters: kinds with more are not told
+
 Verdict = Literal["periodic", "pattern", "unsettled", "ended", "transient"]
 
 
@@ -59,8 +61,8 @@ def shown(knobs: Knobs, verdict: Verdict, message: str, start: State, cycles: in
 
 
 def periodic(knobs: Knobs, gait: Gait) -> Motion:
-    """Returns a cycle of a gait, with its largest multiplier and its kind."""
+    """Returns a cycle of a gait, two where they make a stride, with its largest multiplier and its kind if that is short."""
     stable = "stable" if gait.stable else "unstable"
     text = f"Periodic and {stable}: the largest multiplier is {abs(gait.multipliers[0]):.3f}."
-    motion = shown(knobs, "periodic", text, gait.state, 1, gait)
-    return replace(motion, message=f"{text} Kind: {motion.kind}.")
+    motion = shown(knobs, "periodic", text, gait.state, 2 if gait.system.mirrored_toes else 1, gait)
+    return replace(motion, message=text if len(motion.kind) > LONG else f"{text} Kind: {motion.kind}.")

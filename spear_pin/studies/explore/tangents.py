@@ -16,11 +16,11 @@ from spear_pin.gaits.sensitivity.measure import Measure, ratio
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.orbit import Orbit, orbit_of_gait, solved
 from spear_pin.hybrid.parameters import number
-from spear_pin.studies.explore.figures import figures
+from spear_pin.studies.explore.figures import OF_A_GAIT, figures, of_kind
 from spear_pin.studies.explore.legs import RATIO
 from spear_pin.studies.explore.motion import Motion
 
-ALIKE = 1e-6  # of a figure, by which it may differ from the measure that is differentiated
+ALIKE = 1e-4  # of a figure of samples, by which it may differ from the measure that is differentiated
 MULTIPLIER = "multiplier"
 LONE = "only what repeats each cycle has derivatives here"
 SOLVED = "it is solved for"
@@ -128,9 +128,8 @@ def _branch(motion: Motion) -> _Branch:
 
 def _slopes(motion: Motion, branch: _Branch) -> Iterator[tuple[str, Array]]:
     """Returns derivatives of each figure that equals the measure: not a stance peak where the swing's is higher."""
-    of = _of_bound if motion.knobs.subject.kind == "bound" else _of_hop
     shown = figures(motion)
-    for name, measure in of(branch):
+    for name, measure in MEASURES[motion.knobs.subject.kind](branch):
         value = shown[name]
         if value is not None and math.isclose(value, measure.value, rel_tol=ALIKE):
             yield name, measure.derivative
@@ -165,6 +164,20 @@ def _of_bound(branch: _Branch) -> Iterator[tuple[str, Measure]]:
     yield "peak_speed_knee", largest(*(f"peak_speed_{leg}_knee" for leg in LEGS))
     yield "cost_of_transport", branch.of("cost_of_transport")
     yield "posterior_hip_torque", branch.number(SPEED_BY)
+
+
+def _of_gait(branch: _Branch) -> Iterator[tuple[str, Measure]]:
+    for kind in OF_A_GAIT:
+        found = of_kind(branch.orbit.measures, kind)
+        if found:
+            yield kind, branch.of(max(found, key=lambda name: found[name].value))
+
+
+MEASURES: Mapping[str, Callable[[_Branch], Iterator[tuple[str, Measure]]]] = {
+    "hop": _of_hop,
+    "bound": _of_bound,
+    "gait": _of_gait,
+}
 
 
 def _of_multiplier(branch: _Branch) -> Array:

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
-from spear_pin.studies.explore import bounds, hops
+from spear_pin.studies.explore import hops
+from spear_pin.studies.explore.carried import carried
 from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.knobs import Knobs, Subject
 from spear_pin.studies.explore.motion import Motion
 
 View = Callable[[Knobs, Engine], Motion]
-VIEWS: Mapping[str, Mapping[str, View]] = MappingProxyType({"hop": hops.VIEWS, "bound": bounds.VIEWS})
+OF_A_HOP: Mapping[str, View] = MappingProxyType({"settled": hops.settled, "transient": hops.transient})
+OF_A_GAIT: Mapping[str, View] = MappingProxyType({"cycle": lambda knobs, engine: carried(knobs)})
 
 
 def views_of(subject: Subject) -> Mapping[str, View]:
     """Returns views by name; the first is shown at the beginning."""
-    return VIEWS[subject.kind]
+    return OF_A_HOP if subject.kind == "hop" else OF_A_GAIT

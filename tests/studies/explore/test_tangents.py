@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, load, monopod, simulate
-from spear_pin.studies.explore.bounds import bound_to_explore, stride
+from spear_pin.studies.explore.bounds import bound_to_explore
+from spear_pin.studies.explore.carried import carried
 from spear_pin.studies.explore.engines import TAYLOR
 from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.hops import settled, transient
@@ -121,7 +122,12 @@ def test_the_hip_of_another_leg_follows_the_knee():
 
 @pytest.fixture(scope="module")
 def motion():
-    return stride(bound_to_explore(Gait.load("long_stride"), "").at(speed=2.52), TAYLOR)
+    return carried(bound_to_explore(Gait.load("long_stride"), "").at(speed=2.52))
+
+
+def of_bound(knobs, engine):
+    """The view of a bound, which needs no engine."""
+    return carried(knobs)
 
 
 class TestBound:
@@ -133,7 +139,7 @@ class TestBound:
         slopes = {**found.slopes[name], **stability.slopes[name]}
         assert len(slopes) == 11
         assert_close(
-            motion.knobs, name, slopes, differences(stride, motion.knobs, name), finely(stride, motion.knobs), CLOSE
+            motion.knobs, name, slopes, differences(of_bound, motion.knobs, name), finely(of_bound, motion.knobs), CLOSE
         )
 
     def test_the_speed_is_what_its_knob_says(self, motion):
@@ -144,7 +150,7 @@ class TestBound:
     @pytest.mark.slow
     def test_what_is_zero_is_refused_alone(self, motion):
         knobs = motion.knobs.turned(stiffness=0.0)
-        found = tangents(stride(knobs, TAYLOR))
+        found = tangents(carried(knobs))
         assert list(found.refused) == ["stiffness"] and "stiffness is 0.0" in found.refused["stiffness"]
         assert set(found.slopes) == set(knobs.values) - {"stiffness"}
         assert np.isfinite(list(found.slopes["knee_ratio"].values())).all()
