@@ -86,7 +86,7 @@ class SpatialLaw:
     anterior_spread: float = 0.0
     anterior_squeeze: float = 0.0
     nominal: tuple[float, ...] = ()
-    units: ClassVar[Mapping[str, str]] = BoundingLaw.units | _UNITS
+    units: ClassVar[Mapping[str, str]] = {**BoundingLaw.units, **_UNITS}
     inputs: ClassVar[Mapping[str, Input]] = {**dict(zip(ACROSS, 2 * _ANTISYMMETRIC, strict=True)), **BoundingLaw.inputs}
 
     def __post_init__(self) -> None:

@@ -61,7 +61,7 @@ def shown(knobs: Knobs, verdict: Verdict, message: str, start: State, cycles: in
 
 
 def periodic(knobs: Knobs, gait: Gait) -> Motion:
-    """Returns a cycle of a gait, two where they make a stride, with its largest multiplier and its kind if that is short."""
+    """Returns a cycle of a gait, two where they make a stride, with its largest multiplier and a short kind."""
     stable = "stable" if gait.stable else "unstable"
     text = f"Periodic and {stable}: the largest multiplier is {abs(gait.multipliers[0]):.3f}."
     motion = shown(knobs, "periodic", text, gait.state, 2 if gait.system.mirrored_toes else 1, gait)
