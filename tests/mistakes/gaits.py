@@ -104,14 +104,20 @@ MUTATIONS = [
                 "weights @ piece.derivatives",
             ),
             "derivatives: work whose ends stay": (
-                "max(end, 0.0) * piece.stretch.tau - max(begin, 0.0) * piece.stretch.since",
+                "max(end, 0.0) * stretch.tau - max(begin, 0.0) * stretch.since",
                 "0.0",
             ),
             "derivatives: a peak at an end that stays": (
-                "yield 1.0, float(piece.values[END]), piece.derivatives[END] + piece.rates[END] * stretch.tau",
-                "yield 1.0, float(piece.values[END]), piece.derivatives[END]",
+                "piece.derivatives[end] + piece.rates[end] * moved",
+                "piece.derivatives[end]",
             ),
             "derivatives: a weight that stays": ("(dbottom - dleast)", "dbottom"),
+            "derivatives: roots where there are none alone": (
+                "hulls.min(axis=-1) <= clear",
+                "hulls.min(axis=-1) > clear",
+            ),
+            "derivatives: turns below the best alone": ("max(axis=1) > above", "max(axis=1) < above"),
+            "derivatives: panels that are up in part": ("min(axis=1) >= 0.0", "max(axis=1) >= 0.0"),
         },
     ),
     *mistakes_in(
@@ -129,8 +135,8 @@ MUTATIONS = [
         ["gaits/sensitivity/test_margins"],
         {
             "derivatives: ends of panels are margins": (
-                " < 0.0:\n            turns.append",
-                " < 1e300:\n            turns.append",
+                "hulls[1:, 0] < 0.0",
+                "hulls[1:, 0] < np.inf",
             )
         },
     ),

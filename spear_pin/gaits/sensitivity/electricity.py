@@ -107,8 +107,9 @@ def _drawn(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> 
     total, change = 0.0, np.zeros(torque[0].derivatives.shape[1])
     for u, w in zip(torque, speed, strict=True):
         last: float | None = None  # power where the interval before ends
-        for (_, h, U, dU), (_, _, W, dW) in zip(u.panels(), w.panels(), strict=True):
-            U, dU, still = U / joint.motors, dU / joint.motors, np.abs(W).sum() < STILL
+        for i, h in enumerate(u.stretch.carried.lengths.tolist()):
+            U, dU, W, dW = u.series[i] / joint.motors, u.slopes(i) / joint.motors, w.series[i], w.slopes(i)
+            still = np.abs(W).sum() < STILL
             turns = [] if still else roots(W)
             marks = sorted([-1.0, 1.0, *turns, *roots(U), *roots(_returns(U, W, joint))])
             for left, right in zip(marks[:-1], marks[1:], strict=True):

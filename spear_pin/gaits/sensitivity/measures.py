@@ -245,6 +245,4 @@ def _products(one: Sequence[Pieces], other: Sequence[Pieces]) -> list[Pieces]:
 
 def _largest(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     """Returns the largest modulus."""
-    up = peak(pieces)
-    down = peak([each.times(-1.0) for each in pieces])
-    return max(up, down, key=lambda each: each[0])
+    return peak([*pieces, *(each.times(-1.0) for each in pieces)])
