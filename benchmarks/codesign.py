@@ -19,10 +19,10 @@ import numpy as np
 from spear_pin import Gait, find_gait, hopping, load, optimize_design
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
-from spear_pin.gaits.codesign.closing import closed, led
 from spear_pin.gaits.codesign.design import Design
 from spear_pin.gaits.codesign.problem import Problem, largest
 from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.sensitivity.closing import closed, led
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import NotDifferentiable

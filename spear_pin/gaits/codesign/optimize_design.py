@@ -10,13 +10,13 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait
-from spear_pin.gaits.codesign.closing import closed, led
 from spear_pin.gaits.codesign.design import Design, assumed, design
 from spear_pin.gaits.codesign.problem import Problem
 from spear_pin.gaits.codesign.step import Local
 from spear_pin.gaits.codesign.trust_region import NO_VALUE, minimised
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.sensitivity.closing import closed, led
 from spear_pin.gaits.sensitivity.electricity import check_gears
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.targets import check_wanted

@@ -9,24 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.gait_table import CONVERGED, NO_CONVERGENCE
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
+from spear_pin.gaits.sensitivity.closing import closed
 from spear_pin.gaits.sensitivity.many_measures import measured
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import Orbit
-from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import has_lanes
 from spear_pin.hybrid.ground import PLACE
-from spear_pin.hybrid.parameters import with_numbers
+from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.motor import Drive, Motor
 
 OnLanes = Callable[[int], object]
-ITERATIONS = 8  # Newton iterations for a single gait
-CLOSED = 1e-9  # tolerance of the displacement, and relative tolerance of kept measures
 NOT_VALID, NOT_PLAIN = "not_valid", "not_plain"
 
 
@@ -116,6 +114,7 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
     y, begin = local.predicted(parameters)
     reason, alike, largest = np.full(n, CONVERGED, dtype=object), np.zeros(n, dtype=bool), np.full(n, np.nan)
     outputs: dict[str, Array] = {}
+    kept = dict(zip(local.keep, local.kept.tolist(), strict=True))
     for i in range(n):
         on_lanes(1)
         try:
@@ -124,15 +123,15 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
             reason[i] = NOT_VALID
             continue
         try:
-            orbit, solved = _solved(local, system, y[i], begin[i])
-        except NotDifferentiable:
-            reason[i] = NOT_PLAIN
-            continue
-        except (BadValue, np.linalg.LinAlgError):
-            reason[i] = NO_CONVERGENCE
+            near = with_numbers(system, dict(zip(local.vary, begin[i].tolist(), strict=True)))
+            q, v = local.placed(near, y[i][None])
+            orbit = closed(Orbit(near, (q[0], v[0]), local.vary, local.motors), local.vary, kept)
+        except (SpearError, np.linalg.LinAlgError) as error:
+            why = error.__context__ or error  # what Newton's method met
+            reason[i] = NOT_PLAIN if isinstance(why, NotDifferentiable) else NO_CONVERGENCE
             continue
         multipliers = np.linalg.eigvals(orbit.jacobian).astype(np.complex128)
-        row = dict(zip(local.vary, solved, strict=True))
+        row = {name: number(orbit.system, name) for name in local.vary}
         row |= {name: measure.value for name, measure in orbit.measures.items()}
         row |= {f"multiplier_{k + 1}": value for k, value in enumerate(local.moduli(multipliers))}
         row |= dict(zip(local.columns, np.concatenate(orbit.state), strict=True))
@@ -141,26 +140,3 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
         alike[i] = Recorder(orbit.system).lap(np.concatenate(orbit.state)).order == order
         largest[i] = np.abs(multipliers).max()
     return Samples(parameters, outputs, reason.astype(str), largest, alike)
-
-
-def _solved(local: Neighbourhood, system: HybridSystem, y: Array, z: Array) -> tuple[Orbit, Array]:
-    """Finds the fixed point near a state by Newton's method with exact Jacobians, and the solved numbers.
-
-    Raises:
-        BadValue: the fixed point is not found, or a solved number leaves its range.
-        NotDifferentiable: a cycle on the way does not close, or has no derivative.
-    """
-    for _ in range(ITERATIONS):
-        whole = with_numbers(system, dict(zip(local.vary, z.tolist(), strict=True))) if local.vary else system
-        q, v = local.placed(whole, y[None])
-        orbit = Orbit(whole, (q[0], v[0]), local.vary, local.motors)
-        d = orbit.dimension
-        missed = np.array([orbit.measures[name].value for name in local.keep]) - local.kept
-        scale = np.maximum(np.abs(local.kept), 1e-12)
-        if np.abs(orbit.displacement).max() <= CLOSED and (np.abs(missed) <= CLOSED * scale).all():
-            return orbit, z
-        rows = [orbit.columns - np.eye(d, orbit.columns.shape[1])]
-        rows += [orbit.measures[name].derivative[None] for name in local.keep]
-        step = -np.linalg.solve(np.concatenate(rows), np.concatenate([orbit.displacement, missed]))
-        y, z = np.concatenate(orbit.chart.state(step[:d])), z + step[d:]
-    raise BadValue("state", float(np.abs(orbit.displacement).max()), f"a fixed point after {ITERATIONS} iterations")

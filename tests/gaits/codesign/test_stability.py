@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from spear_pin.gaits.codesign.closing import closed, led
 from spear_pin.gaits.codesign.stability import borders, slopes
+from spear_pin.gaits.sensitivity.closing import closed, led
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 

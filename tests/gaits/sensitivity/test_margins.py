@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, find_gait, simulate
-from spear_pin.gaits.codesign.closing import closed, led
+from spear_pin.gaits.sensitivity.closing import closed, led
 from spear_pin.gaits.sensitivity.margins import margins, of_motion
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.parameters import number, with_numbers

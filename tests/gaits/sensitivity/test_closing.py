@@ -5,7 +5,7 @@ import pytest
 
 from spear_pin import find_gait
 from spear_pin.errors import NoGait
-from spear_pin.gaits.codesign.closing import closed, led
+from spear_pin.gaits.sensitivity.closing import closed, led
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
 from spear_pin.hybrid.parameters import number, with_numbers
 

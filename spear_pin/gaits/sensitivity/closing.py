@@ -23,13 +23,13 @@ def closed(
     Args:
         orbit: its names begin with those of `vary`.
         vary: names of parameters that are solved for.
-        keep: as many measures, and the values that they keep.
+        keep: as many measures, and the values that they keep; values above one are kept to a share of themselves.
         on_cycle: called before each cycle.
 
     Raises:
         NoGait: Newton's method does not converge to a gait within a few cycles.
     """
-    before = np.inf
+    before, kept_to = np.inf, np.maximum(1.0, np.abs(list(keep.values())))
     for _ in range(MOST):
         on_cycle()
         try:
@@ -38,7 +38,7 @@ def closed(
                 orbit = orbit.beside({}, after, orbit.names, orbit.slide_after)
                 continue
             residual = np.concatenate([orbit.displacement, [orbit.measures[name].value - keep[name] for name in keep]])
-            size = float(np.abs(residual).max())
+            size = float(np.abs(residual / np.append(np.ones(orbit.dimension), kept_to)).max())
             if size <= CLOSED:
                 return orbit
             if not size < SLOWEST * before:
