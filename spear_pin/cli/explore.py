@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open
@@ -92,6 +93,8 @@ def _subject(arguments: argparse.Namespace) -> Subject:
         robot = one_leg(arguments, ["boom_x"])
         return spear_ii_hop() if robot is None else hop_of_leg(robot, f"{called(robot)} hopping")
     gait, source = named_gait(arguments.what), BOUND if arguments.what == "bound" else arguments.what
+    if Path(source).exists():  # a program is saved elsewhere
+        source = str(Path(source).resolve())
     moving = gait.system.kind.replace("_", " ")
     title = f"{called(gait.system.robot)} {moving}"
     if gait.system.kind == "bounding" and not arguments.over:

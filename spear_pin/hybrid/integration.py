@@ -91,8 +91,11 @@ def integrated(
         onset: whether the motion of toes that begin to slide ends where they have set out.
     """
     motion, solver, times = Motion(t, y), _solver(flow, t, y, until, how), deque[float](maxlen=rules.CREEP)
+    if flow.sets_out:
+        flow.arrive(t, y)
     while solver.status == "running":
         t0, y0, slope = solver.t, solver.y, solver.f
+        solver.max_step = min(how.longest, flow.longest)
         solver.step()
         times.append(solver.t)
         motion.why = _gives_up(motion, flow, solver, times, most)

@@ -41,13 +41,30 @@ def test_one_at_rest_sets_out_along_the_push(sliding):
 def test_it_does_so_until_it_arrives_at_a_speed(sliding):
     pushed = grounded((30.0, 40.0))
     ways = sliding(pushed, at(0.0, 0.0))
-    sliding(pushed, at(1.0, 0.0))  # only tried
+    assert sliding(pushed, at(1.0, 0.0))[TOE] == pytest.approx((0.6, 0.8))  # only tried
     assert sliding(pushed, at(1e-6, 0.0))[TOE] == pytest.approx((0.6, 0.8))
     sliding.arrive({TOE: 0.5 * SETTING_OUT}, {TOE: 45.0}, ways)
     assert sliding.sets_out
     sliding.arrive({TOE: 2.0 * SETTING_OUT}, {TOE: 45.0}, ways)
     assert not sliding.sets_out
     assert sliding(pushed, at(1e-6, 0.0))[TOE] == (1.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("speed", "gain", "left"),
+    [
+        (0.0, 50.0, SETTING_OUT / 50.0),
+        (0.75 * SETTING_OUT, 50.0, 0.25 * SETTING_OUT / 50.0),
+        (0.999 * SETTING_OUT, 50.0, 0.1 * SETTING_OUT / 50.0),  # a last step that is not tiny
+        (0.0, 1e-3, 1e-4),  # it may gain more soon
+        (SLOW, -1.0, math.inf),
+        (2.0 * SETTING_OUT, 50.0, math.inf),
+    ],
+)
+def test_the_longest_step_ends_near_the_speed_at_which_it_has_set_out(sliding, speed, gain, left):
+    ways = sliding(grounded((30.0, 40.0)), at(0.0, 0.0))
+    sliding.arrive({TOE: speed}, {TOE: gain}, ways)
+    assert sliding.left == pytest.approx(left)
 
 
 def test_one_that_slows_down_sets_out_no_more(sliding):

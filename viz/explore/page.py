@@ -56,8 +56,8 @@ READOUTS: Mapping[str, Mapping[str, tuple[str, str, int]]] = {  # label, unit an
     },
     "gait": {
         "mean_speed": ("Mean speed", "m/s", 3),
-        "stride": ("Stride", "m", 3),
-        "period": ("Period", "s", 4),
+        "stride": ("Distance a cycle", "m", 3),
+        "period": ("Duration of a cycle", "s", 4),
         "peak_force": ("Peak force, a toe", "N", 1),
         "friction_used": ("Friction used", "", 2),
         "peak_torque": ("Peak torque, a motor", "N·m", 2),
@@ -65,7 +65,7 @@ READOUTS: Mapping[str, Mapping[str, tuple[str, str, int]]] = {  # label, unit an
         "peak_speed": ("Peak speed, a joint", "rad/s", 1),
         "positive_work": ("Positive work a cycle", "J", 2),
         "cost_of_transport": ("Cost of transport", "", 3),
-        "effort": ("Effort", "N²·m²·s", 2),
+        "effort": ("Effort a cycle", "N²·m²·s", 2),
     },
 }
 EFFECTS: Mapping[str, tuple[str, ...]] = {  # figures whose derivatives are shown, the first at first
@@ -95,7 +95,10 @@ EFFECTS: Mapping[str, tuple[str, ...]] = {  # figures whose derivatives are show
 SAID: Mapping[str, tuple[str, str]] = {  # beside the sliders, and how long a change takes without the extra
     "hop": ("Unless the flight time is kept, the torque stays where its slider is.", "a second or so"),
     "bound": ("The posterior hip torque is solved for the speed.", "five to ten seconds"),
-    "gait": ("Numbers without a slider stay as the gait has them.", "seconds, and in space minutes"),
+    "gait": (
+        "Other numbers stay as the gait has them. A cycle of a trot is half a stride; two are shown.",
+        "seconds, and in space minutes",
+    ),
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,12 +58,10 @@ def measured(
     for i in range(n):
         recorder = Recorder(system, numbers, i)
         nothing = np.zeros((len(recorder.numbers), 1))
-        on_lanes(1)
-        try:
+        with suppress(NotDifferentiable):
             cycle = differentiated(system, recorder, np.concatenate([q[i], v[i]]), still, nothing)
-        except NotDifferentiable:
-            continue
-        orders[i] = recorder.order
-        for name, each in measures(cycle, still, weight, more).items():
-            found.setdefault(name, np.full(n, np.nan))[i] = each.value
+            orders[i] = recorder.order
+            for name, each in measures(cycle, still, weight, more).items():
+                found.setdefault(name, np.full(n, np.nan))[i] = each.value if np.isfinite(each.value) else np.nan
+        on_lanes(1)
     return Measured(found, tuple(orders))

@@ -117,7 +117,7 @@ def positive(pieces: Sequence[Pieces]) -> tuple[float, Array]:
     for piece in pieces:
         stretch, (begin, end) = piece.stretch, piece.values[[BEGIN, END]].tolist()
         change = change + max(end, 0.0) * stretch.tau - max(begin, 0.0) * stretch.since
-        up = piece.hulls.min(axis=1) >= 0.0
+        up = (piece.hulls.min(axis=1) >= 0.0) & (piece.hulls.max(axis=1) > 0.0)
         weights = stretch.weights[:-2] * np.repeat(up, POINTS)
         total += float(weights @ piece.values[:-2])
         change = change + weights @ piece.derivatives[:-2]
@@ -260,11 +260,21 @@ def _may_vanish(hulls: Array) -> NDArray[np.bool_]:
 
 @cache
 def bernstein(size: int = SIZE) -> Array:
-    """Returns the matrix from Legendre coefficients to Bernstein coefficients on [-1, 1], (k, k)."""
-    x = np.cos(np.pi * (np.arange(size) + 0.5) / size)
-    up, down = 0.5 * (1.0 + x), 0.5 * (1.0 - x)
-    basis = [math.comb(size - 1, i) * up**i * down ** (size - 1 - i) for i in range(size)]
-    found = np.asarray(np.linalg.solve(np.array(basis).T, legendre.legvander(x, size - 1)), np.float64)
+    """Returns the matrix from Legendre coefficients to Bernstein coefficients on [-1, 1], (k, k).
+
+    The coefficients of P_n are (-1)^(n - i) times binomials of n over i; their degree is then raised to the last one's.
+    """
+    last, over = size - 1, math.comb
+    found = np.array(
+        [
+            [
+                sum((-1) ** (n - i) * over(n, i) ** 2 * over(last - n, j - i) for i in range(min(j, n) + 1))
+                / over(last, j)
+                for n in range(size)
+            ]
+            for j in range(size)
+        ]
+    )
     found.setflags(write=False)
     return found
 

@@ -113,6 +113,11 @@ class Flow:
         """Tells whether some toe begins to slide."""
         return self._sliding.sets_out
 
+    @property
+    def longest(self) -> float:
+        """Longest step from the state that the motion has reached, in s."""
+        return self._sliding.left
+
     def arrive(self, t: float, y: Array) -> None:
         """Records that the motion has reached a state, rather than only tried it."""
         self.own.fault = None

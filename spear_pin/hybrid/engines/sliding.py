@@ -21,6 +21,7 @@ from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, along
 
 Ways = Mapping[str, tuple[float, ...]]
 """Of toes that slide, the unit vectors along the ground in which they do."""
+LONGEST, BEYOND = 1e-4, 0.1  # s: longest step of toes that set out; share of `SETTING_OUT` that the last may add
 SWEEPS, SETTLED = 100, 1e-12  # iterations and tolerance for the directions in which several toes begin to slide
 
 
@@ -91,16 +92,20 @@ class Sliding:
 
     A toe sets out if it is at rest at the first call, and does so until it has reached `SETTING_OUT`, or slows down. If
     it slows down before it has reached `SLOW`, it keeps its direction, along which it then moves back. States that are
-    only tried, such as those of a step that an integrator rejects, change nothing.
+    only tried, such as those of a step that an integrator rejects, change nothing: the motion is smooth in a step.
 
     Args:
         modes: modes of the toes that slide.
+
+    Attributes:
+        left: longest step in which no toe gets much faster than `SETTING_OUT` while it sets out, in s.
     """
 
     def __init__(self, modes: Mapping[str, str]) -> None:
         self._fixed = {toe: (SIGN[mode],) for toe, mode in modes.items() if mode in SIGN}
         self._free = [toe for toe in modes if toe not in self._fixed]
         self._begun: dict[str, tuple[float, ...]] | None = None
+        self.left = math.inf
 
     def __call__(self, grounded: Grounded, velocity: Callable[[str], tuple[float, ...]]) -> Ways:
         """Returns the directions at a state.
@@ -134,6 +139,9 @@ class Sliding:
         going = (toe for toe in self._begun or () if speeds[toe] <= SETTING_OUT)
         keeps = (toe for toe in going if accelerations[toe] >= -STARTS_TO_SLIDE or speeds[toe] <= SLOW)
         self._begun = {toe: ways[toe] for toe in keeps}
+        gaining = [toe for toe in self._begun if accelerations[toe] > 0.0]
+        times = (max(SETTING_OUT - speeds[toe], BEYOND * SETTING_OUT) / accelerations[toe] for toe in gaining)
+        self.left = min([LONGEST, *times]) if gaining else math.inf
 
     @property
     def sets_out(self) -> bool:
@@ -144,7 +152,7 @@ class Sliding:
         """Returns the speed up to which a toe's velocity does not define its direction."""
         if self._begun is None:
             return AT_REST
-        return SETTING_OUT if toe in self._begun else 0.0
+        return math.inf if toe in self._begun else 0.0
 
     def _onset(self, grounded: Grounded, slow: Sequence[str], moving: Ways) -> dict[str, tuple[float, ...]]:
         """Finds the directions of toes that set out, near the earlier ones or against the force that would hold them.

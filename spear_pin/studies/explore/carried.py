@@ -27,7 +27,7 @@ PATIENCE = 0.06  # s for each pair of coordinates, after which none is begun: a 
 LONGEST = 30.0  # s more, after which none goes on
 MEMORY = 200  # gaits that are known at most
 RTOL = 1e-9
-LATE = "Newton's method takes longer than a few seconds"
+LATE = "Newton's method takes too long"
 
 
 class Kept(NamedTuple):
@@ -185,7 +185,7 @@ def _why(error: SpearError) -> str:
 def _said(subject: Carried, near: Known) -> str:
     """Returns in words the numbers of the last gait on the way that are not the default ones."""
     told = [
-        f"{knob.label.lower()} {value:.4g}" + ("" if knob.unit == "1" else f" {knob.unit}")
+        f"{knob.label.lower()} {value:.4g}" + ("" if knob.unit in ("", "1") else f" {knob.unit}")
         for knob, value in zip(subject.knobs.values(), near.numbers, strict=True)
         if not math.isclose(value, knob.default, rel_tol=1e-9, abs_tol=1e-12)
     ]

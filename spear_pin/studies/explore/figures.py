@@ -134,12 +134,14 @@ def _hop_script(hops: Motion) -> str:
 
 def _carried_script(motion: Motion, subject: Carried) -> str:
     (q, v), values = motion.start, motion.knobs.values
+    assert motion.gait is not None
     return CARRIED_PROGRAM.format(
         title=_said(subject.title),
         shown=repr(subject.title),
         message=textwrap.fill(_said(motion.message), 110),
         source=subject.source,
-        numbers=subject.changed(values),
+        numbers={**subject.changed(values), **motion.gait.parameters},
+        cycles=motion.trajectory.cycles,
         vary=[each.parameter for each in subject.kept.values()],
         target=subject.wanted_of(values),
         page=f"{subject.kind}.html",
@@ -244,11 +246,11 @@ system = with_numbers(begun.system, {numbers})
 q = np.array({q})
 v = np.array({v})
 gait = find_gait(system, {vary}, {target}, guess=(q, v))
-cycle = simulate(gait.system, gait.state, cycles=1)
+motion = simulate(gait.system, gait.state, cycles={cycles})
 
 print("multipliers", gait.multipliers, "stable" if gait.stable else "unstable")
 print(f"period {{gait.period:.4f}} s", gait.parameters)
-record(gait.system.robot, cycle, {page!r}, title={shown})
+record(gait.system.robot, motion, {page!r}, title={shown})
 '''
 FIGURES: Mapping[str, Callable[[Motion], dict[str, float | None]]] = {
     "hop": hop_figures,

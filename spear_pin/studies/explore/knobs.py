@@ -54,9 +54,14 @@ class Knob:
 
 
 def about(label: str, unit: str, value: float, note: str, least: float = 0.5, most: float = 2.0) -> Knob:
-    """Returns a knob for a gait's own number, from some of it to a multiple of it; to 100 for a number that is zero."""
-    digits = max(0, 3 - math.floor(math.log10(max(abs(value), 1e-3))))
+    """Returns a knob for a gait's own number, from some of it to a multiple of it; to 100 for a number that is zero.
+
+    The ends of its range have no more decimals than the slider gives.
+    """
+    digits = max(0, 3 - math.floor(math.log10(abs(value) or 1e-3)))
     low, high = sorted((least * value, most * value or 100.0))
+    one = 10.0**digits
+    low, high = round(math.ceil(low * one) / one, digits), round(math.floor(high * one) / one, digits)
     return Knob(label, unit, value, low, high, digits, "own", note)
 
 

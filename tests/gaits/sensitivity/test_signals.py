@@ -86,6 +86,11 @@ def test_a_wave_has_all_its_turns_and_half_waves():
     assert positive([wave])[0] == pytest.approx(4.0 / 6.0, rel=1e-12)
 
 
+def test_a_signal_that_is_zero_has_no_positive_part():
+    value, change = positive([pieces(lambda t: 0.0 * t, np.ones_like)])
+    assert value == 0.0 and change == pytest.approx([0.0])
+
+
 def test_where_a_guard_falls():
     shifted = pieces(lambda t: np.cos(3.0 * t), lambda t: 3.0 * np.sin(3.0 * t))  # of cos(3 (t - p))
     value, change = where_it_falls(shifted, pieces(lambda t: t**2, lambda t: 0.0 * t))

@@ -85,7 +85,7 @@ def test_without_time_the_way_found_so_far_is_kept(subject, monkeypatch):
 @pytest.mark.slow
 def test_the_saved_program_computes_what_was_shown(subject, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    motion = carried(subject.at(speed=2.52, friction=0.7, knee_ratio=15.5))
+    motion = carried(subject.at(speed=1.6, friction=0.7, knee_ratio=15.5))
     (tmp_path / "explored_bound.py").write_text(script(motion), encoding="utf-8")
     done = runpy.run_path(str(tmp_path / "explored_bound.py"))
     assert done["gait"].parameters == pytest.approx(motion.gait.parameters, rel=1e-6)
@@ -120,6 +120,25 @@ class TestAnyGait:
         for figure in ("period", "peak_force", "peak_torque"):  # integrals of so few samples are too coarse
             assert slopes[figure] == pytest.approx((a[figure] - b[figure]) / (2 * h), rel=1e-3), figure
 
+    def test_the_saved_program_carries_it_too(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        free = find_gait(hopping(load("spear_ii")))
+        free.save(tmp_path / "gait.json")
+        motion = carried(
+            gait_to_explore(free, "a hop", ["knee_mass"]).at(knee_mass=1.02 * number(free.system, "knee_mass"))
+        )
+        (tmp_path / "explored.py").write_text(script(motion), encoding="utf-8")
+        done = runpy.run_path(str(tmp_path / "explored.py"))
+        np.testing.assert_allclose(done["gait"].state[0], motion.gait.state[0], atol=1e-8)
+        assert done["motion"].t[-1] == pytest.approx(figures(motion)["period"], rel=1e-8)
+
+    @pytest.mark.slow
+    def test_a_trot_is_carried(self):
+        subject = gait_to_explore(Gait.load("trot"), "a trot", ["hip_spacing"])
+        motion = carried(subject.at(hip_spacing=1.01 * subject.knobs["hip_spacing"].default))
+        assert motion.verdict == "periodic" and abs(motion.gait.multipliers[0]) == pytest.approx(3.7, abs=0.1)
+        assert f"cycles={motion.trajectory.cycles}" in script(motion) and motion.trajectory.cycles == 2
+
     @pytest.mark.slow
     def test_a_trot_shows_a_whole_stride(self):
         motion = carried(gait_to_explore(Gait.load("trot"), "a trot", ["roll_inertia_xx"]).at())
@@ -137,4 +156,14 @@ class TestAnyGait:
         knobs = gait_to_explore(Gait.load("trot"), "").knobs
         assert {"stiffness", "friction", "leg_stiffness", "stance_span"} <= set(knobs)
         for knob in knobs.values():
-            assert knob.low < knob.default < knob.high and math.isclose(knob.low + knob.high, 2 * knob.default)
+            assert knob.low < knob.default < knob.high
+            assert math.isclose(knob.low + knob.high, 2 * knob.default, abs_tol=2 * 10.0**-knob.digits)
+
+    @pytest.mark.parametrize("name", ["trot", "turn_9", "long_stride"])
+    def test_sliders_reach_their_ends(self, name):
+        over = ["hip_rotor"] if name == "trot" else []
+        for each in ([], over):
+            subject = gait_to_explore(Gait.load(name), "", each)
+            for key, knob in subject.knobs.items():
+                for end in (knob.low, knob.high):
+                    assert subject.read({key: f"{end:.{knob.digits}f}"}).values[key] == end
