@@ -57,7 +57,7 @@ def test_it_does_so_until_it_arrives_at_a_speed(sliding):
         (0.75 * SETTING_OUT, 50.0, 0.25 * SETTING_OUT / 50.0),
         (0.999 * SETTING_OUT, 50.0, 0.1 * SETTING_OUT / 50.0),  # a last step that is not tiny
         (0.0, 1e-3, 1e-4),  # it may gain more soon
-        (SLOW, -1.0, math.inf),
+        (SLOW, -1.0, 1e-4),
         (2.0 * SETTING_OUT, 50.0, math.inf),
     ],
 )

@@ -14,7 +14,14 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/engines/sliding",
         ["hybrid/test_sliding"],
-        {"a toe that moves back has its velocity's direction": (" or speeds[toe] <= SLOW)", ")")},
+        {
+            "a toe that moves back has its velocity's direction": (" or speeds[toe] <= SLOW)", ")"),
+            "a toe that sets out turns within a step": (
+                "return math.inf if toe in self._begun",
+                "return SLOW if toe in self._begun",
+            ),
+            "a toe that sets out takes long steps": ("min([LONGEST, *times])", "max([LONGEST, *times])"),
+        },
     ),
     *mistakes_in(
         "hybrid/rules/guards",
@@ -319,10 +326,19 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/integration",
-        ["hybrid/test_integration", "hybrid/test_equations_of_motion", "hybrid/test_torques", "hybrid/test_ledger"],
+        [
+            *(
+                "hybrid/test_integration",
+                "hybrid/test_equations_of_motion",
+                "hybrid/test_torques",
+                "hybrid/test_ledger",
+            ),
+            "hybrid/test_lanes_in_space",
+        ],
         {
             "absolute tolerance ten thousand times looser": ("0.01 * options.rtol", "100.0 * options.rtol"),
             "an event's state is not of its time": ("motion.y = _step_to(flow, t0, y0, motion.t)", "pass"),
+            "toes that set out take any step": ("min(how.longest, flow.longest)", "how.longest"),
             "a step more than may be": ("flow.evaluations <= most", "flow.evaluations <= 10 * most"),
         },
     ),

@@ -141,7 +141,7 @@ class Sliding:
         self._begun = {toe: ways[toe] for toe in keeps}
         gaining = [toe for toe in self._begun if accelerations[toe] > 0.0]
         times = (max(SETTING_OUT - speeds[toe], BEYOND * SETTING_OUT) / accelerations[toe] for toe in gaining)
-        self.left = min([LONGEST, *times]) if gaining else math.inf
+        self.left = min([LONGEST, *times]) if self._begun else math.inf
 
     @property
     def sets_out(self) -> bool:
