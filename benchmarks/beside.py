@@ -23,7 +23,7 @@ from benchmarks.peers.task import FINEST, STATES, Array, Task, taylor
 from benchmarks.peers.task import hop as hopping_task
 from spear_pin import Spring, simulate
 from spear_pin.hybrid.engines.taylor import available
-from spear_pin.hybrid.periodic import chart, eigenvalues, multipliers
+from spear_pin.hybrid.periodic import chart, differentiate_return_map, eigenvalues
 
 STEPS = (1e-2, 1e-3, 1e-4, 1e-5)  # of differences
 ROUNDS = 5
@@ -99,7 +99,9 @@ def by_differences(task: Task, hop: Hop, step: float) -> float:
 
     shifts = step * np.eye(local.dimension)
     jacobian = np.array([mapped(xi) - mapped(-xi) for xi in shifts]).T / (2.0 * step)
-    return float(np.abs(eigenvalues(jacobian) - multipliers(gait.system, gait.state, FINEST)).max())
+    return float(
+        np.abs(eigenvalues(jacobian) - eigenvalues(differentiate_return_map(gait.system, gait.state, FINEST))).max()
+    )
 
 
 def seconds(hop: Hop, starts: Array) -> float:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, SpearError
@@ -20,7 +19,7 @@ from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, displacement, eigenvalues, multipliers, one_by_one, return_map
+from spear_pin.hybrid.periodic import chart, displacement, multipliers, one_by_one, return_map
 from spear_pin.hybrid.result import EVALUATIONS, Moment, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.shooting import Shooting
@@ -178,7 +177,7 @@ class Search:
         if self.exact is not None and not np.allclose(self.measure(result), self.wanted, rtol=MEANT, atol=MEANT):
             differenced = replace(self, exact=None)  # the system means something else by a name
             return differenced.gait(*differenced.directly(system, state))
-        values = self._multipliers(system, state)
+        values = multipliers(system, state, self.rtol)
         _check_memory(system, result, allowed * max(1.0, float(np.abs(values).max())), self.rtol)
         return Gait(
             system=system,
@@ -188,17 +187,6 @@ class Search:
             multipliers=values,
             durations=result.durations,
         )
-
-    def _multipliers(self, system: HybridSystem, state: State) -> NDArray[np.complex128]:
-        """Returns Floquet multipliers, exact where derivatives are."""
-        if self.exact is not None and not system.section_toes:
-            local = chart(system, state)
-            d, here = local.dimension, np.concatenate([np.zeros(local.dimension), self._values(system)])
-            shooting = self._shooting(local, system, self.wanted, self.rtol)
-            found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
-            if np.isfinite(found).all():
-                return eigenvalues(found[:d, :d] + np.eye(d))
-        return multipliers(system, state, self.rtol)
 
     def settled(self, system: HybridSystem) -> State:
         """Follows the system's guess for a few cycles towards a stable gait; returns the guess if that breaks off.

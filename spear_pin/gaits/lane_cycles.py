@@ -65,8 +65,8 @@ class LaneCycles:
         reference = _spread(batch.repeated, can, n) == 1.0
         return Cycles(q, v, measured, durations, reason, reference, [orders.get(i, ()) for i in range(n)])
 
-    def reference(self, lane: int, state: State, values: Array) -> NDArray[np.complex128] | None:
-        """Returns multipliers of a lane's fixed point by the reference engine alone; None if there are none."""
+    def alone(self, lane: int, state: State, values: Array) -> NDArray[np.complex128] | None:
+        """Returns multipliers of one lane's fixed point by its cycle alone; None if there are none."""
         own = {name: float(column[lane]) for name, column in self.fixed.items()}
         system = with_parameters(self.system, {**own, **dict(zip(self.vary, values.tolist(), strict=True))})
         try:
@@ -114,7 +114,7 @@ def multipliers(cycle: LaneCycles, charts: Charts, values: Array) -> Spectra:
     found[whole] = eigenvalues(jacobians[whole])
     # between lanes that one engine ran and those that the other did, differences show the engines' errors
     for i in np.flatnonzero(whole & after.reference.reshape(n, count).any(axis=1)):
-        spectrum = cycle.reference(int(i), (charts.q[i], charts.v[i]), values[i])
+        spectrum = cycle.alone(int(i), (charts.q[i], charts.v[i]), values[i])
         whole[i], found[i] = spectrum is not None, np.nan if spectrum is None else spectrum
     centre = slice(None, None, count)
     moved = charts.section.displacement((q[centre], v[centre]), (after.q[centre], after.v[centre]))

@@ -87,21 +87,20 @@ def differentiate_return_map(system: HybridSystem, state: State, rtol: float = 1
     return found
 
 
-def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10, step: float = STEP) -> NDArray[np.complex128]:
+def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10) -> NDArray[np.complex128]:
     """Finds the Floquet multipliers of a periodic orbit, by decreasing modulus.
 
-    Out of the plane they come from exact derivatives. In the plane, and for cycles that have none, they come from
-    differences of the return map.
+    They come from exact derivatives, and for cycles that have none from differences of the return map.
 
     Raises:
         NoGait: a perturbed cycle does not close.
     """
-    if not system.robot.planar and may_vary(system, ()):
+    if may_vary(system, ()):
         try:
             return eigenvalues(exact_jacobian(system, state))
         except REFUSALS:
             pass
-    return eigenvalues(differentiate_return_map(system, state, rtol, step))
+    return eigenvalues(differentiate_return_map(system, state, rtol))
 
 
 def eigenvalues(matrices: Array) -> NDArray[np.complex128]:

@@ -18,7 +18,7 @@ from spear_pin.gaits.parity import ALONG, LATERAL
 from spear_pin.gaits.round_hopping import round_hopping
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.event_feedback import feedback_of
-from spear_pin.hybrid.periodic import chart, displacement, multipliers, return_map
+from spear_pin.hybrid.periodic import chart, differentiate_return_map, displacement, eigenvalues, return_map
 from tests.gaits.feeding import idle
 from tests.gaits.orbits.test_embedding import planar, spatial
 from tests.solve.gaits import fastest_upright, least_effort_upright
@@ -153,9 +153,11 @@ class TestAnyGait:
         """They follow from A and B; the derivatives of the closed loop itself share nothing with K."""
         gait = request.getfixturevalue(name)
         found = regulate(gait)
-        simulated = multipliers(found.gait.system, gait.state)
+        simulated = eigenvalues(differentiate_return_map(found.gait.system, gait.state))
         assert np.abs(found.held.values) == pytest.approx(np.abs(simulated), abs=1e-6)
-        assert np.abs(found.without.values) == pytest.approx(np.abs(multipliers(gait.system, gait.state)), abs=1e-6)
+        assert np.abs(found.without.values) == pytest.approx(
+            np.abs(eigenvalues(differentiate_return_map(gait.system, gait.state))), abs=1e-6
+        )
         once = return_map(found.gait.system, gait.state, 1e-12)
         assert np.abs(displacement(gait.system, gait.state, once.state)).max() < 1e-8
 
@@ -193,7 +195,7 @@ def test_a_gait_without_feedback_again(gait: Gait, stabilised: Gait) -> None:
 @pytest.mark.slow
 def test_the_multipliers_are_those_of_the_simulated_cycles(stabilised: Gait) -> None:
     """They come from the derivatives of the gait without feedback, by the chain rule."""
-    simulated = multipliers(stabilised.system, stabilised.state, 1e-10)
+    simulated = eigenvalues(differentiate_return_map(stabilised.system, stabilised.state, 1e-10))
     assert np.abs(stabilised.multipliers) == pytest.approx(np.abs(simulated), abs=2e-4)
 
 

@@ -11,7 +11,7 @@ from spear_pin.gaits import many
 from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.gaits.many import find_many
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.periodic import multipliers, residual
+from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues, multipliers, residual
 
 compiles = pytest.mark.extra("heyoka")
 WANTED = {"flight_time": 0.2}
@@ -72,7 +72,7 @@ class TestAgainstOneSearch:
         gait = Gait.load("long_stride")
         table = find_many(gait.system, {"stiffness": np.array([105.0])}, guess=gait.state)
         assert table.converged.all()
-        alone = multipliers(gait.system, gait.state)
+        alone = eigenvalues(differentiate_return_map(gait.system, gait.state))
         np.testing.assert_allclose(table.multipliers[:, : len(alone)], [alone], rtol=0, atol=1e-5)
         np.testing.assert_allclose(table.v, [gait.state[1]], rtol=0, atol=1e-6)
 

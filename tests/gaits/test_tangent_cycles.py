@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load
-from spear_pin.gaits import attempts
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.gaits.tangent_cycles import tangent_cycles
+from spear_pin.hybrid import periodic
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.newton import jacobian
 from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, multipliers, one_by_one, return_map
+from spear_pin.hybrid.periodic import chart, differentiate_return_map, eigenvalues, one_by_one, return_map
 from spear_pin.hybrid.result import Moment, Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.shooting import Shooting
@@ -115,7 +115,7 @@ class TestGaits:
         monkeypatch.setattr(
             "spear_pin.gaits.attempts.return_map", lambda *asked: counted.append(1) or return_map(*asked)
         )
-        monkeypatch.setattr(attempts, "multipliers", lambda *_: pytest.fail("differenced"))
+        monkeypatch.setattr(periodic, "differentiate_return_map", lambda *_: pytest.fail("differenced"))
         find_gait(hopping(robot), ["stance_torque"], {"flight_time": 0.2})
         assert len(counted) == 1
 
@@ -128,7 +128,9 @@ class TestGaits:
         off_section = np.linalg.eigvals(whole.dy)
         for value in found:
             assert np.abs(off_section - value).min() < 1e-9
-        np.testing.assert_allclose(found, multipliers(system, hop.state, 1e-12), rtol=0, atol=1e-7)
+        np.testing.assert_allclose(
+            found, eigenvalues(differentiate_return_map(system, hop.state, 1e-12)), rtol=0, atol=1e-7
+        )
 
     def test_a_name_by_which_a_system_means_another_measure(self, robot):
         system = replace(hopping(robot), measures={"flight_time": lambda run: run.durations["flight"] - 0.004})

@@ -16,7 +16,7 @@ from spear_pin import (
 from spear_pin.errors import BadValue
 from spear_pin.gaits.many import find_many
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.periodic import multipliers, residual
+from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues, residual
 from tests.hybrid.lanes import assert_agree, compiles
 
 HEIGHT = 0.3
@@ -60,7 +60,9 @@ class TestLanes:
             there, state = with_parameters(begun.system, numbers), (table.q[i], table.v[i])
             assert abs(there.ground.foot(free_robot, state[0], "toe")[0]) < 1e-14
             assert residual(there, state) < 1e-8
-            np.testing.assert_allclose(table.multipliers[i], multipliers(there, state), rtol=0, atol=1e-5)
+            np.testing.assert_allclose(
+                table.multipliers[i], eigenvalues(differentiate_return_map(there, state)), rtol=0, atol=1e-5
+            )
         with pytest.raises(BadValue, match="vary is 'slope'; expected a parameter that does not move the ground"):
             find_many(system, {"friction": [0.5]}, ["slope"], {"mean_speed": 0.0})
 

@@ -125,7 +125,7 @@ def differences(recipe: Recipe) -> list[str]:
     said = []
     if (off := max(np.abs(a - b).max() for a, b in zip(kept.state, found.state, strict=True))) > SAME:
         said.append(f"the state is off by {off:.1e}")
-    there = multipliers(kept.system, kept.state)  # those that are kept come from differences
+    there = multipliers(kept.system, kept.state)  # some that are kept come from differences
     if (off := np.abs(np.abs(there) - np.abs(found.multipliers)).max()) > CLOSE:
         said.append(f"a multiplier is off by {off:.1e}")
     return said

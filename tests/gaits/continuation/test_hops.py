@@ -7,7 +7,7 @@ from spear_pin import Gait, Ground, HoppingLaw, continue_gait, find_gait, hoppin
 from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.continuation.continuing import _equations
 from spear_pin.hybrid.orders import differing, order_of
-from spear_pin.hybrid.periodic import multipliers, residual, return_map
+from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues, residual, return_map
 from spear_pin.hybrid.translation import translations
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -79,7 +79,7 @@ def test_on_ice_it_slides_as_it_lands_and_its_period_doubles(robot, given):
     (flip,) = branch.flips
     gait = branch.gaits[flip.index]
     assert residual(gait.system, gait.state) < 1e-8
-    assert multipliers(gait.system, gait.state)[0] == pytest.approx(-1.0, abs=1e-4)
+    assert eigenvalues(differentiate_return_map(gait.system, gait.state))[0] == pytest.approx(-1.0, abs=1e-4)
     assert flip.critical == pytest.approx([-1.0], abs=1e-6)
     assert branch.stable[flip.index + 1] and not branch.stable[flip.index - 1]
 
