@@ -20,7 +20,7 @@ MUTATIONS = [
                 "return math.inf if toe in self._begun",
                 "return SLOW if toe in self._begun",
             ),
-            "a toe that sets out takes long steps": ("min([LONGEST, *times])", "max([LONGEST, *times])"),
+            "a toe that sets out takes long steps": ("min([self._step, *times])", "max([self._step, *times])"),
         },
     ),
     *mistakes_in(

@@ -21,7 +21,8 @@ from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, along
 
 Ways = Mapping[str, tuple[float, ...]]
 """Of toes that slide, the unit vectors along the ground in which they do."""
-LONGEST, BEYOND = 1e-4, 0.1  # s: longest step of toes that set out; share of `SETTING_OUT` that the last may add
+FIRST = 1e-5  # s: longest first step of toes that set out; each later one may be twice as long
+BEYOND = 0.05  # share of `SETTING_OUT` that the last of these steps may add
 SWEEPS, SETTLED = 100, 1e-12  # iterations and tolerance for the directions in which several toes begin to slide
 
 
@@ -105,7 +106,7 @@ class Sliding:
         self._fixed = {toe: (SIGN[mode],) for toe, mode in modes.items() if mode in SIGN}
         self._free = [toe for toe in modes if toe not in self._fixed]
         self._begun: dict[str, tuple[float, ...]] | None = None
-        self.left = math.inf
+        self.left, self._step = math.inf, FIRST
 
     def __call__(self, grounded: Grounded, velocity: Callable[[str], tuple[float, ...]]) -> Ways:
         """Returns the directions at a state.
@@ -141,7 +142,8 @@ class Sliding:
         self._begun = {toe: ways[toe] for toe in keeps}
         gaining = [toe for toe in self._begun if accelerations[toe] > 0.0]
         times = (max(SETTING_OUT - speeds[toe], BEYOND * SETTING_OUT) / accelerations[toe] for toe in gaining)
-        self.left = min([LONGEST, *times]) if self._begun else math.inf
+        self.left = min([self._step, *times]) if self._begun else math.inf
+        self._step *= 2.0
 
     @property
     def sets_out(self) -> bool:
