@@ -84,7 +84,10 @@ class Sampler:
             times, states = times[exist], states[exist]
         for t, y in zip(times, states, strict=True):
             flow(t, y)
+            set_out = flow.sets_out
             flow.arrive(t, y)
+            if set_out:  # since the sample before a toe may have got its velocity's direction
+                flow(t, y)
             columns["a"].extend(flow.a)
             columns["u"].extend(flow.u)
             columns["tau"].extend(flow.tau)

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from spear_pin import Gait, simulate
 from spear_pin.hybrid.contact import SETTING_OUT, SLOW
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding
 
@@ -84,5 +85,29 @@ def test_one_that_slows_down_before_it_has_a_speed_moves_back_along_its_way(slid
     assert sliding(grounded((3.0, 4.0)), at(0.6 * speed, 0.8 * speed))[TOE] == pytest.approx((0.6, 0.8))
 
 
+def test_one_that_is_fast_whichever_way_sets_out_no_more(sliding):
+    """As a sample may be, which is no step of the integrator."""
+    ways = sliding(grounded((30.0, 40.0)), at(0.0, 0.0))
+    sliding.arrive({TOE: -2.0 * SETTING_OUT}, {TOE: -1.0}, ways)
+    assert not sliding.sets_out
+
+
 def test_directions_are_unit_vectors(sliding):
     assert math.hypot(*sliding(grounded((5.0, -12.0)), at(0.0, 0.0))[TOE]) == pytest.approx(1.0)
+
+
+@pytest.mark.slow
+def test_samples_of_a_sliding_toe_have_friction_against_its_velocity():
+    """Also the first one after it has set out, from which it has a velocity."""
+    gait = Gait.load("turn_9")
+    motion, robot, seen = simulate(gait.system, gait.state, 1, progress=False), gait.system.robot, 0
+    modes = {domain.key: domain.contacts for domain in gait.system.domains}
+    for k in range(len(motion.t)):
+        for i, toe in enumerate(robot.toes):
+            velocity = (robot.toe_jacobian(motion.q[k], toe) @ motion.v[k])[:2]
+            if modes[motion.phase[k], motion.domain[k]][i] != "slip" or np.hypot(*velocity) < 1.2 * SETTING_OUT:
+                continue
+            along, force = velocity / np.hypot(*velocity), motion.force[k, i, :2]
+            assert force / np.hypot(*force) == pytest.approx(-along, abs=1e-9), (motion.t[k], toe)
+            seen += 1
+    assert seen > 3

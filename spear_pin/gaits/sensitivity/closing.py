@@ -23,13 +23,13 @@ def closed(
     Args:
         orbit: its names begin with those of `vary`.
         vary: names of parameters that are solved for.
-        keep: as many measures, and the values that they keep; values above one are kept to a share of themselves.
+        keep: as many measures, and the values that they keep.
         on_cycle: called before each cycle.
 
     Raises:
         NoGait: Newton's method does not converge to a gait within a few cycles.
     """
-    before, kept_to = np.inf, np.maximum(1.0, np.abs(list(keep.values())))
+    before = np.inf
     for _ in range(MOST):
         on_cycle()
         try:
@@ -38,7 +38,7 @@ def closed(
                 orbit = orbit.beside({}, after, orbit.names, orbit.slide_after)
                 continue
             residual = np.concatenate([orbit.displacement, [orbit.measures[name].value - keep[name] for name in keep]])
-            size = float(np.abs(residual / np.append(np.ones(orbit.dimension), kept_to)).max())
+            size = float(np.abs(residual).max())
             if size <= CLOSED:
                 return orbit
             if not size < SLOWEST * before:
@@ -50,7 +50,7 @@ def closed(
             change = dict(zip(vary, step[d:].tolist(), strict=True))
             orbit = orbit.beside(change, orbit.start[:, : d + k] @ step, orbit.names)
         except REFUSALS as error:
-            raise NoGait(str(error), before) from None
+            raise NoGait(str(error), before) from error
         before = size
     raise NoGait("Newton's method makes no progress", before, remedy="values to keep nearer to the gait's own")
 

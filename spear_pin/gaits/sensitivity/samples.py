@@ -127,8 +127,8 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
             q, v = local.placed(near, y[i][None])
             orbit = closed(Orbit(near, (q[0], v[0]), local.vary, local.motors), local.vary, kept)
         except (SpearError, np.linalg.LinAlgError) as error:
-            why = error.__context__ or error  # what Newton's method met
-            reason[i] = NOT_PLAIN if isinstance(why, NotDifferentiable) else NO_CONVERGENCE
+            plain = not isinstance(error.__cause__ or error, NotDifferentiable)
+            reason[i] = NO_CONVERGENCE if plain else NOT_PLAIN
             continue
         multipliers = np.linalg.eigvals(orbit.jacobian).astype(np.complex128)
         row = {name: number(orbit.system, name) for name in local.vary}

@@ -137,7 +137,7 @@ class Sliding:
             accelerations: acceleration of each toe along its direction, in m/s².
             ways: the directions at that state.
         """
-        going = (toe for toe in self._begun or () if speeds[toe] <= SETTING_OUT)
+        going = (toe for toe in self._begun or () if abs(speeds[toe]) <= SETTING_OUT)
         keeps = (toe for toe in going if accelerations[toe] >= -STARTS_TO_SLIDE or speeds[toe] <= SLOW)
         self._begun = {toe: ways[toe] for toe in keeps}
         gaining = [toe for toe in self._begun if accelerations[toe] > 0.0]

@@ -10,6 +10,7 @@ from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.result import Options, State
 from spear_pin.hybrid.run import run
 from spear_pin.studies.explore.knobs import Knobs
+from spear_pin.studies.explore.legs import Leg
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class Engine:
 def _advance_lane(knobs: Knobs, state: State, cycles: int) -> tuple[State, int]:
     if not cycles:
         return state, 0
+    assert isinstance(knobs.subject, Leg)  # a gait is carried, and not followed
     system, numbers = knobs.subject.lane(knobs.values)
     parameters = {name: [value] for name, value in numbers.items()}
     batch = simulate_many(system, state[0][None], state[1][None], cycles, parameters=parameters)

@@ -86,10 +86,6 @@ class Subject(ABC):
     def system(self, values: Mapping[str, float]) -> HybridSystem:
         """Returns the system with these numbers."""
 
-    def lane(self, values: Mapping[str, float]) -> tuple[HybridSystem, dict[str, float]]:
-        """Returns a system that other settings share, so that it is compiled once, and the numbers to put into it."""
-        return self.system(values), {}
-
     @property
     @abstractmethod
     def start(self) -> State:

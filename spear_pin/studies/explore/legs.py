@@ -81,7 +81,7 @@ class Leg(Subject):
         return hopping(robot, replace(self.law, **of_law), replace(self.spring, **of_spring), contact)
 
     def lane(self, values: Mapping[str, float]) -> tuple[HybridSystem, dict[str, float]]:
-        """Returns a system with the default numbers except for the gear, and the other numbers."""
+        """Returns a system that is compiled once, with default numbers except for the gear, and the other numbers."""
         numbers = {name: value for name, value in values.items() if name != RATIO}
         if self.law.hip_touchdown is not None:
             numbers["hip_touchdown"] = self.robot.legs[0].lean(values[KNEE])
