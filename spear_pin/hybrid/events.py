@@ -163,7 +163,8 @@ class Watch:
 
     def _rises(self, i: int, nodes: list[tuple[float, float]], interpolant: Callable[[], Interpolant]) -> bool:
         """Tells whether a guard with patience that is not positive halfway is so before."""
-        if not self._guards[i].patience:
+        guard, values = self._guards[i], [value for _, value in nodes]
+        if not guard.patience or (max(values) < -guard.tolerance and not _dips(*(-value for value in values))):
             return False
         begin, end, solution = nodes[0][0], nodes[-1][0], interpolant()
         return any(self._value(i, solution, t) > 0.0 for t in begin + (end - begin) * EARLY)

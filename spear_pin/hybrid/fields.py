@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import fields, is_dataclass
+from functools import cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -18,16 +19,27 @@ def with_fields(instance: D, values: Mapping[str, Any]) -> D:
 
     The values need not be valid numbers.
     """
-    assert is_dataclass(instance)
-    other = object.__new__(type(instance))
-    for field in fields(instance):
-        value = getattr(instance, field.name)
-        if field.name in values:
-            value = values[field.name]
-        elif is_dataclass(value) and not isinstance(value, type):
+    other, names = object.__new__(type(instance)), field_names(instance)
+    assert names is not None
+    for name in names:
+        value = getattr(instance, name)
+        if name in values:
+            value = values[name]
+        elif field_names(value) is not None:
             value = with_fields(value, values)
-        object.__setattr__(other, field.name, value)
+        object.__setattr__(other, name, value)
     return other
+
+
+def field_names(value: Any) -> tuple[str, ...] | None:
+    """Returns the names of a value's fields; None if it is no dataclass."""
+    kind: Any = type(value)
+    return _field_names(kind)
+
+
+@cache
+def _field_names(kind: Any) -> tuple[str, ...] | None:
+    return tuple(field.name for field in fields(kind)) if is_dataclass(kind) else None
 
 
 def names_of(law: Any) -> set[str]:
@@ -61,8 +73,8 @@ def flattened(values: Collection[Any]) -> list[Any]:
     for value in values:
         if isinstance(value, tuple):
             flat += flattened(value)
-        elif is_dataclass(value):
-            flat += flattened([getattr(value, field.name) for field in fields(value)])
+        elif (names := field_names(value)) is not None:
+            flat += flattened([getattr(value, name) for name in names])
         elif is_number(value):
             flat.append(value)
     return flat

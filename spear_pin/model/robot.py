@@ -272,14 +272,15 @@ class Robot(Shown):
         Raises:
             UnknownName: there is no such frame.
         """
-        index = frame_id(self.model, frame)
-        pin.forwardKinematics(self.model, self._data, self._q(q))
-        return np.array(pin.updateFramePlacement(self.model, self._data, index).translation[self._rows])
+        return self._place(q, frame_id(self.model, frame))
 
     def toe_position(self, q: ArrayLike, toe: str) -> Array:
         """Returns the position of a toe in the world, in m: (2,) x, z for planar robots, else (3,)."""
-        self.toe_id(toe)
-        return self.frame_position(q, toe)
+        return self._place(q, self.toe_id(toe))
+
+    def _place(self, q: ArrayLike, index: int) -> Array:
+        pin.forwardKinematics(self.model, self._data, self._q(q))
+        return np.array(pin.updateFramePlacement(self.model, self._data, index).translation[self._rows])
 
     def toe_jacobian(self, q: ArrayLike, toe: str) -> Array:
         """Returns J(q) of (3.16), (2, nv) or (3, nv); the toe's velocity along the contact's `directions` is J v."""

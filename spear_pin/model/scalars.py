@@ -30,9 +30,8 @@ def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     """Returns Σ a b, leaving out zeros."""
     total: Any = 0.0
     for x, y in zip(a, b, strict=True):
-        product = times(x, y)
-        if not vanishes(product):
-            total = product if vanishes(total) else total + product
+        if not (vanishes(x) or vanishes(y)):
+            total = x * y if vanishes(total) else total + x * y
     return total
 
 

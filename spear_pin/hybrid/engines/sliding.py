@@ -159,13 +159,14 @@ class Sliding:
     def _onset(self, grounded: Grounded, slow: Sequence[str], moving: Ways) -> dict[str, tuple[float, ...]]:
         """Finds the directions of toes that set out, near the earlier ones or against the force that would hold them.
 
-        The directions of several toes depend on each other; each is found in turn until none changes.
+        The directions of several toes depend on each other; each is found in turn until none changes. One is found at
+        once.
         """
         begun = self._begun or {}
         ways = {**moving, **{toe: begun[toe] for toe in slow if toe in begun}}
         if new := [toe for toe in slow if toe not in ways]:
             ways |= grounded.against(new, ways)
-        for _ in range(SWEEPS):
+        for _ in range(SWEEPS if len(slow) > 1 else 1):
             before = dict(ways)
             for toe in slow:
                 A, b = grounded.alone(toe, ways)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +13,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.engines.identity import Reader
-from spear_pin.hybrid.fields import FLOATS, flattened, is_number, with_fields
+from spear_pin.hybrid.fields import FLOATS, field_names, flattened, is_number, with_fields
 from spear_pin.hybrid.ground import PLACE, Ground
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.mechanism import Mechanism
@@ -162,8 +162,8 @@ class _Counter:
     def number(self, value: Any) -> Any:
         if isinstance(value, tuple):
             return tuple(self.number(item) for item in value)
-        if is_dataclass(value) and not isinstance(value, type):
-            return with_fields(value, {field.name: self.number(getattr(value, field.name)) for field in fields(value)})
+        if (names := field_names(value)) is not None:
+            return with_fields(value, {name: self.number(getattr(value, name)) for name in names})
         if not is_number(value):
             return value
         self._count += 1
@@ -181,8 +181,8 @@ def shape_of(held: Values) -> Any:
 def _shape(value: Any) -> Any:
     if isinstance(value, tuple):
         return len(value) if FLOATS.issuperset(map(type, value)) else tuple(map(_shape, value))
-    if is_dataclass(value) and not isinstance(value, type):
-        return type(value), *(_shape(getattr(value, field.name)) for field in fields(value))
+    if (names := field_names(value)) is not None:
+        return type(value), *(_shape(getattr(value, name)) for name in names)
     return float if is_number(value) else value
 
 

@@ -78,7 +78,8 @@ class Lanes:
         self.durations = {phase: np.full(n, np.nan) for phase in system.phases}
         self.reason, self.message = np.full(n, "", dtype=object), np.full(n, "", dtype=object)
         self.repeated = np.zeros(n, bool)
-        seen = {guard.name for domain in system.domains for guard in domain.guards if guard.observes and code.observing}
+        domains = system.domains if code.observing else ()
+        seen = {guard.name for domain in domains for guard in domain.guards if guard.observes}
         self.observed = {name: np.full(self.start.shape, np.nan) for name in sorted(seen)}
         longest = self._longest
         self._in_space = system.robot.dimension == 3  # where impacts may overlap, which each lane has for itself
@@ -111,7 +112,8 @@ class Lanes:
     def begin(self) -> None:
         """Sorts the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
-        feet = self.numbers.mechanism.feet(list(self.start[: self.nv]), list(self.start[self.nv :]), np)
+        states = self.start[:, 0].tolist() if n == 1 else list(self.start)  # arrays of one are slow
+        feet = self.numbers.mechanism.feet(states[: self.nv], states[self.nv :], np)
         ground = self.numbers.ground(np.arange(n))
         for toe in system.robot.toes if n and not ground.plane else ():
             system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a call with numbers reveals a mistake
