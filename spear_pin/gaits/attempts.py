@@ -12,6 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.gaits.diagnosis import Reached
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.leading import led
 from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
@@ -92,18 +93,17 @@ class Search:
         unasked = replace(sought(system, (), {}, self.rtol, self.on_iteration), effort=self.effort)
         system, state = unasked.roughly(system, state, self.wanted[:0])
         begin = self.measure(return_map(system, state, self.rtol))
-        done, step, growth = 0.0, SHORTEST_STEP, 2.0
-        while done < 1.0:
-            reach = min(1.0, done + step)
-            try:
-                system, state = self.roughly(system, state, begin + reach * (self.wanted - begin))
-                done, step, growth = reach, growth * step, 2.0
-                self.effort.reached = Reached(done, system, state)
-            except NoGait:
-                step, growth = 0.5 * step, 1.0
-                if step < SHORTEST_STEP or self.effort.evaluations > ENOUGH:
-                    raise
-        return self.directly(system, state)
+
+        def solve(share: float, near: tuple[HybridSystem, State]) -> tuple[HybridSystem, State]:
+            found = self.roughly(*near, begin + share * (self.wanted - begin))
+            self.effort.reached = Reached(share, *found)
+            return found
+
+        steps = {"first": SHORTEST_STEP, "shortest": SHORTEST_STEP}
+        way = led(solve, (system, state), **steps, enough=lambda: self.effort.evaluations > ENOUGH)
+        if way.failure is not None:
+            raise way.failure
+        return self.directly(*way.end)
 
     def roughly(self, system: HybridSystem, state: State, wanted: Array) -> tuple[HybridSystem, State]:
         """Finds the system and state that meet the targets to a few digits, at less than half the cost."""

@@ -66,11 +66,11 @@ class _Iterates:
 
     Attributes:
         x: scaled unknowns, (n, k).
-        residual: residual at x, (n, k).
+        residual: residual at x, (n, r).
         norm: largest component of the residual, (n,); infinite before the first value.
         norms: norms of all iterates so far, (n, iterations + 1).
         iteration: number of steps taken, (n,); -1 before the first value.
-        jacobian: Jacobian, (n, k, k); zero before the first.
+        jacobian: Jacobian, (n, r, k); zero before the first.
         fresh: whether the Jacobian was differentiated at x, (n,).
         damping: damping of the next trial step, (n,).
         differs: whether the next evaluation is of differences instead, (n,).
@@ -107,14 +107,18 @@ def newton(
     calls: int | None = None,
     quick: float = QUICK,
     slopes: Slopes | None = None,
+    always: bool = True,
+    equations: int | None = None,
+    longest: float = np.inf,
     on_iterates: OnIterates = ignored,
 ) -> Roots:
     """Finds roots by damped Newton's method, with exact Jacobians where they are known.
 
-    Elsewhere Jacobians are forward differences, updated (Broyden) while steps reduce the residual a lot.
+    Elsewhere Jacobians are forward differences, updated (Broyden) while steps reduce the residual a lot. With more
+    unknowns than equations each step is the shortest that solves the linear equations (Gauss-Newton).
 
     Args:
-        evaluate: returns the residuals, as many as unknowns.
+        evaluate: returns the residuals.
         start: initial unknowns, (n, k).
         scale: scale of each unknown, (n, k).
         tolerance: tolerance on the residual's largest component.
@@ -122,13 +126,19 @@ def newton(
         calls: most calls of the evaluator; None for no bound.
         quick: share of the residual that a step may leave for the Jacobian to be updated, not recomputed.
         slopes: returns the Jacobians, if they are known.
+        always: whether it is asked at each iterate, or only where differences would be taken otherwise.
+        equations: number of residuals; None: as many as unknowns.
+        longest: largest component of a step, in scales.
         on_iterates: called with the lanes that have taken a step (or a first value), their numbers of steps, and the
             residuals.
     """
-    lanes, k = _begun(start / scale, iterations), start.shape[1]
+    k = start.shape[1]
+    r = equations or k
+    lanes = _begun(start / scale, r, iterations)
     for _ in range(calls) if calls is not None else count():
         going = lanes.end == ""
-        if slopes is not None and len(asking := np.flatnonzero(going & ~lanes.fresh & (lanes.iteration >= 0))):
+        due = going & (~lanes.fresh & (lanes.iteration >= 0) if always else lanes.differs)
+        if slopes is not None and len(asking := np.flatnonzero(due)):
             exact = slopes(asking, lanes.x[asking] * scale[asking]) * scale[asking, None]
             known = np.isfinite(exact).all(axis=(1, 2))
             lanes.put(asking[known], _with_jacobian(lanes.take(asking[known]), exact[known]))
@@ -136,33 +146,33 @@ def newton(
         if not len(trying) and not len(differing):
             break
         trials, differences = lanes.take(trying), lanes.take(differing)
-        steps = _steps(trials)
+        steps, shares = _steps(trials, longest)
         asked = np.concatenate([trying, np.repeat(differing, k)])
         points = np.concatenate([trials.x + steps, (differences.x[:, None] + STEP * np.eye(k)).reshape(-1, k)])
         values, why = evaluate(asked, points * scale[asked])
 
         m = len(trying)
-        better = _better(trials, steps, values[:m], tolerance)
+        better = _better(trials, steps, shares, values[:m], tolerance)
         took, refused = trying[better], trying[~better]
         lanes.put(took, _accepted(trials.take(better), steps[better], values[:m][better], tolerance, quick))
         lanes.put(refused, _refused(trials.take(~better), why[:m][~better], tolerance))
-        lanes.put(differing, _differentiated(differences, values[m:].reshape(-1, k, k), why[m:].reshape(-1, k)))
+        lanes.put(differing, _differentiated(differences, values[m:].reshape(-1, k, r), why[m:].reshape(-1, k)))
         if len(took):
             on_iterates(took, lanes.iteration[took], lanes.norm[took])
     end = np.where(lanes.end == "", TOO_LONG, lanes.end).astype(object)
     return Roots(lanes.x * scale, lanes.norm, lanes.iteration, end, lanes.reason)
 
 
-def _begun(x: Array, iterations: int) -> _Iterates:
+def _begun(x: Array, r: int, iterations: int) -> _Iterates:
     """Returns the lanes before the first value, with a step of zero length as next evaluation."""
     n, k = x.shape
     return _Iterates(
         x=x,
-        residual=np.zeros((n, k)),
+        residual=np.zeros((n, r)),
         norm=np.full(n, np.inf),
         norms=np.full((n, iterations + 1), np.nan),
         iteration=np.full(n, -1),
-        jacobian=np.zeros((n, k, k)),
+        jacobian=np.zeros((n, r, k)),
         fresh=np.zeros(n, dtype=bool),
         damping=np.ones(n),
         differs=np.zeros(n, dtype=bool),
@@ -171,24 +181,26 @@ def _begun(x: Array, iterations: int) -> _Iterates:
     )
 
 
-def _better(lanes: _Iterates, steps: Array, values: Array, tolerance: float) -> NDArray[np.bool_]:
+def _better(lanes: _Iterates, steps: Array, shares: Array, values: Array, tolerance: float) -> NDArray[np.bool_]:
     """Tells whether steps lead nearer to a root, (n,): by the residual, or by the step that would follow.
 
     The residual alone says little where the map stretches much in one direction. What the Jacobian makes of the new
     residual is then compared with the undamped step (Deuflhard's natural monotonicity test), unless that is rounding.
     """
-    share = 1.0 - 0.1 * lanes.damping
+    share = 1.0 - 0.1 * shares
     smaller = np.abs(values).max(axis=1) < share * lanes.norm  # the first value is
     following = np.full(len(values), np.inf)
     test = lanes.fresh & ~smaller & np.isfinite(values).all(axis=1) & (lanes.norm > NOISE * tolerance)
     following[test] = np.linalg.norm(applied(np.linalg.pinv(lanes.jacobian[test]), values[test]), axis=1)
-    nearer: NDArray[np.bool_] = following < share * np.linalg.norm(steps, axis=1) / lanes.damping
+    nearer: NDArray[np.bool_] = following < share * np.linalg.norm(steps, axis=1) / shares
     return np.asarray(smaller | nearer)
 
 
-def _steps(lanes: _Iterates) -> Array:
-    """Returns the damped steps, (n, k)."""
-    return -lanes.damping[:, None] * applied(np.linalg.pinv(lanes.jacobian), lanes.residual)
+def _steps(lanes: _Iterates, longest: float) -> tuple[Array, Array]:
+    """Returns the damped steps, (n, k), and what shares they are of the whole ones, (n,)."""
+    whole = -applied(np.linalg.pinv(lanes.jacobian), lanes.residual)
+    shares = lanes.damping * np.minimum(1.0, longest / np.maximum(np.abs(whole).max(axis=1), 1e-300))
+    return shares[:, None] * whole, shares
 
 
 def _accepted(lanes: _Iterates, steps: Array, values: Array, tolerance: float, quick: float) -> _Iterates:
@@ -226,7 +238,7 @@ def _refused(lanes: _Iterates, why: Words, tolerance: float) -> _Iterates:
 
 
 def _differentiated(lanes: _Iterates, values: Array, why: Words) -> _Iterates:
-    """Takes the Jacobians from forward differences with these values, (n, k, k), one row for each unknown."""
+    """Takes the Jacobians from forward differences with these values, (n, k, r), one row for each unknown."""
     whole = np.asarray(np.isfinite(values).all(axis=(1, 2), keepdims=True))
     return replace(
         _with_jacobian(lanes, np.where(whole, np.swapaxes(values - lanes.residual[:, None], 1, 2) / STEP, 0.0)),
@@ -243,7 +255,7 @@ def _with_jacobian(lanes: _Iterates, jacobian: Array) -> _Iterates:
 
 
 def broyden(jacobian: Array, step: Array, change: Array) -> Array:
-    """Updates Jacobians, (n, k, k), by Broyden's method after steps and changes of the residual, (n, k) each."""
+    """Updates Jacobians, (n, r, k), by Broyden's method after steps, (n, k), and changes of the residual, (n, r)."""
     missed = change - applied(jacobian, step)
     return np.asarray(jacobian + missed[:, :, None] * (step / (step * step).sum(axis=1, keepdims=True))[:, None, :])
 

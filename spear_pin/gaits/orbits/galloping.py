@@ -2,8 +2,7 @@
 
 The gait is continued step by step with the Gauss-Newton method: among all inputs it takes the smallest change, at the
 same speed and heading. Where both feet of a pair land at once, the return map has a kink, because either foot may be
-first. Derivatives there are central differences, which do not see the kink. Beyond it they are exact, or one-sided
-differences where a stride has none.
+first. Derivatives there are central differences, which do not see the kink. Beyond it they are exact.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.leading import led
 from spear_pin.gaits.orbits.steering import SECOND
 from spear_pin.gaits.orbits.strides import Strides
 from spear_pin.gaits.search import gait_beside
@@ -29,8 +29,7 @@ from spear_pin.model.scale import scale_in_space
 
 FIRST, SHORTEST, LONGEST = 1.0 / 16.0, 1.0 / 256.0, 0.25  # of the way: steps of the continuation
 PATH_RTOL, PATH_TOLERANCE = 1e-9, 1e-6  # for the integrator and for each step's solution
-ITERATIONS, SLOW, FARTHEST, WORSE = 12, 0.5, 0.5, 3.0
-CENTRAL, ONE_SIDED = 1e-5, 1e-6
+FARTHEST = 0.5  # change of an unknown in a step
 KEPT_BY = ("posterior_hip_torque", "posterior_hip_difference")  # speed and heading of the last solution
 
 
@@ -64,65 +63,21 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
     for i, time in enumerate(landing):
         require(f"landing[{i}]", time, math.isfinite, "a finite number, in s")
     second = SECOND * scale_in_space(gait.system.robot).time
-    path = _Path(gait.system, gait.state, INPUTS, second, PATH_RTOL)
+    path = Strides(gait.system, gait.state, INPUTS, second, PATH_RTOL)
     x = np.zeros(path.unknowns)
-    begin, J = path.values(x), path.slopes(x, CENTRAL)
-    wanted = path.wanted(begin, landing)
-    done, step = 0.0, FIRST
-    while done < 1.0:
-        reach = min(1.0, done + step)
-        try:
-            x, J = path.solved(x, J, begin + reach * (wanted - begin))
-            done, step = reach, min(2.0 * step, LONGEST)
-        except NoGait as failure:
-            step *= 0.5
-            if step < SHORTEST:
-                reason = f"the gallop is lost after {done:.0%} of the way to these times: {failure.reason}"
-                raise NoGait(reason, failure.residual, remedy="smaller landing times") from None
-            if done:
-                J = path.slopes(x, ONE_SIDED, path.values(x))
-    system, state = path.system(x), path.state(x)
+    begin = path.values(x)
+    wanted = np.array([*np.zeros(path.n + 1), begin[path.n + 1], *(gap / second for gap in landing)])
+
+    def solve(share: float, near: Array) -> Array:
+        values = begin + share * (wanted - begin)
+        return path.solved(near, lambda found: found - values, np.ones_like, PATH_TOLERANCE, FARTHEST)
+
+    way = led(solve, x, first=FIRST, shortest=SHORTEST, longest=LONGEST)
+    if way.failure is not None:
+        reason = f"the gallop is lost after {way.done:.0%} of the way to these times: {way.failure.reason}"
+        raise NoGait(reason, way.failure.residual, remedy="smaller landing times")
+    system, state = path.system(way.end), path.state(way.end)
     measures = {"mean_speed": system.measures["mean_speed"](return_map(system, state, rtol)), "turn": 0.0}
     found = gait_beside(system, headed(*state), KEPT_BY, measures, rtol)
     q, v = found.state
     return found.with_law(nominal=(*q.tolist(), *v.tolist()))
-
-
-class _Path(Strides):
-    """Equations whose solutions are gallops."""
-
-    def wanted(self, begin: Array, gaps: Sequence[float]) -> Array:
-        """Returns the values that a gallop has: it closes, straight ahead, at the given speed."""
-        return np.array([*np.zeros(self.n + 1), begin[self.n + 1], *(gap / self._second for gap in gaps)])
-
-    def solved(self, x: Array, J: Array, wanted: Array) -> tuple[Array, Array]:
-        """Returns the unknowns that give the wanted values, and derivatives near there, updated by Broyden's rule."""
-        values, expected, fresh = self.values(x), np.inf, False
-        for n in range(ITERATIONS):
-            off = values - wanted
-            size = float(np.abs(off).max())
-            if size <= PATH_TOLERANCE:
-                return x, J
-            if n > 1 and size > expected and not fresh:
-                J, fresh = self.slopes(x, ONE_SIDED, values), True
-            else:
-                fresh = False
-            whole: Array = -np.asarray(np.linalg.lstsq(J, off, rcond=1e-10)[0], np.float64)
-            capped = min(1.0, FARTHEST / float(np.abs(whole).max())) * whole
-            step, after = self._shortened(x, capped, wanted, size)
-            J = J + np.outer(after - values - J @ step, step) / float(step @ step)
-            taken = float(np.abs(step).max() / np.abs(whole).max())
-            x, values, expected = x + step, after, (1.0 - (1.0 - SLOW) * taken) * size
-        raise NoGait("Newton's method did not converge", size)
-
-    def _shortened(self, x: Array, step: Array, wanted: Array, size: float) -> tuple[Array, Array]:
-        """Halves a step until the values after it are not much worse; returns the step and the values."""
-        for _ in range(3):
-            try:
-                after = self.values(x + step)
-                if float(np.abs(after - wanted).max()) <= max(WORSE * size, 1e-3):
-                    return step, after
-            except NoGait:
-                pass
-            step = 0.5 * step
-        raise NoGait("no step reduces the residual", size)

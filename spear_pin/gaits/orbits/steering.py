@@ -22,8 +22,7 @@ STEERED_BY = (
 )
 GAP = 0.004  # s: longest time between the two touchdowns of a pair
 SECOND = 0.1  # s: what counts as one of that time
-ITERATIONS, SLOW, LONGEST = 14, 0.3, 0.3
-DIFFERENCE = 1e-6
+LONGEST = 0.3  # change of an unknown in a step
 
 
 def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: float) -> tuple[HybridSystem, State]:
@@ -42,23 +41,17 @@ def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: 
         NoGait: the method does not converge, or a stride does not close.
     """
     strides, wanted = Strides(system, state, STEERED_BY, SECOND, rtol), np.array([turn, speed])
-    x, least, J = np.zeros(strides.unknowns), np.inf, None
-    for _ in range(ITERATIONS):
-        values = strides.values(x)
-        off = _off(values, wanted)
-        size = float(np.abs(off).max())
-        if size <= 10.0 * rtol:
-            return strides.system(x), headed(*strides.state(x))
-        if J is None or size > SLOW * least:
-            J = strides.slopes(x, DIFFERENCE, values)
-        # a time between touchdowns that is not too long is free
-        least, holds = min(size, least), np.append(np.ones(len(values) - 2, bool), np.abs(values[-2:]) >= GAP / SECOND)
-        step = -np.linalg.lstsq(J[holds], off[holds], rcond=None)[0]
-        x = x + step * min(1.0, LONGEST / float(np.abs(step).max()))
-    raise NoGait(f"Newton's method finds no turn by {np.degrees(turn):.3g}° a stride", least, remedy="a smaller turn")
 
+    def off(values: Array) -> Array:
+        gaps = values[-2:]
+        return np.concatenate([values[:-4], values[-4:-2] - wanted, gaps - np.clip(gaps, -GAP / SECOND, GAP / SECOND)])
 
-def _off(values: Array, wanted: Array) -> Array:
-    """Returns the difference between a stride's values and the wanted values."""
-    gaps = values[-2:]
-    return np.concatenate([values[:-4], values[-4:-2] - wanted, gaps - np.clip(gaps, -GAP / SECOND, GAP / SECOND)])
+    def held(values: Array) -> Array:  # a time between touchdowns that is not too long is free
+        return np.append(np.ones(len(values) - 2), np.abs(values[-2:]) >= GAP / SECOND)
+
+    try:
+        x = strides.solved(np.zeros(strides.unknowns), off, held, 10.0 * rtol, LONGEST)
+    except NoGait as failure:
+        problem = f"Newton's method finds no turn by {np.degrees(turn):.3g}° a stride: {failure.reason}"
+        raise NoGait(problem, failure.residual, remedy="a smaller turn") from None
+    return strides.system(x), headed(*strides.state(x))

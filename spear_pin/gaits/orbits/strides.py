@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
+from spear_pin.gaits.attempts import WHY
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.inputs import inputs_of
 from spear_pin.gaits.spatial.automaton import speed_ahead
@@ -17,6 +18,7 @@ from spear_pin.gaits.spatial.legs import SIDES
 from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.newton import CONVERGED, Lanes, Words, newton
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
@@ -26,6 +28,8 @@ from spear_pin.hybrid.tangent.collocation import ENDS
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.section import cycle_on_section
+
+DIFFERENCE = 1e-5  # of the unknowns
 
 
 def footfall_gap(times: Mapping[str, Any], pair: str, event: str = "touchdown") -> Any:
@@ -118,13 +122,49 @@ class Strides:
         gaps = [footfall_gap(times, pair) / self._second for pair in LEGS]
         return [end[YAW] - begin[YAW], speed_ahead(begin, end, period), *gaps]
 
-    def slopes(self, x: Array, step: float, at: Array | None = None) -> Array:
-        """Returns derivatives of the values, (n + 4, n + k), exact where the stride has derivatives.
+    def solved(
+        self, x: Array, off: Callable[[Array], Array], held: Callable[[Array], Array], tolerance: float, longest: float
+    ) -> Array:
+        """Finds unknowns near others for wanted values by Newton's method, with the smallest of all steps.
 
         Args:
-            x: the unknowns.
-            step: step of the differences that are taken elsewhere.
-            at: the values at x, for differences of one side; without them differences are central.
+            x: the unknowns at which it starts.
+            off: returns by how much values are off.
+            held: tells which of them count, (n + 4,).
+            tolerance: how much values may be off.
+            longest: largest change of an unknown in a step.
+
+        Raises:
+            NoGait: Newton's method finds none.
+        """
+        size = self.n + 4
+
+        def evaluate(lanes: Lanes, points: Array) -> tuple[Array, Words]:
+            found, why = np.full((len(points), size), np.nan), np.full(len(points), "", dtype=object)
+            for i, point in enumerate(points):
+                try:
+                    found[i] = off(self.values(point))
+                except NoGait as failure:
+                    why[i] = failure.reason
+            return found, why
+
+        def slopes(lanes: Lanes, points: Array) -> Array:
+            try:
+                return np.array([held(self.values(point))[:, None] * self.slopes(point) for point in points])
+            except NoGait:
+                return np.full((len(points), size, self.unknowns), np.nan)
+
+        given = x[None], np.ones((1, self.unknowns)), tolerance
+        roots = newton(evaluate, *given, slopes=slopes, always=False, equations=size, longest=longest)
+        if roots.end[0] != CONVERGED:
+            why = WHY[roots.end[0]].format(n=roots.iteration[0])
+            raise NoGait(": ".join(filter(None, [why, roots.reason[0]])), float(roots.norm[0]))
+        return np.asarray(roots.x[0])
+
+    def slopes(self, x: Array) -> Array:
+        """Returns derivatives of the values, (n + 4, n + k), exact where the stride has derivatives.
+
+        Elsewhere they are central differences. Where both feet of a pair land at once, these do not see the kink.
 
         Raises:
             NoGait: a stride beside does not close, or a foot does not land.
@@ -135,11 +175,8 @@ class Strides:
             exact = None
         if exact is not None and np.isfinite(exact).all():
             return exact
-        columns = []
-        for each in step * np.eye(self.unknowns):
-            ahead = self.values(x + each)
-            columns.append((ahead - self.values(x - each)) / (2.0 * step) if at is None else (ahead - at) / step)
-        return np.array(columns).T
+        steps = DIFFERENCE * np.eye(self.unknowns)
+        return np.array([(self.values(x + each) - self.values(x - each)) / (2.0 * DIFFERENCE) for each in steps]).T
 
     def _exact(self, x: Array) -> Array | None:
         """Returns exact derivatives of the values, or None where two feet land at once, or there are none."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 from spear_pin.errors import BadValue, NoGait, require
@@ -10,6 +9,7 @@ from spear_pin.gaits.attempts import Measure
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.feedback import regulated, speed_regulated, without_feedback
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.leading import led
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.result import Options
@@ -61,16 +61,17 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
     expected = f"within {FARTHEST:g} m/s of the gait's own, {begin:.2f}"
     require("speed", speed, lambda v: abs(v - begin) <= FARTHEST + 1e-6, expected)
     gait = without_feedback(gait)
-    reached, step = begin, SPEED_STEP
-    while reached != speed:
-        wanted = speed if abs(speed - reached) <= step else reached + math.copysign(step, speed - reached)
-        try:
-            gait, reached = _continued(gait, wanted, on_iteration), wanted
-        except NoGait as failure:
-            step = 0.5 * min(step, abs(speed - reached))
-            if step < SHORTEST_STEP:
-                problem = f"it continues from {begin:.2f} to {reached:.2f} m/s, and none was found at {wanted:.2f} m/s"
-                raise NoGait(problem, failure.residual, remedy=f"a speed nearer to {begin:.2f} m/s") from None
+    whole = speed - begin
+
+    def solve(share: float, near: Gait) -> Gait:
+        return _continued(near, begin + share * whole, on_iteration)
+
+    step, shortest = (each / max(abs(whole), 1e-12) for each in (SPEED_STEP, SHORTEST_STEP))
+    way = led(solve, gait, first=step, shortest=shortest, longest=step)
+    if way.failure is not None:
+        problem = f"it continues from {begin:.2f} to {begin + way.done * whole:.2f} m/s, and none was found beyond"
+        raise NoGait(problem, way.failure.residual, remedy=f"a speed nearer to {begin:.2f} m/s")
+    gait = way.end
     if law.nominal:
         q, v = gait.state
         gait = gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))

@@ -208,7 +208,7 @@ class TestAnotherSpeed:
             return gait
 
         monkeypatch.setattr(continuation, "find_gait", find)
-        with pytest.raises(NoGait, match=r"from 2\.50 to 2\.8[78] m/s, and none was found at 2\.94 m/s"):
+        with pytest.raises(NoGait, match=r"from 2\.50 to 2\.8[78] m/s, and none was found beyond"):
             at_speed(gait, 3.5)
         assert asked == pytest.approx([2.75, 3.0, 2.875, 3.0, 2.9375], abs=1e-6)
 
