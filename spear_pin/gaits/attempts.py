@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, NoGait, SpearError
+from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.diagnosis import Reached
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.leading import led
@@ -128,15 +128,12 @@ class Search:
     def _shooting(self, local: Chart, system: HybridSystem, wanted: Array, rtol: float) -> Shooting:
         """Returns the equations about a state, with derivatives where there are some."""
 
-        def cycle(begun: State, values: Array) -> tuple[Run, Array] | str:
-            try:
-                result = return_map(with_parameters(system, self.named(values)), begun, rtol)
-                self._look_after(result)
-                return result, self.measure(result) if result.cycles else np.empty(0)
-            except SpearError as error:  # a parameter out of range, a toe below ground, an event that did not happen
-                return str(error)
+        def cycle(begun: State, values: Array) -> Run:
+            result = return_map(with_parameters(system, self.named(values)), begun, rtol)
+            self._look_after(result)
+            return result
 
-        cycles = one_by_one(cycle, len(self.measures))
+        cycles = one_by_one(system, cycle, self.measures)
         if self.exact is None:
             return Shooting(local.lane, cycles, self.vary, wanted[None])
         return Shooting(local.lane, self.exact.otherwise(cycles), self.vary, wanted[None], self.exact.slopes)

@@ -14,7 +14,6 @@ from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.inputs import inputs_of
 from spear_pin.gaits.spatial.trotting import HALFWAY, halfway
-from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import may_vary
 from spear_pin.hybrid.newton import Lanes, Words, jacobian
@@ -118,10 +117,9 @@ def separable(gait: Gait) -> bool:
 def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
     """Returns A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
 
-    In the plane they are exact where the fast engine runs the gait and no events meet in it, because each side of a
-    meeting has its own derivatives. In space they are exact for every cycle that has derivatives. Else they are central
-    differences of the reference engine's cycles. Where two feet may land in either order they are the mean of both
-    sides. In space A and B have a last row, for the change of heading.
+    They are exact for every cycle that has derivatives, else central differences of the reference engine's cycles.
+    Where two feet may land in either order they are the mean of both sides. In space A and B have a last row, for the
+    change of heading.
 
     Args:
         gait: the gait.
@@ -136,29 +134,22 @@ def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[
     local = chart(system, gait.state)
     nominal, n = np.array([parameter(system, name) for name in inputs]), local.dimension
 
-    def cycle(begun: State, values: Array) -> tuple[Run, Array]:
-        trial = with_parameters(system, dict(zip(inputs, values.tolist(), strict=True)))
-        run = return_map(trial, begun, rtol)
-        turn = run.state[0][YAW : YAW + 1] - begun[0][YAW : YAW + 1] if system.section_toes else np.empty(0)
-        if end is not None and run.cycles:
-            run.state = end(run)
-        return run, turn
-
-    if system.section_toes and end is None and may_vary(system, ()):
+    if end is None and may_vary(system, ()):
         try:
             found = exact_map(system, gait.state, seeds(system, inputs).numbers)
             return found[:, :n], found[:, n:]
         except REFUSALS:
             pass
-    exact = None if system.section_toes else tangent_cycles(system, inputs, ())
-    slopes = None if exact is None else exact.slopes
-    cycles = one_by_one(cycle, int(bool(system.section_toes)))
-    shooting = Shooting(local.lane, cycles, tuple(inputs), slopes=slopes)
-    if exact is not None and not exact.borders(*gait.state, nominal):
-        here = np.concatenate([np.zeros(n), nominal])
-        found = shooting.jacobians(np.zeros(1, dtype=np.int64), here[None])[0]
-        if np.isfinite(found).all():
-            return found[:, :n] + np.eye(n), found[:, n:]
+
+    def cycle(begun: State, values: Array) -> Run:
+        run = return_map(with_parameters(system, dict(zip(inputs, values.tolist(), strict=True))), begun, rtol)
+        if end is not None and run.cycles:
+            run.state = end(run)
+        return run
+
+    turn = [lambda run: run.events[-1].q[YAW] - run.start[0][YAW]] if system.section_toes else []
+    cycles = one_by_one(system, cycle, turn)
+    shooting = Shooting(local.lane, cycles, tuple(inputs))
     sizes = np.array([*np.ones(n), *(each.one for each in inputs_of(system, inputs))])
     centre = np.concatenate([np.zeros(n), nominal])
 

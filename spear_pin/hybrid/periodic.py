@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import NoGait
+from spear_pin.errors import NoGait, SpearError
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import may_vary
 from spear_pin.hybrid.newton import STEP, Lanes, jacobian
+from spear_pin.hybrid.orders import Order, order_of
 from spear_pin.hybrid.result import EVALUATIONS, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart as chart
@@ -39,36 +41,40 @@ def residual(system: HybridSystem, state: State, rtol: float = 1e-10) -> float:
     return float(np.abs(displacement(system, state, result.state)).max()) if result.cycles else np.inf
 
 
-def one_by_one(cycle: Callable[[State, Array], tuple[Run, Array] | str], measures: int = 0) -> Cycle:
+def one_by_one(
+    system: HybridSystem, cycle: Callable[[State, Array], Run], measures: Sequence[Callable[[Run], Any]] = ()
+) -> Cycle:
     """Returns a function that runs the cycles of lanes one after the other; a lane ends with one that does not close.
 
     Args:
-        cycle: runs one cycle from a state with values of the varied parameters; returns the run with its measures, or
-            why there is none.
-        measures: number of measures.
+        system: the system, with any parameters.
+        cycle: runs one cycle from a state with values of the varied parameters, or raises a `SpearError`.
+        measures: return numbers of a cycle that closes.
     """
 
     def cycles(lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
         n = len(lanes)
-        ends, measured = (np.full_like(q, np.nan), np.full_like(v, np.nan)), np.full((n, measures), np.nan)
-        durations: dict[str, Array] = {}
-        failed: dict[int, str] = {}
-        reason = np.full(n, "", dtype=object)
+        ends, measured = (np.full_like(q, np.nan), np.full_like(v, np.nan)), np.full((n, len(measures)), np.nan)
+        durations = {phase: np.zeros(n) for phase in system.phases}
+        failed, orders, reason = dict[int, str](), list[Order]([()] * n), np.full(n, "", dtype=object)
         for i, lane in enumerate(lanes.tolist()):
+            if lane not in failed and not (np.isfinite(q[i]).all() and np.isfinite(v[i]).all()):
+                failed[lane] = NOT_FINITE
             if lane not in failed:
-                finite = np.isfinite(q[i]).all() and np.isfinite(v[i]).all()
-                found = cycle((q[i], v[i]), values[i]) if finite else NOT_FINITE
-                if isinstance(found, str):
-                    failed[lane] = found
-                elif not found[0].cycles:
-                    failed[lane] = found[0].reason
-                else:
-                    result, measured[i] = found
-                    ends[0][i], ends[1][i] = result.state
-                    for phase, seconds in result.durations.items():
-                        durations.setdefault(phase, np.zeros(n))[i] = seconds
+                try:
+                    result = cycle((q[i], v[i]), values[i])
+                    orders[i] = order_of(system, result)
+                    if result.cycles:
+                        ends[0][i], ends[1][i] = result.state
+                        measured[i] = [float(measure(result)) for measure in measures]
+                        for phase, seconds in result.durations.items():
+                            durations[phase][i] = seconds
+                    else:
+                        failed[lane] = result.reason
+                except SpearError as error:  # a parameter out of range, an event that did not happen
+                    failed[lane] = str(error)
             reason[i] = failed.get(lane, "")
-        return Cycles(*ends, measured, durations, reason, np.ones(n, dtype=bool))
+        return Cycles(*ends, measured, durations, reason, np.ones(n, dtype=bool), orders)
 
     return cycles
 
@@ -80,7 +86,7 @@ def differentiate_return_map(system: HybridSystem, state: State, rtol: float = 1
         NoGait: a perturbed cycle does not close.
     """
     local = chart(system, state)
-    cycle = one_by_one(lambda begun, _: (return_map(system, begun, rtol), np.empty(0)))
+    cycle = one_by_one(system, lambda begun, _: return_map(system, begun, rtol))
     found, why = jacobian(Shooting(local.lane, cycle).mapped, np.zeros(local.dimension), step)
     if why:
         raise NoGait("a perturbed cycle does not close", residual(system, state, rtol))

@@ -34,11 +34,10 @@ def shooting_about(system, state, vary, target):
 
     def cycle(begun, values):
         own = with_parameters(system, dict(zip(vary, values.tolist(), strict=True)))
-        result = return_map(own, begun, 1e-12)
-        return result, np.array([system.measures[name](result) for name in target])
+        return return_map(own, begun, 1e-12)
 
     charts, wanted = chart(system, state).lane, np.zeros((1, len(target)))
-    reference = one_by_one(cycle, len(target))
+    reference = one_by_one(system, cycle, [system.measures[name] for name in target])
     own = Shooting(charts, exact.otherwise(reference), vary, wanted, exact.slopes)
     return own, Shooting(charts, reference, vary, wanted)
 

@@ -29,10 +29,9 @@ def by_reference(system, vary=VARY, measures=("flight_time", "period")):
 
     def cycle(state, values):
         asked.append((state, values))
-        result = return_map(with_parameters(system, dict(zip(vary, values.tolist(), strict=True))), state)
-        return result, np.array([system.measures[name](result) for name in measures if result.cycles])
+        return return_map(with_parameters(system, dict(zip(vary, values.tolist(), strict=True))), state)
 
-    return one_by_one(cycle, len(measures)), asked
+    return one_by_one(system, cycle, [system.measures[name] for name in measures]), asked
 
 
 def invented(measured, seconds):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,16 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import SpearError
 from spear_pin.gaits.lane_cycles import LaneCycles
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import FEW, has_lanes, may_vary
-from spear_pin.hybrid.orders import Order, order_of
 from spear_pin.hybrid.parameters import number, numbers_of_robot, with_numbers, with_parameters
-from spear_pin.hybrid.periodic import return_map
-from spear_pin.hybrid.result import Run
-from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
+from spear_pin.hybrid.periodic import one_by_one, return_map
+from spear_pin.hybrid.result import Run, State
+from spear_pin.hybrid.shooting import Cycles
 from spear_pin.hybrid.tangent.record import Recorder, many
 from spear_pin.hybrid.tangent.seeds import Seeds, seeds
 
@@ -113,14 +111,23 @@ class Family:
         return has_lanes(self.system, own) and all(measure in MEASURES for measure in self.measures)
 
     def _by_lanes(self, q: Array, v: Array, values: Array) -> Cycles:
-        parts: list[tuple[NDArray[np.int64], Cycles]] = []
+        parts, chosen = list[Cycles](), list[NDArray[np.int64]]()
         last = values[:, -1] if self.of_robot else np.zeros(len(q))
         for value in np.unique(last):
-            chosen = np.flatnonzero(last == value)
-            for first in range(0, len(chosen), FEW):  # a batch of more lanes does not keep the order of events
-                lanes = chosen[first : first + FEW]
-                parts.append((lanes, self._few(q[lanes], v[lanes], values[lanes])))
-        return _joined(parts)
+            same = np.flatnonzero(last == value)
+            for lanes in np.split(same, range(FEW, len(same), FEW)):  # more lanes do not keep the order of events
+                chosen.append(lanes)
+                parts.append(self._few(q[lanes], v[lanes], values[lanes]))
+        back = np.argsort(np.concatenate(chosen))
+        orders = [order for each in parts for order in each.orders]
+        durations = {
+            phase: np.concatenate([each.durations[phase] for each in parts])[back] for phase in parts[0].durations
+        }
+        q, v, measured, reason, reference = (
+            np.concatenate([getattr(each, name) for each in parts])[back]
+            for name in ("q", "v", "measured", "reason", "reference")
+        )
+        return Cycles(q, v, measured, durations, reason, reference, [orders[i] for i in back])
 
     def _few(self, q: Array, v: Array, values: Array) -> Cycles:
         names, system = self.names, self.system
@@ -130,43 +137,11 @@ class Family:
         run = LaneCycles(system, {}, names, [str(name) for name in self.measures], self.rtol)
         return run(np.arange(len(q)), q, v, values)
 
-    def _by_reference(self, q: Array, v: Array, values: Array) -> Cycles:
-        n = len(q)
-        ends, measured = (np.full_like(q, np.nan), np.full_like(v, np.nan)), np.full((n, len(self.measures)), np.nan)
-        durations = {phase: np.zeros(n) for phase in self.system.phases}
-        reason, orders = np.full(n, "", dtype=object), list[Order]([()] * n)
+    @cached_property
+    def _by_reference(self) -> Callable[[Array, Array, Array], Cycles]:
+        def cycle(begun: State, values: Array) -> Run:
+            return return_map(self.member(values.tolist()), begun, self.rtol)
+
         measures = [name if callable(name) else self.system.measures[name] for name in self.measures]
-        for i in range(n):
-            if not (np.isfinite(q[i]).all() and np.isfinite(v[i]).all()):
-                reason[i] = NOT_FINITE
-                continue
-            try:
-                system = self.member(values[i].tolist())
-                result = return_map(system, (q[i], v[i]), self.rtol)
-                orders[i] = order_of(system, result)
-                if not result.cycles:
-                    reason[i] = result.reason
-                    continue
-                ends[0][i], ends[1][i] = result.state
-                measured[i] = [measure(result) for measure in measures]
-                for phase, seconds in result.durations.items():
-                    durations[phase][i] = seconds
-            except SpearError as error:  # a parameter out of range, an event that did not happen
-                reason[i] = str(error)
-        return Cycles(*ends, measured, durations, reason, np.ones(n, dtype=bool), orders)
-
-
-def _joined(parts: Sequence[tuple[NDArray[np.int64], Cycles]]) -> Cycles:
-    """Joins cycles of several groups of lanes to cycles of all lanes."""
-    back = np.argsort(np.concatenate([lanes for lanes, _ in parts]))
-    every = [cycles for _, cycles in parts]
-    orders = [order for cycles in every for order in cycles.orders]
-    durations: Mapping[str, Array] = {
-        phase: np.concatenate([cycles.durations[phase] for cycles in every])[back] for phase in every[0].durations
-    }
-    whole = [
-        np.concatenate([getattr(cycles, name) for cycles in every])[back]
-        for name in ("q", "v", "measured", "reason", "reference")
-    ]
-    q, v, measured, reason, reference = whole
-    return Cycles(q, v, measured, durations, reason, reference, [orders[i] for i in back])
+        run = one_by_one(self.system, cycle, measures)
+        return lambda q, v, values: run(np.arange(len(q)), q, v, values)

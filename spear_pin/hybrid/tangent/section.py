@@ -144,7 +144,7 @@ def exact_jacobian(system: HybridSystem, state: State) -> Array:
 
 
 def exact_map(system: HybridSystem, state: State, seeds: Array) -> Array:
-    """Returns the derivatives of ξ and of the heading after a cycle in space by ξ and by numbers, (d + 1, d + m).
+    """Returns the derivatives of ξ after a cycle by ξ and by numbers, (d, d + m), and in space of the heading as well.
 
     Beside a symmetric gait, where either foot may land first, it is the mean of the derivatives on both sides.
 
@@ -162,5 +162,6 @@ def exact_map(system: HybridSystem, state: State, seeds: Array) -> Array:
     found = []
     for start in (None,) if xi is None else (xi, -xi):
         cycle = _one_foot_first(system, local, whole, start)
-        found.append(np.concatenate([local.changes(cycle.y, cycle.dy), cycle.dy[YAW : YAW + 1]]))
+        turn = cycle.dy[YAW : YAW + 1] if system.section_toes else cycle.dy[:0]
+        found.append(np.concatenate([local.changes(cycle.y, cycle.dy), turn]))
     return np.asarray(np.mean(found, axis=0), np.float64)
