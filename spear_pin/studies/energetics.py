@@ -199,8 +199,9 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
     """
     chosen, n = _chosen(trajectory, skip), trajectory.cycles - skip
     rates = _rates(trajectory)
-    positive, negative = (part.sum() for part in _halves(trajectory, chosen, trajectory.u * rates))
-    energy = {"mechanical_absolute": float(positive + negative), "mechanical_positive": float(positive)}
+    robot = system.robot
+    sampled = Sampled(robot, trajectory, range(skip + 1, trajectory.cycles + 1), bool(system.mirrored_toes))
+    energy = {f"mechanical_{kind}": sampled.largest(f"{kind}_work") for kind in ("absolute", "positive")}
     parts: tuple[float, float] | None = None
     if trajectory.electrical is not None:
         if drives is not None:
@@ -219,8 +220,6 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
         parts = given, regained
     if parts is not None:
         energy |= {name: parts[0] - share * parts[1] for name, share in REGENERATION.items()}
-    robot = system.robot
-    sampled = Sampled(robot, trajectory, range(skip + 1, trajectory.cycles + 1), bool(system.mirrored_toes))
     distance = sampled.stride if system.cyclic else 0.0
     return Costs(energy, robot.mass, robot.weight, distance or 0.0, _rise(trajectory, skip))
 

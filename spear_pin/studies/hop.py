@@ -34,7 +34,6 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     knee, height = trajectory.coordinates.index("knee"), trajectory.coordinates.index("boom_z")
     touchdown = trajectory.q[first, knee][0]
     sampled = Sampled(gait.system.robot, trajectory)
-    torques, works = sampled.torques(), sampled.works()
     stance = sampled.curves.among(trajectory.phase == "stance")
     return {
         "stance_torque": law.stance_torque,
@@ -51,15 +50,9 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "multipliers": gait.multipliers,
         "stable": gait.stable,
         "apex_height": float(apexes[0][height]) if apexes else None,
-        "peak_force": sampled.curves.peak(trajectory.force[:, 0, 1]),
-        "friction_used": sampled.friction_used(0),
-        **{
-            name: {joint: torques[f"{name}_{joint}"] for joint in trajectory.actuated}
-            for name in ("peak_torque", "peak_speed")
-        },
-        "work": works["work"],
-        "positive_work": works["positive_work"],
-        "effort": torques["effort"],
+        **{name: sampled.largest(name) for name in ("peak_force", "friction_used")},
+        **{name: sampled.of(name) for name in ("peak_torque", "peak_speed")},
+        **{name: sampled.largest(name) for name in ("work", "positive_work", "effort")},
         "peak_compression": stance.peak(trajectory.q[:, knee]) - touchdown,
         "spring_share": spring_share(trajectory),
         "energy_flows": {name: float(ledger[name][0]) for name in ledger.flows} if whole else {},

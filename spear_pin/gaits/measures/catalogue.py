@@ -1,4 +1,4 @@
-"""The measures of a cycle: one table of names, units and sentences, for samples, derivatives and pages alike.
+"""The measures of a cycle: one table of names, units, sentences and formulas, for samples and derivatives alike.
 
 Torques are those of one motor: in the sagittal plane a joint stands for two legs, and two motors share its torque.
 Work, energies and the effort are those of all motors of the robot. Forces act on a toe of the model; in the sagittal
@@ -8,12 +8,12 @@ plane that is on both feet of a pair. Without its joint or toe a name stands for
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 from spear_pin.errors import UnknownName
-
-PRESSED = 0.02  # share of a toe's even share of the weight above which friction counts
-LEAST_STRIDE = 1e-3  # m: a shorter stride transports nothing
+from spear_pin.gaits.measures.signals import Signals
+from spear_pin.hybrid.column_names import motors_at
 
 
 class Named(NamedTuple):
@@ -23,48 +23,162 @@ class Named(NamedTuple):
         pattern: pattern of the names.
         unit: unit of the measure, "1" without one.
         text: meaning of the measure, in a sentence.
+        of: returns the measure of a cycle's `Signals`, given the joint, toe, phase or event if the pattern has one;
+            None where there is none. Without it, other data than the cycle's are needed.
     """
 
     pattern: str
     unit: str
     text: str
+    of: Callable[..., Any] | None = None
+
+    def values(self, cycle: Signals) -> dict[str, Any]:
+        """Returns all measures of this kind that a cycle has, by name."""
+        if self.of is None:
+            return {}
+        pattern = self.pattern.replace("SECTION", cycle.section)
+        word = next((each for each in PLACED if each in pattern), "")
+        if word:
+            found = {pattern.replace(word, place): self.of(cycle, place) for place in PLACED[word](cycle)}
+        else:
+            found = {pattern: self.of(cycle)}
+        return {name: value for name, value in found.items() if value is not None}
+
+
+PLACED: dict[str, Callable[[Signals], Any]] = {
+    "PHASE": lambda cycle: cycle.durations,
+    "EVENT": lambda cycle: cycle.observed,
+    "JOINT": lambda cycle: dict.fromkeys([*cycle.torques, *cycle.released]),
+    "TOE": lambda cycle: cycle.robot.toes,
+}
+"""Words of patterns, and the names that stand in their places."""
+
+
+def _effort(cycle: Signals) -> Any:
+    return sum(square * float(motors_at(joint)) for joint, square in cycle.squares.items())
+
+
+def _absolute(cycle: Signals) -> Any:
+    return 2.0 * cycle.positive_work - cycle.net_work
+
+
+def _per_distance(of: Callable[[Signals], Any]) -> Callable[[Signals], Any]:
+    return lambda cycle: None if cycle.distance is None else of(cycle) / cycle.distance
+
+
+def _transport(of: Callable[[Signals], Any]) -> Callable[[Signals], Any]:
+    return _per_distance(lambda cycle: of(cycle) / cycle.weight)
+
+
+def _rms(cycle: Signals, joint: str) -> Any:
+    if joint not in cycle.squares:
+        return None
+    square = cycle.squares[joint] / cycle.period
+    return square**0.5 if square > 0.0 else 0.0
+
+
+def _at_closing(i: int) -> Callable[[Signals, str], Any]:
+    return lambda cycle, joint: cycle.closing[joint][i] if joint in cycle.closing else None
+
+
+def _largest(signals: str, of: str) -> Callable[[Signals, str], Any]:
+    """Returns a measure by `Signals.peak` or `Signals.amount` of one of its kinds of signals, where it has one."""
+
+    def found(cycle: Signals, place: str) -> Any:
+        signal = getattr(cycle, signals).get(place)
+        return None if signal is None else getattr(cycle, of)(signal)
+
+    return found
+
+
+def _normal(cycle: Signals, toe: str) -> Any:
+    return cycle.peak(cycle.forces[toe][1]) if toe in cycle.forces else None
+
+
+def _friction(cycle: Signals, toe: str) -> Any:
+    return cycle.ratio(*cycle.forces[toe], cycle.pressed) if toe in cycle.forces else None
 
 
 CATALOGUE: tuple[Named, ...] = (
-    Named("PHASE_time", "s", "Duration of a phase."),
-    Named("period", "s", "Duration of a cycle."),
+    Named("PHASE_time", "s", "Duration of a phase.", lambda cycle, phase: cycle.durations[phase]),
+    Named("period", "s", "Duration of a cycle.", lambda cycle: cycle.period),
     Named(
-        "EVENT_height", "m", "Height of the base at an event that is recorded but changes nothing, such as the apex."
+        "EVENT_height",
+        "m",
+        "Height of the base at an event that is recorded but changes nothing, such as the apex.",
+        lambda cycle, event: cycle.observed[event],
     ),
-    Named("JOINT_rate_at_SECTION", "rad/s", "Speed of a joint just before the cycle closes."),
-    Named("JOINT_at_SECTION", "rad", "Angle of a joint where the cycle closes."),
-    Named("stride", "m", "Distance covered in a cycle."),
-    Named("mean_speed", "m/s", "Distance covered in a cycle, divided by its period."),
-    Named("turn", "rad", "Change of the heading in a cycle, to the left."),
-    Named("work", "J", "Work of all motors on the joints in a cycle, braking counted as negative."),
-    Named("positive_work", "J", "Work of all motors in a cycle where they drive: ∫ Σ max(u ω, 0) dt."),
-    Named("absolute_work", "J", "Absolute work of all motors in a cycle: ∫ Σ |u ω| dt."),
-    Named("cost_of_transport", "1", "Absolute work divided by the robot's weight and the distance covered."),
-    Named("cost_of_transport_positive", "1", "Positive work divided by the robot's weight and the distance covered."),
-    Named("effort", "N²·m²·s", "∫ Σ u² dt over a cycle and all motors, u the torque of one motor."),
-    Named("effort_per_distance", "N²·m·s", "The effort divided by the distance covered."),
-    Named("rms_torque_JOINT", "N·m", "Root mean square of the torque of one motor over a cycle."),
-    Named("peak_torque_JOINT", "N·m", "Largest absolute torque of one motor."),
-    Named("peak_speed_JOINT", "rad/s", "Largest absolute speed of a joint."),
-    Named("greatest_height_TOE", "m", "Greatest height of a toe above the ground between lift-off and touchdown."),
-    Named("least_JOINT", "rad", "Least angle of a joint."),
-    Named("greatest_JOINT", "rad", "Greatest angle of a joint."),
-    Named("peak_force_TOE", "N", "Largest normal force on a toe; in the sagittal plane on both feet of a pair."),
+    Named("JOINT_rate_at_SECTION", "rad/s", "Speed of a joint just before the cycle closes.", _at_closing(1)),
+    Named("JOINT_at_SECTION", "rad", "Angle of a joint where the cycle closes.", _at_closing(0)),
+    Named("stride", "m", "Distance covered in a cycle.", lambda cycle: cycle.stride),
+    Named(
+        "mean_speed",
+        "m/s",
+        "Distance covered in a cycle, divided by its period.",
+        lambda cycle: None if cycle.stride is None else cycle.stride / cycle.period,
+    ),
+    Named("turn", "rad", "Change of the heading in a cycle, to the left.", lambda cycle: cycle.turn),
+    Named(
+        "work",
+        "J",
+        "Work of all motors on the joints in a cycle, braking counted as negative.",
+        lambda cycle: cycle.net_work,
+    ),
+    Named(
+        "positive_work",
+        "J",
+        "Work of all motors in a cycle where they drive: ∫ Σ max(u ω, 0) dt.",
+        lambda cycle: cycle.positive_work,
+    ),
+    Named("absolute_work", "J", "Absolute work of all motors in a cycle: ∫ Σ |u ω| dt.", _absolute),
+    Named(
+        "cost_of_transport",
+        "1",
+        "Absolute work divided by the robot's weight and the distance covered.",
+        _transport(_absolute),
+    ),
+    Named(
+        "cost_of_transport_positive",
+        "1",
+        "Positive work divided by the robot's weight and the distance covered.",
+        _transport(lambda cycle: cycle.positive_work),
+    ),
+    Named("effort", "N²·m²·s", "∫ Σ u² dt over a cycle and all motors, u the torque of one motor.", _effort),
+    Named("effort_per_distance", "N²·m·s", "The effort divided by the distance covered.", _per_distance(_effort)),
+    Named("rms_torque_JOINT", "N·m", "Root mean square of the torque of one motor over a cycle.", _rms),
+    Named("peak_torque_JOINT", "N·m", "Largest absolute torque of one motor.", _largest("torques", "amount")),
+    Named("peak_speed_JOINT", "rad/s", "Largest absolute speed of a joint.", _largest("speeds", "amount")),
+    Named(
+        "greatest_height_TOE",
+        "m",
+        "Greatest height of a toe above the ground between lift-off and touchdown.",
+        _largest("heights", "peak"),
+    ),
+    Named(
+        "least_JOINT",
+        "rad",
+        "Least angle of a joint.",
+        lambda cycle, joint: -cycle.peak(cycle.angles[joint] * -1.0) if joint in cycle.angles else None,
+    ),
+    Named("greatest_JOINT", "rad", "Greatest angle of a joint.", _largest("angles", "peak")),
+    Named(
+        "peak_force_TOE",
+        "N",
+        "Largest normal force on a toe; in the sagittal plane on both feet of a pair.",
+        _normal,
+    ),
     Named(
         "friction_used_TOE",
         "1",
         "Largest ratio of the force along the ground to the normal force, while the toe carries at least 2 % of its"
         " even share of the weight: m g divided by the number of toes.",
+        _friction,
     ),
     Named(
         "deflection_JOINT",
         "rad",
         "Deflection of a spring when it releases; if it releases several times, the smallest.",
+        lambda cycle, joint: cycle.released.get(joint),
     ),
     Named("heat_JOINT", "J", "Heat of the windings of all motors of a joint in a cycle."),
     Named("energy", "J", "Work and heat of all motors in a cycle."),
@@ -76,6 +190,11 @@ CATALOGUE: tuple[Named, ...] = (
 PLACES = re.compile(r"[A-Z]{2,}|(?<=_)N$")
 
 
+def fitting(entry: Named) -> str:
+    """Returns the regular expression of the names of an entry's measures."""
+    return PLACES.sub(".+", entry.pattern)
+
+
 def described(name: str) -> Named:
     """Returns what a measure means, by its name.
 
@@ -83,6 +202,6 @@ def described(name: str) -> Named:
         UnknownName: the table has no measure with that name.
     """
     for each in CATALOGUE:
-        if re.fullmatch(PLACES.sub("\\\\w+", each.pattern), name):
+        if re.fullmatch(fitting(each), name):
             return each
     raise UnknownName("measure", name, [each.pattern for each in CATALOGUE])

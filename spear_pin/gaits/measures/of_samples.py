@@ -10,16 +10,17 @@ from functools import cached_property
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.measures.catalogue import LEAST_STRIDE, PRESSED
+from spear_pin.gaits.measures.catalogue import CATALOGUE
 from spear_pin.gaits.measures.curves import Curves
+from spear_pin.gaits.measures.signals import Signals
 from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
 
 
 @dataclass(frozen=True)
-class Sampled:
-    """Measures of cycles of a motion: integrals are the mean over the cycles, peaks the largest of all.
+class Sampled(Signals):
+    """Signals of cycles of a motion: integrals are the mean over the cycles, peaks the largest of all.
 
     Attributes:
         robot: the robot that moves.
@@ -34,32 +35,43 @@ class Sampled:
     cycles: Sequence[int] = (1,)
     halves: bool = False
 
+    def values(self) -> dict[str, float]:
+        """Returns all measures by the names of the catalogue."""
+        return {name: value for each in CATALOGUE for name, value in each.values(self).items()}
+
+    def of(self, kind: str) -> dict[str, float]:
+        """Returns the measures of one kind, such as "peak_torque", by joint or toe."""
+        return {name.removeprefix(f"{kind}_"): value for name, value in self._named(kind).items()}
+
+    def largest(self, kind: str) -> float:
+        """Returns a measure by its name; of a kind for joints or toes the largest."""
+        return max(self._named(kind).values())
+
+    def _named(self, kind: str) -> dict[str, float]:
+        entry = next(each for each in CATALOGUE if each.pattern in (kind, f"{kind}_JOINT", f"{kind}_TOE"))
+        return entry.values(self)
+
     @cached_property
     def curves(self) -> Curves:
         """The samples that count."""
         there = self.trajectory.cycle
         return Curves(self.trajectory.t, np.isin(there, self.cycles) if len(self.cycles) else np.ones_like(there, bool))
 
-    def values(self) -> dict[str, float]:
-        """Returns all measures by the names of the catalogue."""
-        return {**self.times(), **self.works(), **self.torques(), **self.forces()}
+    @property
+    def count(self) -> int:
+        """Number of cycles; 1 if there are no whole cycles."""
+        return max(1, len(self.cycles))
 
-    def times(self) -> dict[str, float]:
-        """Returns the period; with forward motion also stride and mean speed."""
-        stride = self.stride
-        return {"period": self.period} | (
-            {} if stride is None else {"stride": stride, "mean_speed": stride / self.period}
-        )
+    @cached_property
+    def durations(self) -> dict[str, float]:
+        """Duration of each phase, in s."""
+        names = dict.fromkeys(self.trajectory.phase[self.curves.chosen].tolist())
+        return {name: self.curves.among(self.trajectory.phase == name).duration / self.count for name in names if name}
 
     @property
     def period(self) -> float:
         """Duration of a cycle, in s; NaN where no time has passed."""
         return self.curves.duration / self.count or math.nan
-
-    @property
-    def count(self) -> int:
-        """Number of cycles; 1 if there are no whole cycles."""
-        return max(1, len(self.cycles))
 
     @cached_property
     def stride(self) -> float | None:
@@ -86,70 +98,55 @@ class Sampled:
             return float((np.cos(yaw) * ways[:, 0] + np.sin(yaw) * ways[:, 1]).sum()) / self.count
         return float(np.linalg.norm(ways, axis=1).sum()) / self.count
 
-    def works(self) -> dict[str, float]:
-        """Returns the work of all motors, and the work per distance."""
-        rates = self.rates
-        found = {"work": 0.0, "positive_work": 0.0, "absolute_work": 0.0}
-        for i in range(len(self.trajectory.actuated)):
-            power = self.trajectory.u[:, i] * rates[:, i]
-            drive, brake = self.curves.positive(power), self.curves.positive(-power)
-            for name, part in zip(found, (drive - brake, drive, drive + brake), strict=True):
-                found[name] += part / self.count
-        stride = self.stride
-        if stride is None or abs(stride) <= LEAST_STRIDE:
-            return found
-        lifted = self.robot.weight * abs(stride)
-        return found | {
-            "cost_of_transport": found["absolute_work"] / lifted,
-            "cost_of_transport_positive": found["positive_work"] / lifted,
-        }
-
-    def torques(self) -> dict[str, float]:
-        """Returns the torques of one motor, and the effort of all motors."""
-        found, effort = dict[str, float](), 0.0
-        for i, joint in enumerate(self.trajectory.actuated):
-            motors = motors_at(joint)
-            square = self.curves.integral((self.trajectory.u[:, i] / motors) ** 2) / self.count
-            effort += motors * square
-            found[f"rms_torque_{joint}"] = math.sqrt(max(square, 0.0) / self.period)
-            found[f"peak_torque_{joint}"] = self.curves.amount(self.trajectory.u[:, i]) / motors
-            found[f"peak_speed_{joint}"] = self.curves.amount(self.rates[:, i])
-            turned = self.trajectory.q.shape[1] - self.trajectory.v.shape[1] + self.trajectory.coordinates.index(joint)
-            angle = self.trajectory.q[:, turned]  # a quaternion of the base has a number more than its velocity
-            found[f"least_{joint}"], found[f"greatest_{joint}"] = self.curves.range(angle)
-        found["effort"] = effort
-        stride = self.stride
-        if stride is not None and abs(stride) > LEAST_STRIDE:
-            found["effort_per_distance"] = effort / abs(stride)
-        return found
-
-    def forces(self) -> dict[str, float]:
-        """Returns the forces on the toes."""
-        found = dict[str, float]()
-        for i, toe in enumerate(self.trajectory.toes):
-            found[f"peak_force_{toe}"] = self.curves.peak(self.trajectory.force[:, i, -1])
-            found[f"friction_used_{toe}"] = self.friction_used(i)
-        return found
-
-    def of(self, kind: str) -> dict[str, float]:
-        """Returns the measures of one kind, such as "peak_torque", by joint or toe."""
-        there = (*self.trajectory.actuated, *self.trajectory.toes)
-        found = {**self.torques(), **self.forces()}
-        return {name: found[f"{kind}_{name}"] for name in there if f"{kind}_{name}" in found}
-
-    def friction_used(self, toe: int) -> float:
-        """Returns the largest ratio of tangential to normal force on a toe, by its number, where it is loaded."""
-        force = self.trajectory.force[:, toe]
-        along = force[:, 0] if force.shape[1] == 2 else np.hypot(force[:, 0], force[:, 1])
-        return self.curves.ratio(along, force[:, -1], pressed(self.robot))
+    @property
+    def weight(self) -> float:
+        """The robot's weight, in N."""
+        return self.robot.weight
 
     @cached_property
-    def rates(self) -> Array:
-        """Speeds of the joints with motors, (n, nu)."""
+    def torques(self) -> dict[str, Array]:
+        """Torque of one motor of each joint, in N·m, (n,) each."""
         one = self.trajectory
-        return np.asarray(one.v[:, [one.coordinates.index(joint) for joint in one.actuated]])
+        return {joint: one.u[:, i] / motors_at(joint) for i, joint in enumerate(one.actuated)}
 
+    @cached_property
+    def speeds(self) -> dict[str, Array]:
+        """Speed of each joint with motors, in rad/s, (n,) each."""
+        one = self.trajectory
+        return {joint: one.v[:, one.coordinates.index(joint)] for joint in one.actuated}
 
-def pressed(robot: Robot) -> float:
-    """Returns the normal force above which a robot's toe is loaded enough for friction to count, in N."""
-    return PRESSED * robot.weight / len(robot.toes)
+    @cached_property
+    def angles(self) -> dict[str, Array]:
+        """Angle of each joint with motors, in rad, (n,) each."""
+        one = self.trajectory
+        more = one.q.shape[1] - one.v.shape[1]  # a quaternion of the base has a number more than its velocity
+        return {joint: one.q[:, more + one.coordinates.index(joint)] for joint in one.actuated}
+
+    @cached_property
+    def forces(self) -> dict[str, tuple[Array, Array]]:
+        """Force on each toe along the ground, and normal to it, in N, (n,) each."""
+        found = {}
+        for i, toe in enumerate(self.trajectory.toes):
+            *along, normal = self.trajectory.force[:, i].T
+            found[toe] = along[0] if len(along) == 1 else np.hypot(*along), normal
+        return found
+
+    def integral(self, signal: Array) -> float:
+        """Returns ∫ of a signal over a cycle."""
+        return self.curves.integral(signal) / self.count
+
+    def positive(self, signal: Array) -> float:
+        """Returns ∫ of the positive part of a signal over a cycle."""
+        return self.curves.positive(signal) / self.count
+
+    def peak(self, signal: Array) -> float:
+        """Returns the largest value of a signal."""
+        return self.curves.peak(signal)
+
+    def amount(self, signal: Array) -> float:
+        """Returns the largest modulus of a signal."""
+        return self.curves.amount(signal)
+
+    def ratio(self, above: Array, below: Array, least: float) -> float:
+        """Returns the largest |above / below| where the signal below is at least `least`; 0 if it never is."""
+        return self.curves.ratio(above, below, least)

@@ -1,16 +1,19 @@
-"""Named measures of a cycle, with their derivatives."""
+"""Signals of a cycle with their derivatives, and its measures by name."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.measures.catalogue import LEAST_STRIDE, PRESSED
+from spear_pin.gaits.measures.catalogue import CATALOGUE, Named, fitting
+from spear_pin.gaits.measures.signals import Signals
 from spear_pin.gaits.sensitivity.along_arcs import (
     along,
     closed_in,
@@ -21,16 +24,14 @@ from spear_pin.gaits.sensitivity.along_arcs import (
     powered,
     with_partner,
 )
-from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, product, ratio, total
+from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
-from spear_pin.hybrid.tangent.dual import derivative_of, value_of
+from spear_pin.hybrid.tangent.dual import Dual, derivative_of, value_of
 from spear_pin.hybrid.tangent.heights import Heights, dual_heights
 
-All = Mapping[str, Measure]
-HEIGHT, DEFLECTION = "greatest_height_", "deflection_"
-TIMES, ADVANCE = ".*_time|period", "stride|mean_speed|turn"
+OF_ENDS = (".*_time|period", "stride|mean_speed|turn", ".*_at_.*")
 
 
 def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Group] = ()) -> Measures:
@@ -44,137 +45,206 @@ def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Gr
         weight: weight of the robot.
         more: other groups of measures.
     """
-    return Measures([*(Group(names, partial(find, cycle, start, weight)) for names, find in GROUPS), *more])
+    signals = Differentiated(cycle, start, weight)
+    return Measures([*(Group(fitting(each), partial(_found, each, signals)) for each in CATALOGUE if each.of), *more])
 
 
-def _times(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    found = {name: Measure(float(each.x), np.asarray(each.d), "s") for name, each in cycle.durations.items()}
-    return {**{f"{phase}_time": each for phase, each in found.items()}, "period": total([*found.values()])}
+def _found(entry: Named, signals: Differentiated, of: Any) -> dict[str, Measure]:
+    still = np.zeros(signals.start.shape[1])
+    found = entry.values(signals).items()
+    return {name: Measure(float(value_of(x)), np.asarray(derivative_of(x)) + still, entry.unit) for name, x in found}
 
 
-def _at_events(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    """Returns heights at events that are only observed, and the joints where the cycle closes."""
-    robot, found = cycle.system.robot, dict[str, Measure]()
-    for stretch in long(cycle.stretches):
-        for g, guard in enumerate(stretch.arc.domain.guards):
-            if guard.observes and "boom_z" in robot.coordinates:
-                i = robot.index("boom_z")
-                fallen = where_it_falls(guarded(stretch, g), along(stretch, i))
-                if fallen is not None:
-                    found.setdefault(f"{guard.name}_height", Measure(*fallen, "m"))
-    last = cycle.stretches[-1]
-    dy = last.dstate + last.end.slopes[:, None] * last.tau
-    for joint in robot.actuated:
-        i = robot.index(joint)
-        name = cycle.system.section
-        found[f"{joint}_at_{name}"] = Measure(float(last.state[i]), dy[i], "rad")
-        found[f"{joint}_rate_at_{name}"] = Measure(float(last.state[robot.nv + i]), dy[robot.nv + i], "rad/s")
-    return found
+@dataclass(frozen=True)
+class Signal:
+    """A signal along the arcs of a cycle; of half a stride also what a partner does in it, as in the other half.
+
+    Attributes:
+        pieces: the signal along each arc.
+        halves: 2 with a partner, else 1.
+    """
+
+    pieces: Sequence[Pieces]
+    halves: int = 1
+
+    def __mul__(self, other: Signal | float) -> Signal:
+        if isinstance(other, Signal):
+            return Signal([a.times(b) for a, b in zip(self.pieces, other.pieces, strict=True)], self.halves)
+        return Signal([each.times(other) for each in self.pieces], self.halves)
 
 
-def _advance(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    if not cycle.system.cyclic:
-        return {}
-    robot, period = cycle.system.robot, of["period"]
-    turns = [robot.index(name) for name in cycle.system.cyclic if robot.arm is not None or name == "yaw"]
-    along = [robot.index(name) for name in cycle.system.cyclic if robot.index(name) not in turns]
-    found = dict[str, Measure]()
-    for yaw in turns:
-        turn = float(cycle.y[yaw]) - float(cycle.stretches[0].arc.y[yaw])
-        found["turn"] = Measure(turn, cycle.dy[yaw] - start[yaw], "rad")
-    if robot.arm is not None:
-        stride, change = robot.arm * found["turn"].value, robot.arm * found["turn"].derivative
-    else:
-        way, ways = cycle.y[along] - cycle.stretches[0].arc.y[along], cycle.dy[along] - start[along]
-        ahead = _ahead(cycle, way)
-        stride, change = float(ahead @ way), ahead @ ways
-    speed = stride / period.value
-    return found | {
-        "stride": Measure(stride, change, "m"),
-        "mean_speed": Measure(speed, (change - speed * period.derivative) / period.value, "m/s"),
-    }
+class Differentiated(Signals):
+    """Signals of a cycle with derivatives; numbers are dual.
 
+    Args:
+        cycle: the cycle.
+        start: derivatives of the state in which it begins, (2 nv, c).
+        weight: weight of the robot.
+    """
 
-def _ahead(cycle: Derivative, way: Array) -> Array:
-    """Returns the unit vector along which a cycle covers distance: its way, or for half a stride its first heading."""
-    if len(way) == 1:
-        return np.ones(1)
-    if cycle.system.mirrored_toes:
-        yaw = float(cycle.stretches[0].arc.y[cycle.system.robot.index("yaw")])
-        return np.array([math.cos(yaw), math.sin(yaw)])
-    return way / max(float(np.linalg.norm(way)), 1e-300)
+    def __init__(self, cycle: Derivative, start: Array, weight: Measure) -> None:
+        self.cycle, self.start, self._weight = cycle, start, weight
+        self.robot, self.section, self.stretches = cycle.system.robot, cycle.system.section, cycle.stretches
 
+    @property
+    def weight(self) -> Any:
+        """The robot's weight, in N."""
+        return Dual(self._weight.value, self._weight.derivative)
 
-def _works(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    powers = [_products(*powered(cycle.stretches, cycle.system.robot, joint)) for joint in cycle.system.robot.actuated]
-    net, drive = (total([Measure(*of(each), "J") for each in powers]) for of in (integral, positive))
-    # where the motors brake as well: twice the driving work, less the net work
-    amount = Measure(2.0 * drive.value - net.value, 2.0 * drive.derivative - net.derivative, "J")
-    found = {"work": net, "positive_work": drive, "absolute_work": amount}
-    if (distance := _distance(of)) is not None:
-        lifted = product(weight, distance, "J")
-        found["cost_of_transport"] = ratio(amount, lifted, "1")
-        found["cost_of_transport_positive"] = ratio(drive, lifted, "1")
-    return found
+    @cached_property
+    def durations(self) -> dict[str, Any]:
+        """Duration of each phase, in s."""
+        return {phase: Dual(float(each.x), np.asarray(each.d)) for phase, each in self.cycle.durations.items()}
 
+    @cached_property
+    def period(self) -> Any:
+        """Duration of the cycle, in s."""
+        return sum(self.durations.values())
 
-def _distance(of: All) -> Measure | None:
-    """Returns the distance of a cycle, forward or back; None where it is too short for measures per distance."""
-    stride = of.get("stride")
-    if stride is None or abs(stride.value) <= LEAST_STRIDE:
+    @cached_property
+    def _round(self) -> list[int]:
+        """Coordinates that turn about the vertical without end."""
+        names = self.cycle.system.cyclic
+        return [self.robot.index(name) for name in names if self.robot.arm is not None or name == "yaw"]
+
+    @cached_property
+    def turn(self) -> Any:
+        """Change of the heading, to the left, in rad."""
+        for yaw in self._round:
+            turn = float(self.cycle.y[yaw]) - float(self.stretches[0].arc.y[yaw])
+            return Dual(turn, self.cycle.dy[yaw] - self.start[yaw])
         return None
-    sign = math.copysign(1.0, stride.value)
-    return Measure(sign * stride.value, sign * stride.derivative, stride.unit)
 
+    @cached_property
+    def stride(self) -> Any:
+        """Distance covered, in m: along the way, for half a stride along its first heading; None where it stays."""
+        if self.robot.arm is not None:
+            return None if self.turn is None else self.turn * self.robot.arm
+        along = [i for name in self.cycle.system.cyclic if (i := self.robot.index(name)) not in self._round]
+        if not along:
+            return None
+        begun = self.stretches[0].arc.y
+        way, ways = self.cycle.y[along] - begun[along], self.cycle.dy[along] - self.start[along]
+        ahead = np.ones(1) if len(way) == 1 else way / max(float(np.linalg.norm(way)), 1e-300)
+        if self.cycle.system.mirrored_toes:
+            yaw = float(begun[self.robot.index("yaw")])
+            ahead = np.array([math.cos(yaw), math.sin(yaw)])
+        return Dual(float(ahead @ way), ahead @ ways)
 
-def _torques(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    robot, period, found = cycle.system.robot, of["period"], dict[str, Measure]()
-    squares = []
-    for joint in robot.actuated:
-        motors = motors_at(joint)
-        halves = with_partner(cycle.system, joint)
-        signals = [(powered(cycle.stretches, robot, name)[0], sign / motors) for name, sign in halves]
-        torque = [each.times(share) for signal, share in signals for each in signal]
-        square, change = integral(_products(torque, torque))
-        square, change = square / len(halves), change / len(halves)
-        squares.append(Measure(motors * square, motors * change, "N²·m²·s"))
-        rms = float(np.sqrt(square / period.value))
-        of_rms = 0.5 / max(rms, 1e-300) * (change / period.value - square / period.value**2 * period.derivative)
-        found[f"rms_torque_{joint}"] = Measure(rms, of_rms, "N·m")
-        found[f"peak_torque_{joint}"] = Measure(*_largest(torque), "N·m")
-    found["effort"] = total(squares)
-    if (distance := _distance(of)) is not None:
-        found["effort_per_distance"] = ratio(found["effort"], distance, "N²·m·s")
-    return found
+    @cached_property
+    def observed(self) -> dict[str, Any]:
+        """Height of the base at events that are only observed, in m."""
+        found = dict[str, Any]()
+        for stretch in long(self.stretches) if "boom_z" in self.robot.coordinates else ():
+            for g, guard in enumerate(stretch.arc.domain.guards):
+                if guard.observes:
+                    fallen = where_it_falls(guarded(stretch, g), along(stretch, self.robot.index("boom_z")))
+                    if fallen is not None:
+                        found.setdefault(guard.name, Dual(*fallen))
+        return found
 
+    @cached_property
+    def closing(self) -> dict[str, tuple[Any, Any]]:
+        """Angle and speed of each joint just before the cycle closes, in rad and rad/s."""
+        last, nv = self.stretches[-1], self.robot.nv
+        dy = last.dstate + last.end.slopes[:, None] * last.tau
 
-def _forces(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    robot, found = cycle.system.robot, dict[str, Measure]()
-    share = PRESSED / len(robot.toes)
-    pressed = share * weight.value, share * weight.derivative
-    for toe in robot.toes:
-        pairs = [
-            each for own, _ in with_partner(cycle.system, toe) for each in forces(cycle.stretches, own, robot.toes)
-        ]
-        if pairs:
-            found[f"peak_force_{toe}"] = Measure(*peak([up for _, up in pairs]), "N")
-            found[f"friction_used_{toe}"] = Measure(*largest_ratio(pairs, *pressed), "1")
-    return found
+        def at(i: int) -> Dual:
+            return Dual(float(last.state[i]), dy[i])
 
+        return {joint: (at(self.robot.index(joint)), at(nv + self.robot.index(joint))) for joint in self.robot.actuated}
 
-def _toe_heights(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    toes, found = cycle.system.robot.toes, dict[str, Measure]()
-    heights = dual_heights(cycle.system, cycle.numbers, np.pad(cycle.dnumbers, ((0, 0), (0, 1))))
-    for toe in toes:
-        aloft = [
-            _height(heights, own, each)
-            for own, _ in with_partner(cycle.system, toe)
-            for each in long(cycle.stretches)
-            if own not in closed_in(each, toes)
-        ]
-        if aloft:
-            found[HEIGHT + toe] = Measure(*peak(aloft), "m")
-    return found
+    @cached_property
+    def released(self) -> dict[str, Any]:
+        """Deflection of springs as they release; of several releases the least."""
+        found = dict[str, Any]()
+        for stretch in self.stretches:
+            event = stretch.arc.event
+            let_go = event.reset.release if event is not None and event.reset is not None else ()
+            for mount in stretch.arc.domain.mounts:
+                if mount.joint in let_go:
+                    i, rest = self.robot.index(mount.joint), stretch.held[mount.rest]
+                    change = stretch.dstate[i] + stretch.end.slopes[i] * stretch.tau - derivative_of(rest)
+                    left = mount.side * (float(stretch.state[i]) - float(value_of(rest))) + 0.0
+                    for name, _ in with_partner(self.cycle.system, mount.joint):
+                        if name not in found or left < found[name].x:
+                            found[name] = Dual(left, mount.side * change)
+        return found
+
+    def _signals(self, of: Callable[[str], Sequence[Pieces]], share: Callable[[str], float]) -> dict[str, Signal]:
+        """Returns a signal of each joint with motors, times a share, with what its partner does in half a stride."""
+        found = {}
+        for joint in self.robot.actuated:
+            halves = with_partner(self.cycle.system, joint)
+            pieces = [each.times(sign * share(joint)) for name, sign in halves for each in of(name)]
+            found[joint] = Signal(pieces, len(halves))
+        return found
+
+    @cached_property
+    def torques(self) -> dict[str, Signal]:
+        """Torque of one motor of each joint, in N·m."""
+        return self._signals(
+            lambda name: powered(self.stretches, self.robot, name)[0], lambda joint: 1.0 / motors_at(joint)
+        )
+
+    @cached_property
+    def speeds(self) -> dict[str, Signal]:
+        """Speed of each joint with motors, in rad/s."""
+        nv = self.robot.nv
+        return self._signals(lambda name: coordinate(self.stretches, nv + self.robot.index(name)), lambda _: 1.0)
+
+    @cached_property
+    def angles(self) -> dict[str, Signal]:
+        """Angle of each joint with motors, in rad."""
+        return self._signals(lambda name: coordinate(self.stretches, self.robot.index(name)), lambda _: 1.0)
+
+    @cached_property
+    def forces(self) -> dict[str, tuple[Signal, Signal]]:
+        """Force along the ground, and normal to it, in N, on each toe that is on the ground."""
+        found, toes = {}, self.robot.toes
+        for toe in toes:
+            halves = with_partner(self.cycle.system, toe)
+            pairs = [each for own, _ in halves for each in forces(self.stretches, own, toes)]
+            if pairs:
+                found[toe] = Signal([a for a, _ in pairs], len(halves)), Signal([b for _, b in pairs], len(halves))
+        return found
+
+    @cached_property
+    def heights(self) -> dict[str, Signal]:
+        """Height of each toe while it is in the air, in m."""
+        found, toes = {}, self.robot.toes
+        heights = dual_heights(self.cycle.system, self.cycle.numbers, np.pad(self.cycle.dnumbers, ((0, 0), (0, 1))))
+        for toe in toes:
+            aloft = [
+                _height(heights, own, each)
+                for own, _ in with_partner(self.cycle.system, toe)
+                for each in long(self.stretches)
+                if own not in closed_in(each, toes)
+            ]
+            if aloft:
+                found[toe] = Signal(aloft)
+        return found
+
+    def integral(self, signal: Signal) -> Any:
+        """Returns ∫ of a signal over the cycle."""
+        return Dual(*integral(signal.pieces)) / signal.halves
+
+    def positive(self, signal: Signal) -> Any:
+        """Returns ∫ of the positive part of a signal over the cycle."""
+        return Dual(*positive(signal.pieces)) / signal.halves
+
+    def peak(self, signal: Signal) -> Any:
+        """Returns the largest value of a signal."""
+        return Dual(*peak(signal.pieces))
+
+    def amount(self, signal: Signal) -> Any:
+        """Returns the largest modulus of a signal."""
+        return Dual(*peak([*signal.pieces, *(signal * -1.0).pieces]))
+
+    def ratio(self, above: Signal, below: Signal, least: Any) -> Any:
+        """Returns the largest |above / below| where the signal below is at least `least`; 0 if it never is."""
+        found, change = largest_ratio([*zip(above.pieces, below.pieces, strict=True)], least.x, least.d)
+        return Dual(max(found, 0.0), change)
 
 
 def _height(heights: Heights, toe: str, stretch: Stretch) -> Pieces:
@@ -186,63 +256,6 @@ def _height(heights: Heights, toe: str, stretch: Stretch) -> Pieces:
     return Pieces(stretch, values, derivatives[:, :-1], derivatives[[BEGIN, END], -1])
 
 
-def _ranges(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    """Returns how fast joints turn, and the least and largest angles."""
-    robot, found = cycle.system.robot, dict[str, Measure]()
-    for joint in robot.actuated:
-        halves = [(robot.index(name), sign) for name, sign in with_partner(cycle.system, joint)]
-        angles, speeds = (
-            [each.times(sign) for i, sign in halves for each in coordinate(cycle.stretches, part + i)]
-            for part in (0, robot.nv)
-        )
-        least, change = peak([each.times(-1.0) for each in angles])
-        found[f"peak_speed_{joint}"] = Measure(*_largest(speeds), "rad/s")
-        found[f"least_{joint}"] = Measure(-least, -change, "rad")
-        found[f"greatest_{joint}"] = Measure(*peak(angles), "rad")
-    return found
-
-
-def _springs(cycle: Derivative, start: Array, weight: Measure, of: All) -> dict[str, Measure]:
-    """Returns the deflection of springs as they release; of several releases the least."""
-    robot, found = cycle.system.robot, dict[str, Measure]()
-    for stretch in cycle.stretches:
-        event = stretch.arc.event
-        let_go = event.reset.release if event is not None and event.reset is not None else ()
-        for mount in stretch.arc.domain.mounts:
-            if mount.joint in let_go:
-                i, rest = robot.index(mount.joint), stretch.held[mount.rest]
-                change = stretch.dstate[i] + stretch.end.slopes[i] * stretch.tau - derivative_of(rest)
-                left = mount.side * (float(stretch.state[i]) - float(value_of(rest))) + 0.0
-                for name, _ in with_partner(cycle.system, mount.joint):
-                    before = found.get(DEFLECTION + name)
-                    if before is None or left < before.value:
-                        found[DEFLECTION + name] = Measure(left, mount.side * change, "rad")
-    return found
-
-
 def of_ends(names: Iterable[str]) -> bool:
     """Tells whether measures depend only on times and states of events, not on the inside of arcs."""
-    return all(re.fullmatch(f"{TIMES}|{ADVANCE}|.*_at_.*", name) for name in names)
-
-
-Finder = Callable[[Derivative, Array, Measure, All], dict[str, Measure]]
-GROUPS: tuple[tuple[str, Finder], ...] = (
-    (TIMES, _times),
-    (".*_height|.*_at_.*", _at_events),
-    (ADVANCE, _advance),
-    ("work|.*_work|cost_of_transport.*", _works),
-    ("rms_torque_.*|peak_torque_.*|effort.*", _torques),
-    ("peak_force_.*|friction_used_.*", _forces),
-    (f"{HEIGHT}.*", _toe_heights),
-    ("peak_speed_.*|least_.*|greatest_.*", _ranges),
-    (f"{DEFLECTION}.*", _springs),
-)
-
-
-def _products(one: Sequence[Pieces], other: Sequence[Pieces]) -> list[Pieces]:
-    return [a.times(b) for a, b in zip(one, other, strict=True)]
-
-
-def _largest(pieces: Sequence[Pieces]) -> tuple[float, Array]:
-    """Returns the largest modulus."""
-    return peak([*pieces, *(each.times(-1.0) for each in pieces)])
+    return all(re.fullmatch("|".join(OF_ENDS), name) for name in names)

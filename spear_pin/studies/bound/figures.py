@@ -98,7 +98,6 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         **stride.motion(),
         **stride.ground(),
         **stride.motors(),
-        **stride.sampled.works(),
         "energy_flows": flows,
         "impact_loss": -flows["impact"],
         "released": flows["released"],
@@ -148,23 +147,20 @@ class _Stride:
         """Returns ground forces, and how near the toes come to the ground."""
         names = [leg.name for leg in self.legs]
         normal = {name: self.force[:, i, 1] for i, name in enumerate(names)}
-        used, least = [], []
+        least = []
         for i, name in enumerate(names):
             last = self.bears[name] & (self._until(f"{name}_lift_off") <= LAST)
             counted = self.bears[name] & ~(last if self.law.lift_off == "force" else np.zeros_like(last))
-            used.append(self.sampled.friction_used(i))
             least.append(-self._curves(counted).peak(-self.sampled.trajectory.force[:, i, 1]))
         heights = {leg.name: self._heights(leg) for leg in self.legs}
         other = dict(zip(names, names[::-1], strict=True))
         clearance = {name: _lowest(heights[name][self._aloft(name, f"{other[name]}_stance")]) for name in names}
         flight = {name: _lowest(heights[name][self._aloft(name, "flight")]) for name in names}
         return {
-            "peak_force": {
-                name: self.sampled.curves.peak(self.sampled.trajectory.force[:, i, 1]) for i, name in enumerate(names)
-            },
+            "peak_force": dict(zip(names, self.sampled.of("peak_force").values(), strict=True)),
             "lift_off_force": {name: self._lift_off_force(name, normal[name]) for name in names},
             "minimum_force": float(min(least)),
-            "friction_used": float(max(used)),
+            "friction_used": self.sampled.largest("friction_used"),
             "friction_at_impact": {
                 name: max(
                     [
@@ -183,7 +179,7 @@ class _Stride:
 
     def motors(self) -> dict[str, Any]:
         """Returns figures of the motors, and the costs."""
-        joints, found = self.robot.actuated, self.sampled.torques()
+        joints, costs = self.robot.actuated, ("cost_of_transport", "cost_of_transport_positive", "effort_per_distance")
         leg_of = {column: leg.name for leg in self.legs for column in leg.motors}
 
         def peaks(bears: bool) -> dict[str, float]:
@@ -193,14 +189,13 @@ class _Stride:
             }
 
         return {
-            **{
-                name: {joint: found[f"{name}_{joint}"] for joint in joints}
-                for name in ("peak_torque", "rms_torque", "peak_speed")
-            },
+            **{name: self.sampled.of(name) for name in ("peak_torque", "rms_torque", "peak_speed")},
             "peak_torque_stance": peaks(True),
             "peak_torque_swing": peaks(False),
-            "effort": found["effort"],
-            "effort_per_distance": found["effort_per_distance"],
+            **{
+                name: self.sampled.largest(name)
+                for name in ("work", "positive_work", "absolute_work", "effort", *costs)
+            },
         }
 
     def _curves(self, chosen: Mask) -> Curves:

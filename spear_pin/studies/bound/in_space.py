@@ -9,7 +9,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.gaits.feedback import Regulated
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.measures.of_samples import Sampled, pressed
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.hybrid.symmetry import ROLL, YAW, X, Y
 from spear_pin.hybrid.trajectory import Trajectory
@@ -64,8 +64,8 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "heading": float(q[-1, YAW] - q[0, YAW]),
         "largest_roll": curves.amount(q[:, ROLL]),
         "slips": sum(event.name == "slip" for event in trajectory.events),
-        "friction_used": max(sampled.friction_used(i) for i in toes),
-        "friction_used_across": max(curves.ratio(across[:, i], normal[:, i], pressed(robot)) for i in toes),
+        "friction_used": sampled.largest("friction_used"),
+        "friction_used_across": max(curves.ratio(across[:, i], normal[:, i], sampled.pressed) for i in toes),
         "joints": joints,
     }
 
