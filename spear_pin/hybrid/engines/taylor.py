@@ -7,7 +7,7 @@ value, is a run-time parameter, so that lanes may differ in them; the robot's nu
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cache, cached_property, lru_cache
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import MissingExtra, brief
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain
+from spear_pin.hybrid.domain import Domain, Guard
 from spear_pin.hybrid.dynamics import Operations
 from spear_pin.hybrid.elimination import solve_sparse
 from spear_pin.hybrid.engines.alternating import Alternating
@@ -123,7 +123,7 @@ class Compiled:
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Values, code: Code) -> None:
         hy = require()
-        self.nv, self.guards = system.robot.nv, len(domain.guards)
+        self.nv, self.guards, self._domain = system.robot.nv, len(domain.guards), domain
         self.closed = closed_toes(system.robot.toes, domain)
         self.state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
         mechanism, self.numbers, kept = symbols(system, mechanism_of(system.robot), held, hy.par)
@@ -225,7 +225,16 @@ class Compiled:
         ends = np.where(codes == int(require().taylor_outcome.time_limit), TIME_LIMIT, FAILED)
         events = (codes < 0) & (codes >= -len(self.meaning))  # the first is -1
         ends[events] = self.meaning[-codes[events] - 1]
-        return times.ravel()[:n], states.transpose(1, 0, 2).reshape(len(y), -1)[:, :n].copy(), ends
+        found = times.ravel()[:n], states.transpose(1, 0, 2).reshape(len(y), -1)[:, :n].copy(), ends
+        ends[self._unseen(self.at(t, y, parameters), self.at(*found[:2], parameters), ends)] = FAILED
+        return found
+
+    def _unseen(self, before: Point, after: Point, ends: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Tells in which lanes a guard that is no event fell through zero: by rounding, heyoka may find no root."""
+        watched = self.meaning[self.meaning >= 0]
+        least = np.array(lowest(self._domain.guards, watched))[:, None]
+        fell = (before.guards[watched] >= least) & (after.guards[watched] < least) & (watched[:, None] != ends)
+        return np.asarray(fell.any(axis=0))
 
     def _run(
         self, t: Array, y: Array, until: Array, parameters: Array, codes: NDArray[np.int64], longest: float
@@ -286,6 +295,11 @@ class Ready:
 def compiled(structure: Structure, code: Code) -> Compiled:
     """Compiles a domain, once for each structure."""
     return Compiled(structure.system, structure.domain, structure.held, code)
+
+
+def lowest(guards: Sequence[Guard], watched: Iterable[int]) -> list[float]:
+    """Returns below which values of some guards are only after their events."""
+    return [-max(guards[i].tolerance, guards[i].patience) for i in watched]
 
 
 def steps(duration: float, longest: float) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from spear_pin.hybrid.engines.taylor import (
     STEPS,
     TIME_LIMIT,
     Ready,
+    lowest,
     operations,
     require,
     steps,
@@ -67,9 +68,13 @@ class Single:
         self._slopes, kinks = 2 * code.nv, 2 * code.nv + len(self.domain.guards)
         happening = enumerate(thresholds(self.domain.guards), self._slopes)
         self._thresholds = [each for each in happening if each[1] > -math.inf]
+        watched = [i for i in self._meaning if i >= 0]
+        least = lowest(self.domain.guards, watched)
+        self._watched = [(self._slopes + i, low) for i, low in zip(watched, least, strict=True)]
         patient = enumerate(self.domain.guards, self._slopes)
         self._patient = [(i, guard.tolerance) for i, guard in patient if 0.0 < guard.patience < math.inf]
         self._kinks, self._bends = slice(kinks, kinks + code.kinks), code.kinks > 0
+        self._entered: tuple[float, Array | None, list[float]] = (0.0, None, [])  # where the domain was entered last
         self._toes = [(mode, kinks + code.kinks + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
 
     @cached_property
@@ -91,6 +96,7 @@ class Single:
         """
         here = self._values(t, y, parameters)
         values = here.tolist()
+        self._entered = t, y, values
         if not math.isfinite(sum(values)):
             return Entry(math.inf, t, y, UNCLEAR)
         fits = math.inf if not self._toes else fitness([(mode, values[i : i + OF_TOE]) for mode, i in self._toes])
@@ -117,6 +123,7 @@ class Single:
             rises = all(later[i] > 0.0 for i in waiting)
             # where another guard falls so soon, motion begins here: guards that rise are no events
             return Entry(fits, t, y, NONE if waiting and rises and not on_kink else UNCLEAR)
+        self._entered = t + AHEAD, state, later
         return Entry(fits, t + AHEAD, state, NONE)
 
     def moment_later(self, t: float, y: Array, parameters: Array) -> tuple[float, Array] | None:
@@ -145,16 +152,40 @@ class Single:
         return found
 
     def run(
-        self, t: float, y: Array, until: float, parameters: Array, longest: float = math.inf
-    ) -> tuple[float, Array, int]:
-        """Integrates up to the first event, or up to a time, as `Compiled.run` does for many lanes."""
-        self._begin(t, y, parameters)
-        outcome = int(self._integrator.propagate_until(until, **steps(until - t, longest))[0])
-        return self._integrator.time, self._state.copy(), self._end(outcome)
+        self,
+        t: float,
+        y: Array,
+        until: float,
+        parameters: Array,
+        longest: float = math.inf,
+        *,
+        keep: bool = False,
+    ) -> tuple[float, Array, int, Polynomials | None]:
+        """Integrates up to the first event, or up to a time, as `Compiled.run` does for many lanes.
 
-    def follow(self, t: float, y: Array, until: float, parameters: Array) -> tuple[float, Array, int, Polynomials]:
-        """Integrates as `run` does, and returns the motion as well."""
-        self._begin(t, y, parameters)
+        Returns also the motion, if it is kept; its steps are not bounded by `longest`.
+        """
+        at, there, before = self._entered
+        if at != t or there is not y:
+            before = self._values(t, y, parameters).tolist()
+        self._integrator.time = t
+        self._state[:] = y
+        self._parameters[:] = parameters[: len(self._parameters)]
+        self._integrator.reset_cooldowns()
+        motion = None
+        if keep:
+            outcome, motion = self._followed(t, until)
+        else:
+            outcome = int(self._integrator.propagate_until(until, **steps(until - t, longest))[0])
+        t, y, end = self._integrator.time, self._state.copy(), self._end(outcome)
+        after = self._values(t, y, parameters).tolist()
+        for i, least in self._watched:
+            if after[i] < least <= before[i] and i - self._slopes != end:  # by rounding, heyoka may find no root
+                return t, y, FAILED, motion
+        return t, y, end, motion
+
+    def _followed(self, t: float, until: float) -> tuple[int, Polynomials]:
+        """Integrates step by step; returns heyoka's outcome, and the motion."""
         integrator, outcome = self._integrator, self._success
         begins, coefficients = list[float](), list[Array]()
         while outcome == self._success and len(begins) < STEPS:
@@ -162,14 +193,7 @@ class Single:
             outcome = int(integrator.step(until - t, True)[0])  # named arguments would cost half a step
             t = integrator.time
             coefficients.append(self._coefficients.copy())
-        motion = Polynomials(np.array(begins), np.array(coefficients))
-        return t, self._state.copy(), self._end(outcome), motion
-
-    def _begin(self, t: float, y: Array, parameters: Array) -> None:
-        self._integrator.time = t
-        self._state[:] = y
-        self._parameters[:] = parameters[: len(self._parameters)]
-        self._integrator.reset_cooldowns()
+        return outcome, Polynomials(np.array(begins), np.array(coefficients))
 
     def _end(self, outcome: int) -> int:
         """Translates heyoka's outcome into the end of a motion."""

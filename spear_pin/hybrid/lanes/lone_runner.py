@@ -181,13 +181,13 @@ class LoneRunner:
         until = min(at, self._system.phase_limit)
         motion, steps = None, 0
         if end == NONE:
-            (now.t, now.y, end), motion = self._moved(now, ready, until)
+            now.t, now.y, end, motion = self._moved(now, ready, until)
             if self._seen_again(now, domain, end) and now.t - begun < AHEAD:  # by rounding it was not passed
                 later = ready.moment_later(begun, start, now.parameters)
                 if later is None:
                     raise _Unclear(f"two events crowd in an instant in {domain.name}")
                 now.t, now.y = later
-                (now.t, now.y, end), motion = self._moved(now, ready, until)
+                now.t, now.y, end, motion = self._moved(now, ready, until)
             steps = 0 if motion is None else len(motion.begins)
         event = self._event(now, domain, end, until == at)
         now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, motion, steps))
@@ -218,12 +218,9 @@ class LoneRunner:
         last = now.arcs[-1].event if now.arcs else None
         return end >= 0 and isinstance(last, Guard) and last.observes and domain.guards[end] is last
 
-    def _moved(self, now: _Now, ready: Single, until: float) -> tuple[tuple[float, Array, int], Any]:
+    def _moved(self, now: _Now, ready: Single, until: float) -> tuple[float, Array, int, Any]:
         """Integrates to the next event, and returns time, state and end there, and the motion if arcs keep it."""
-        if not self._keep:
-            return ready.run(now.t, now.y, until, now.parameters, self._longest), None
-        t, y, end, motion = ready.follow(now.t, now.y, until, now.parameters)
-        return (t, y, end), motion
+        return ready.run(now.t, now.y, until, now.parameters, self._longest, keep=self._keep)
 
     def _event(self, now: _Now, domain: Domain, end: int, due_now: bool) -> Guard | Switch | None:
         """Returns the event that ended an arc, None where the same motion goes on."""
@@ -234,7 +231,11 @@ class LoneRunner:
             return domain.switch
         if end == KINK:
             return None
-        raise _Unclear(f"{domain.name} does not end" if end == TIME_LIMIT else f"the motion in {domain.name} diverges")
+        raise _Unclear(
+            f"{domain.name} does not end"
+            if end == TIME_LIMIT
+            else f"the motion in {domain.name} diverges, or passes an event unseen"
+        )
 
     def _happen(self, now: _Now, domain: Domain, event: Guard | Switch) -> tuple[Reset, bool]:
         """Carries out an event: impact, latch, and change of phase; tells whether toes only touch again."""
