@@ -85,7 +85,7 @@ def test_a_step_ahead_is_exact(hop):
     parameters, y = np.array([*numbers.constants(0), *flat(held)]), np.concatenate(hop.state)
     ahead = single.enter(0.0, y, parameters)  # the spring's guard is on zero
     assert isinstance(ahead, Entry) and ahead.t == AHEAD and ahead.event == NONE
-    t, reached, end = single.run(0.0, ahead.y, AHEAD, parameters)
+    t, reached, end, _ = single.run(0.0, ahead.y, AHEAD, parameters)
     back = single.run(0.0, y, 2.0 * AHEAD, parameters)
     assert end == back[2] == taylor.TIME_LIMIT and t == AHEAD
     np.testing.assert_allclose(reached, back[1], rtol=0, atol=1e-13)
@@ -99,7 +99,7 @@ def test_a_motion_that_is_kept_is_the_same(hop):
     parameters, y = np.array([*numbers.constants(0), *flat(held)]), np.concatenate(hop.state)
     begun = single.enter(0.0, y, parameters)
     for until in (0.05, 10.0):
-        *end, motion = single.follow(begun.t, begun.y, until, parameters)
+        *end, motion = single.run(begun.t, begun.y, until, parameters, keep=True)
         expected = single.run(begun.t, begun.y, until, parameters)
         assert end[0] == pytest.approx(expected[0], abs=1e-15) and end[2] == expected[2]
         np.testing.assert_allclose(end[1], expected[1], rtol=0, atol=1e-12)
@@ -107,7 +107,7 @@ def test_a_motion_that_is_kept_is_the_same(hop):
     assert len(motion.begins) > 1 and motion.begins[0] == begun.t
     np.testing.assert_array_equal(motion(np.array([begun.t]))[:, 0], begun.y)
     for time in (begun.t + 1e-6, 0.01, motion.begins[1], 0.037, 0.05):
-        t, reached, ended = single.run(begun.t, begun.y, time, parameters)
+        t, reached, ended, _ = single.run(begun.t, begun.y, time, parameters)
         assert (t, ended) == (time, taylor.TIME_LIMIT)
         np.testing.assert_allclose(motion(np.array([time]))[:, 0], reached, rtol=0, atol=1e-12)
 
@@ -116,8 +116,28 @@ def test_a_motion_that_cannot_be_followed_fails(hop):
     numbers = Numbers(hop.system, {}, Code(1e-15))
     single = single_of(numbers, hop.system.domains[0], first_held(numbers, hop))
     parameters = np.array([*numbers.constants(0), *flat(first_held(numbers, hop))])
-    *_, end, motion = single.follow(0.0, np.full(6, np.nan), 0.05, parameters)
+    *_, end, motion = single.run(0.0, np.full(6, np.nan), 0.05, parameters, keep=True)
     assert end == taylor.FAILED and not np.isfinite(motion(np.array([0.01]))).any()
+
+
+@pytest.mark.parametrize("lanes", [1, 3])
+def test_an_event_for_which_no_root_is_found_is_noticed(hop, lanes):
+    """By rounding, heyoka may find none; the motion would go on through the ground."""
+    numbers = Numbers(hop.system, {}, Code(1e-13 * lanes))  # of its own, as the events are taken away
+    held, flight = first_held(numbers, hop), hop.system.of_phase("flight")[0]
+    y = np.concatenate(hop.state) * np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]) + np.array([0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
+    ready = numbers.compilation.domain(flight, held)
+    (_, falling), first = ready.compiled._events[0], ready.compiled.state[0]
+    ready.compiled._events = [(first * first + 1.0, falling)]  # which never happens
+    parameters = np.array([*numbers.constants(0), *flat(held)])
+    for until, end in ((0.05, taylor.TIME_LIMIT), (0.15, taylor.FAILED)):  # it falls for a tenth of a second
+        if lanes == 1:
+            single = single_of(numbers, flight, held)
+            found = [single.run(0.0, y, until, parameters, keep=keep)[2] for keep in (False, True)]
+        else:
+            many = np.tile(parameters[:, None], lanes)
+            found = ready.run(np.zeros(lanes), np.tile(y[:, None], lanes), np.full(lanes, until), many)[2]
+        assert set(found) == {end}
 
 
 def test_what_is_not_finite_is_unclear(hop):

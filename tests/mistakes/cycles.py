@@ -79,6 +79,21 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/engines/taylor_single",
+        ["hybrid/test_taylor_single"],
+        {"lane alone: an event that is not found": ("if after[i] < least <= before[i]", "if False")},
+    ),
+    *mistakes_in(
+        "hybrid/engines/taylor",
+        ["hybrid/test_taylor_single"],
+        {
+            "lanes: an event that is not found": (
+                "return np.asarray(fell.any(axis=0))",
+                "return np.zeros(len(ends), bool)",
+            )
+        },
+    ),
+    *mistakes_in(
+        "hybrid/engines/taylor_single",
         ["hybrid/test_lanes_in_space"],
         {"lane alone: a bouncing toe sinks": ("if any(later[i] <= 0.0 for i in below):", "if False:")},
     ),

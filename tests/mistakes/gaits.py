@@ -148,11 +148,17 @@ MUTATIONS = [
     *mistakes_in(
         "gaits/measures/of_samples",
         ["test_names", "studies/bound/test_bound"],
-        {
-            "names: the effort of pairs": ("effort += motors * square", "effort += motors**2 * square"),
-            "names: a pair's torque for a motor's": ("[:, i]) / motors", "[:, i])"),
-            "names: friction used under any load": ("PRESSED * robot.weight", "1e-6 * robot.weight"),
-        },
+        {"names: a pair's torque for a motor's": ("one.u[:, i] / motors_at(joint)", "one.u[:, i]")},
+    ),
+    *mistakes_in(
+        "gaits/measures/catalogue",
+        ["test_names", "studies/bound/test_bound"],
+        {"names: the effort of pairs": ("square * float(motors_at(joint))", "square * float(motors_at(joint)) ** 2")},
+    ),
+    *mistakes_in(
+        "gaits/measures/signals",
+        ["test_names", "studies/bound/test_bound"],
+        {"names: friction used under any load": ("self.weight * (PRESSED /", "self.weight * (1e-6 /")},
     ),
     *mistakes_in(
         "gaits/sensitivity/electricity",

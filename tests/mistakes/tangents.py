@@ -85,9 +85,9 @@ MUTATIONS = [
         {"a pinned toe strikes with friction": ("if pins(self.system", "if False and pins(self.system")},
     ),
     *mistakes_in(
-        "gaits/sensitivity/measures",
+        "gaits/measures/signals",
         ["gaits/test_round_hopping"],
-        {"a distance back is negative": ("sign = math.copysign(1.0, stride.value)", "sign = 1.0")},
+        {"a distance back is negative": ("<= LEAST_STRIDE else abs(stride)", "<= LEAST_STRIDE else stride")},
     ),
     *mistakes_in(
         "gaits/singly",

@@ -64,7 +64,9 @@ class Sampled(Signals):
 
     @cached_property
     def durations(self) -> dict[str, float]:
-        """Duration of each phase, in s."""
+        """Duration of each phase, in s; none of half strides, where another phase stands for it in each other half."""
+        if self.halves:
+            return {}
         names = dict.fromkeys(self.trajectory.phase[self.curves.chosen].tolist())
         return {name: self.curves.among(self.trajectory.phase == name).duration / self.count for name in names if name}
 
