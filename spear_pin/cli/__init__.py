@@ -22,6 +22,7 @@ from spear_pin.cli import (
     family,
     hop,
     identify,
+    measures,
     payoff,
     push_test,
     report,
@@ -50,7 +51,7 @@ COMMANDS: dict[str, tuple[Callable[[Commands], None], ...]] = {
         search.add,
     ),
     "study: vary, optimise and compare gaits": (
-        *(compare.add, sweep.add, family.add, sensitivity.add, uncertainty.add, design.add, payoff.add),
+        *(measures.add, compare.add, sweep.add, family.add, sensitivity.add, uncertainty.add, design.add, payoff.add),
     ),
     "lab: push tests of a leg, real or simulated": (push_test.add, identify.add),
     "look: web pages, films, tables, figures": (explore.add, export.add, report.add),

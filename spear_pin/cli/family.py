@@ -121,6 +121,7 @@ def _check(arguments: argparse.Namespace) -> None:
 def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[str], dict[str, float]]:
     """The gait to begin with, what is solved for, and the target."""
     from spear_pin.gaits.bounding import SPEED_BY
+    from spear_pin.gaits.targets import measures_of
 
     gait = None if arguments.what == "hop" else named_gait(arguments.what)
     if gait is not None and arguments.speed is not None and gait.system.kind != "bounding":
@@ -133,7 +134,7 @@ def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[
         gait = _hop(arguments, target, program)
     else:
         write_gait(program, arguments.what)
-    measured = arguments.over[0] in gait.system.measures
+    measured = arguments.over[0] in measures_of(gait.system)
     if measured and target:
         raise BadValue(
             "--over",
@@ -146,6 +147,7 @@ def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[
 def _hop(arguments: argparse.Namespace, target: dict[str, float], program: Program) -> Gait:
     """Find the hop to begin with, and write the Python for it."""
     from spear_pin import find_gait, hopping, load
+    from spear_pin.gaits.targets import measures_of
     from spear_pin.hybrid.parameters import with_parameters
     from spear_pin.model.variants import parameters_of, vary
     from spear_pin.studies.hop_of_another import scaled_hopping
@@ -154,7 +156,7 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float], program: Progr
     robot = load("spear_ii", locked=["boom_x"]) if leg is None else leg
     make: Callable[[Robot], HybridSystem] = hopping if leg is None else scaled_hopping
     at = {} if arguments.at is None else {over: arguments.at}
-    if leg is None and not at and not target and over not in make(robot).measures:
+    if leg is None and not at and not target and over not in measures_of(make(robot)):
         write_gait(program, "hop")
         return named_gait("hop")
     named = write_leg(program, arguments, robot, ["boom_x"])
@@ -162,7 +164,7 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float], program: Progr
         named = program.let("robot", program.call(vary, named, **at))
         robot, at = vary(robot, **at), {}
     system = make(robot)
-    if over in system.measures:
+    if over in measures_of(system):
         target, at = {**target, **at}, {}
     written = program.let("system", program.call(make, named))
     if at:

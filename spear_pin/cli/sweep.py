@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from tqdm import tqdm
 
-    from spear_pin.gaits.targets import check_wanted
+    from spear_pin.gaits.targets import check_wanted, measures_of
     from spear_pin.hybrid.result import Options
     from spear_pin.studies.sweep import grid, reasons, sample, store, sweep
     from spear_pin.viz.plots import save_figure
@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     program = Program()
     system, vary, target = _asked(arguments, set(axes), program)
     _check_names(system, axes)
-    check_wanted(system, {**target, **{name: axes[name] for name in axes if name in system.measures}})
+    check_wanted(system, {**target, **{name: axes[name] for name in axes if name in measures_of(system)}})
     store.require()  # its extra has the engine's too
     with tqdm(total=1, unit="gait", delay=1.0, disable=None, leave=False) as bar:
 
@@ -248,13 +248,13 @@ def _asked(
 
 def _check_names(system: HybridSystem, axes: Axes) -> None:
     """Refuse a misspelt name, before anything is missed that is not installed."""
-    from spear_pin.gaits.lane_measures import MEASURES
+    from spear_pin.gaits.targets import measures_of
     from spear_pin.hybrid.parameters import with_parameters
     from spear_pin.model.variants import parameters_of
 
     robots = parameters_of(system.robot)
-    measures = [name for name in system.measures if name in MEASURES]
-    for name in [name for name in axes if name not in (*robots, *system.measures)]:
+    measures = measures_of(system)
+    for name in [name for name in axes if name not in (*robots, *measures)]:
         try:
             with_parameters(system, {name: axes[name][0]})
         except UnknownName as error:

@@ -14,6 +14,7 @@ from spear_pin.gaits.diagnosis import Reached
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.leading import led
 from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
+from spear_pin.gaits.targets import measure_of
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.charts import Chart
@@ -51,9 +52,10 @@ def sought(
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> Search:
     """Searches for a gait; see `find_gait` for the arguments. Uses derivatives where an engine compiles the cycles."""
-    measures = tuple(name if callable(name) else system.measures[name] for name in target)
+    measures = tuple(measure_of(system, name) for name in target)
+    own = tuple(callable(name) or name in system.measures for name in target)
     exact = tangent_cycles(system, vary, tuple(target))
-    return Search(tuple(vary), measures, np.array([*target.values()], dtype=float), rtol, on_iteration, exact)
+    return Search(tuple(vary), measures, np.array([*target.values()], dtype=float), rtol, on_iteration, exact, own)
 
 
 @dataclass
@@ -73,14 +75,26 @@ class Effort:
 
 @dataclass(frozen=True)
 class Search:
-    """Search for the gait: the varied parameters, the targets, and cycles with derivatives, if there are any."""
+    """Search for the gait.
+
+    Attributes:
+        vary: names of the varied parameters.
+        measures: measures that have targets, of a system and the run of its cycle.
+        wanted: the targets, (k,).
+        rtol: relative tolerance of the integrator.
+        on_iteration: called with the iteration and the residual.
+        exact: cycles with derivatives, if there are any.
+        own: which of the measures the system defines itself, so that a name might mean something else there.
+        effort: how much work was done.
+    """
 
     vary: tuple[str, ...]
-    measures: tuple[Measure, ...]
+    measures: tuple[Callable[[HybridSystem, Run], float], ...]
     wanted: Array
     rtol: float
     on_iteration: Callable[[int, float], object]
     exact: TangentCycles | None
+    own: tuple[bool, ...] = ()
     effort: Effort = field(default_factory=Effort)
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
@@ -92,7 +106,7 @@ class Search:
         """Finds the system and state from the fixed point of the system as it is; moves the targets step by step."""
         unasked = replace(sought(system, (), {}, self.rtol, self.on_iteration), effort=self.effort)
         system, state = unasked.roughly(system, state, self.wanted[:0])
-        begin = self.measure(return_map(system, state, self.rtol))
+        begin = self.measure(system, return_map(system, state, self.rtol))
 
         def solve(share: float, near: tuple[HybridSystem, State]) -> tuple[HybridSystem, State]:
             found = self.roughly(*near, begin + share * (self.wanted - begin))
@@ -133,7 +147,10 @@ class Search:
             self._look_after(result)
             return result
 
-        cycles = one_by_one(system, cycle, self.measures)
+        def measured(measure: Callable[[HybridSystem, Run], float]) -> Callable[[Run, Array], float]:
+            return lambda result, values: measure(with_parameters(system, self.named(values)), result)
+
+        cycles = one_by_one(system, cycle, [measured(measure) for measure in self.measures])
         if self.exact is None:
             return Shooting(local.lane, cycles, self.vary, wanted[None])
         return Shooting(local.lane, self.exact.otherwise(cycles), self.vary, wanted[None], self.exact.slopes)
@@ -159,9 +176,9 @@ class Search:
             if self.effort.strained == STRAINED:
                 raise Hopeless
 
-    def measure(self, result: Run) -> Array:
-        """Returns the measures of a one-cycle run."""
-        return np.array([measure(result) for measure in self.measures], dtype=float)
+    def measure(self, system: HybridSystem, result: Run) -> Array:
+        """Returns the measures of a one-cycle run of a system."""
+        return np.array([measure(system, result) for measure in self.measures], dtype=float)
 
     def gait(self, system: HybridSystem, state: State) -> Gait:
         """Returns the gait at a solution, checked on the whole state and on the cycle after it."""
@@ -171,7 +188,9 @@ class Search:
         if not error <= allowed:
             reason = f"the cycle that was found does not close to {allowed:.1g} at rtol {self.rtol:g}"
             raise NoGait(reason, error, remedy="a smaller rtol")
-        if self.exact is not None and not np.allclose(self.measure(result), self.wanted, rtol=MEANT, atol=MEANT):
+        pairs = zip(self.measures, self.wanted, self.own, strict=True)
+        meant = [(measure(system, result), wanted) for measure, wanted, own in pairs if own]
+        if self.exact is not None and not all(np.isclose(*each, rtol=MEANT, atol=MEANT) for each in meant):
             differenced = replace(self, exact=None)  # the system means something else by a name
             return differenced.gait(*differenced.directly(system, state))
         values = multipliers(system, state, self.rtol)

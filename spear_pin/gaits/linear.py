@@ -147,7 +147,7 @@ def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[
             run.state = end(run)
         return run
 
-    turn = [lambda run: run.events[-1].q[YAW] - run.start[0][YAW]] if system.section_toes else []
+    turn = [lambda run, _: run.events[-1].q[YAW] - run.start[0][YAW]] if system.section_toes else []
     cycles = one_by_one(system, cycle, turn)
     shooting = Shooting(local.lane, cycles, tuple(inputs))
     sizes = np.array([*np.ones(n), *(each.one for each in inputs_of(system, inputs))])

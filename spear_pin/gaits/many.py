@@ -19,7 +19,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.gait_table import NO_CONVERGENCE, GaitTable
 from spear_pin.gaits.lane_cycles import NOT_VALID, LaneCycles, multipliers, valid
 from spear_pin.gaits.lane_measures import MEASURES
-from spear_pin.gaits.targets import check_wanted
+from spear_pin.gaits.targets import check_wanted, measures_of
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid import batch
 from spear_pin.hybrid.automaton import HybridSystem
@@ -104,7 +104,7 @@ def _wanted(system: HybridSystem, vary: Sequence[str], target: Mapping[str, Arra
         raise BadValue("target", target, f"as many targets as parameters to vary, {len(vary)}")
     known = [name for name in system.measures if name in MEASURES]
     for name, value in target.items():
-        if name not in system.measures:
+        if name not in measures_of(system):
             raise UnknownName("target", name, known)
         if name not in known:
             raise BadValue(

@@ -10,7 +10,7 @@ from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.attempts import ENOUGH, Hopeless, Measure, sought
 from spear_pin.gaits.diagnosis import explained
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.targets import check_wanted
+from spear_pin.gaits.targets import check_wanted, measures_of
 from spear_pin.gaits.tolerances import TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -42,8 +42,8 @@ def find_gait(
     Args:
         system: robot, law, spring and ground; its parameters are the starting values.
         vary: parameters to solve for, named as fields of the law, spring or contact.
-        target: wanted values of measures of the cycle; a measure is a name among
-            `system.measures`, or a function of the one-cycle `Run`.
+        target: wanted values of measures of the cycle; a measure is a name of `spear_pin.gaits.measures.catalogue`, or
+            a function of the one-cycle `Run`.
         guess: a state (q, v) on the section; by default the system's own, run for a few cycles.
         rtol: relative tolerance of the integrator.
         on_iteration: called with the iteration and the residual.
@@ -65,8 +65,8 @@ def find_gait(
     if len(vary) != len(target):
         raise BadValue("target", target, f"as many targets as parameters to vary, {len(vary)}")
     for name in target:
-        if not callable(name) and name not in system.measures:
-            raise UnknownName("target", name, system.measures)
+        if not callable(name) and name not in measures_of(system):
+            raise UnknownName("target", name, measures_of(system))
     check_wanted(system, target)
     search = sought(system, vary, target, rtol, on_iteration)
     start = np.array([parameter(system, name) for name in vary])

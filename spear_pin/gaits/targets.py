@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.measures.catalogue import names_in
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.result import Run
 from spear_pin.hybrid.rules.cycles import flight_times
+from spear_pin.hybrid.simulate import simulate
 
+SAMPLES = 400  # of each phase
 FLIGHT = "flight_time"  # the measure that the section's event bounds
 
 
@@ -35,3 +40,36 @@ def check_wanted(system: HybridSystem, target: Mapping[Any, ArrayLike]) -> None:
             expected = f"a number from {least:g} to {most:g}, in s: the system's shortest flight and longest phase"
         if not valid.all():
             raise BadValue(f"target {name}", float(values[~valid][0]), expected)
+
+
+def measures_of(system: HybridSystem) -> list[str]:
+    """Returns the names of the measures that may be targets: the system's own, then the others of the catalogue."""
+    return [*dict.fromkeys([*system.measures, *names_in(system)])]
+
+
+def measure_of(system: HybridSystem, measure: str | Callable[[Run], float]) -> Callable[[HybridSystem, Run], float]:
+    """Returns a function that measures the run of a cycle of a system, maybe with other numbers.
+
+    Args:
+        system: a system of the same kind.
+        measure: a measure's name, or a function of a run. What is not the system's own comes from samples.
+
+    Raises:
+        UnknownName: there is no measure of that name.
+    """
+    of_run = measure if callable(measure) else system.measures.get(measure)
+    if of_run is not None:
+        return lambda other, run: of_run(run)
+    if measure not in names_in(system):
+        raise UnknownName("measure", str(measure), measures_of(system))
+
+    def of_samples(other: HybridSystem, run: Run) -> float:
+        cycles, halves = range(1, 2 + bool(other.mirrored_toes)), bool(other.mirrored_toes)
+        motion = simulate(other, run.start, len(cycles), samples=SAMPLES, progress=False)
+        found = Sampled(other.robot, motion, cycles, halves).values()
+        if measure not in found:
+            expected = f"a measure that samples give ({', '.join(found)}); others need derivatives, which heyoka gives"
+            raise BadValue("measure", measure, expected)
+        return found[str(measure)]
+
+    return of_samples

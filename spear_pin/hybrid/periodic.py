@@ -42,14 +42,14 @@ def residual(system: HybridSystem, state: State, rtol: float = 1e-10) -> float:
 
 
 def one_by_one(
-    system: HybridSystem, cycle: Callable[[State, Array], Run], measures: Sequence[Callable[[Run], Any]] = ()
+    system: HybridSystem, cycle: Callable[[State, Array], Run], measures: Sequence[Callable[[Run, Array], Any]] = ()
 ) -> Cycle:
     """Returns a function that runs the cycles of lanes one after the other; a lane ends with one that does not close.
 
     Args:
         system: the system, with any parameters.
         cycle: runs one cycle from a state with values of the varied parameters, or raises a `SpearError`.
-        measures: return numbers of a cycle that closes.
+        measures: return numbers of a cycle that closes, given its run and the values of the varied parameters.
     """
 
     def cycles(lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
@@ -66,7 +66,7 @@ def one_by_one(
                     orders[i] = order_of(system, result)
                     if result.cycles:
                         ends[0][i], ends[1][i] = result.state
-                        measured[i] = [float(measure(result)) for measure in measures]
+                        measured[i] = [float(measure(result, values[i])) for measure in measures]
                         for phase, seconds in result.durations.items():
                             durations[phase][i] = seconds
                     else:

@@ -24,7 +24,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         stance_torque, flight_time, stance_time, period, residual, multipliers, stable, as of the gait; from the
         first cycle apex_height (of the hip, above zero), peak_force (normal), peak_torque and peak_speed by
         joint, friction_used, work, positive_work, effort (see `spear_pin.gaits.measures.catalogue`),
-        peak_compression of the spring, spring_share (see there), energy by flow; of all of them
+        peak_compression of the spring, spring_share (see there), energy by flow, all measures by name; of all of them
         energy_residual, the largest, and retouches, how often the toe left the ground too briefly for a flight.
         Without an apex, or a whole cycle, what needs one is None, and energy is empty.
     """
@@ -57,6 +57,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "spring_share": spring_share(trajectory),
         "energy_flows": {name: float(ledger[name][0]) for name in ledger.flows} if whole else {},
         "energy_residual": float(np.abs(ledger.residual).max()) if whole else None,
+        "measures": sampled.values(),
         "cycles": trajectory.cycles,
         "retouches": sum(event.domain != CHATTER for event in trajectory.named(RETOUCH)),
         "reason": trajectory.reason,

@@ -28,6 +28,7 @@ def summarize_round(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - friction_at_impact: the largest such ratio of a touchdown's impulses.
         - slips: how often the toe begins to slide along its circle.
         - energy, energy_residual: of the first hop by flow, in J, and the largest imbalance of a hop.
+        - measures: of the first hop, all of `spear_pin.gaits.measures.catalogue` by name.
         - cycles, reason: whole hops, and why it ended.
     """
     robot, ledger = gait.system.robot, trajectory.ledger
@@ -57,6 +58,7 @@ def summarize_round(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "residual": gait.residual,
         "energy_flows": {name: float(ledger[name][0]) for name in ledger.flows} if trajectory.cycles else {},
         "energy_residual": float(np.abs(ledger.residual).max()) if trajectory.cycles else None,
+        "measures": sampled.values(),
         "cycles": trajectory.cycles,
         "reason": trajectory.reason,
     }

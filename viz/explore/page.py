@@ -11,8 +11,9 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
+from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN, STANDARD
 from spear_pin.studies.explore.engines import Engine
-from spear_pin.studies.explore.figures import OF_A_GAIT, figures
+from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.knobs import Subject
 from spear_pin.studies.explore.motion import Motion
 from spear_pin.studies.explore.tangents import MULTIPLIER, Tangents
@@ -29,7 +30,7 @@ from spear_pin.viz.template import css, environment
 
 CLIENT = "Spear-Client"  # header by which a page tells itself from others; what comes without is one client
 RATE = 60.0  # frames per second
-READOUTS: Mapping[str, Mapping[str, tuple[str, str, int]]] = {  # label, unit and decimals of the figures
+READOUTS: Mapping[str, dict[str, tuple[str, str, int]]] = {  # label, unit and decimals of the figures
     "hop": {
         "apex_height": ("Apex of the hip", "m", 4),
         "flight_time": ("Flight", "s", 4),
@@ -90,7 +91,7 @@ EFFECTS: Mapping[str, tuple[str, ...]] = {  # figures whose derivatives are show
         "posterior_hip_torque",
         MULTIPLIER,
     ),
-    "gait": (*OF_A_GAIT, MULTIPLIER),
+    "gait": (*SHOWN[:STANDARD], MULTIPLIER),
 }
 SAID: Mapping[str, tuple[str, str]] = {  # beside the sliders, and how long a change takes without the extra
     "hop": ("Unless the flight time is kept, the torque stays where its slider is.", "a second or so"),
@@ -148,18 +149,20 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
     views = views_of(subject)
     hops = next(iter(views.values()))(subject.at(), engine)
     _, scene = _scene(hops)
-    known = figures(hops)
+    known, own = figures(hops), [each for each in CATALOGUE if each.kind in SHOWN[STANDARD:]]
+    effects = (*EFFECTS[subject.kind], *(each.kind for each in own))
+    readouts = READOUTS[subject.kind] | {each.kind: (in_words(each.kind), each.unit, 3) for each in own}
     return {
         "kind": subject.kind,
         "title": subject.title,
         "keeps": subject.keeps,
         "solved": next((name for name in subject.held(True) if name in subject.knobs), ""),
         "multiplier": MULTIPLIER,
-        "effects": [name for name in EFFECTS[subject.kind] if known.get(name, 0.0) is not None] if engine.extra else [],
+        "effects": [name for name in effects if known.get(name, 0.0) is not None] if engine.extra else [],
         "knobs": {name: asdict(knob) for name, knob in subject.knobs.items()},
         "views": list(views),
         "engine": {"name": engine.name, "extra": engine.extra},
-        "readouts": {name: said for name, said in READOUTS[subject.kind].items() if known[name] is not None},
+        "readouts": {name: said for name, said in readouts.items() if known[name] is not None},
         "plots": plots(hops),
         "said": SAID[subject.kind],
         "default": {"series": series(hops), "figures": known, "knobs": hops.knobs.values}

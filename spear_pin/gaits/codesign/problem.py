@@ -15,6 +15,7 @@ from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.codesign.step import Local
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.gaits.targets import measures_of
 from spear_pin.hybrid.parameters import number
 from spear_pin.model.motor import Drive, Motor
 
@@ -100,7 +101,9 @@ class Problem:
             UnknownName: the gait lacks a measure.
             BadValue: the gait would have the measure with other motors.
         """
-        kept = [name for name in orbit.measures if name in orbit.system.measures]  # the end is searched for with them
+        kept = [
+            name for name in orbit.measures if name in measures_of(orbit.system)
+        ]  # the end is searched for with them
         for name in self.keep:
             if name not in kept:
                 raise UnknownName("measure to keep", name, kept)

@@ -18,7 +18,7 @@ from spear_pin.gaits.continuation.gaits import Gaits
 from spear_pin.gaits.continuation.problem import NoValue
 from spear_pin.gaits.continuation.stepping import Point, corrected, placed
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.targets import check_wanted
+from spear_pin.gaits.targets import check_wanted, measures_of
 from spear_pin.hybrid.parameters import numbers_of_robot, parameter
 from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
@@ -99,10 +99,10 @@ def _equations(
 ) -> tuple[Gaits, Any, Array]:
     """Returns the equations, the gait's state, and its values of the solved numbers and the parameter."""
     system = gait.system
-    measured = over in system.measures
+    measured = over in measures_of(system)
     for name in target:
-        if name not in system.measures:
-            raise UnknownName("target", name, system.measures)
+        if name not in measures_of(system):
+            raise UnknownName("target", name, measures_of(system))
     if len(vary) != len(target) + measured:
         count = f"{len(target) + measured}" + (f", one for {over} too" if measured else "")
         raise BadValue("vary", list(vary), f"as many parameters as targets, {count}")
@@ -115,7 +115,7 @@ def _equations(
         try:
             parameter(system, over)
         except UnknownName as error:
-            raise UnknownName("parameter", over, (*error.valid, *robots, *system.measures)) from None
+            raise UnknownName("parameter", over, (*error.valid, *robots, *measures_of(system))) from None
     check_wanted(system, {**target, **({over: within} if measured else {})})
     names = vary if measured else (*vary, over)
     family = Family(system, names, (*target, *([over] if measured else [])), rtol)

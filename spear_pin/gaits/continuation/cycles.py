@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.gaits.lane_cycles import LaneCycles
 from spear_pin.gaits.lane_measures import MEASURES
+from spear_pin.gaits.targets import measure_of
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import FEW, has_lanes, may_vary
 from spear_pin.hybrid.parameters import number, numbers_of_robot, with_numbers, with_parameters
@@ -142,6 +143,9 @@ class Family:
         def cycle(begun: State, values: Array) -> Run:
             return return_map(self.member(values.tolist()), begun, self.rtol)
 
-        measures = [name if callable(name) else self.system.measures[name] for name in self.measures]
-        run = one_by_one(self.system, cycle, measures)
+        def measured(name: Measure) -> Callable[[Run, Array], float]:
+            measure = measure_of(self.system, name)
+            return lambda result, values: measure(self.member(values.tolist()), result)
+
+        run = one_by_one(self.system, cycle, [measured(name) for name in self.measures])
         return lambda q, v, values: run(np.arange(len(q)), q, v, values)

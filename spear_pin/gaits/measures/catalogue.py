@@ -11,8 +11,9 @@ import re
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from spear_pin.errors import UnknownName
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.measures.signals import Signals
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import motors_at
 
 
@@ -31,6 +32,11 @@ class Named(NamedTuple):
     unit: str
     text: str
     of: Callable[..., Any] | None = None
+
+    @property
+    def kind(self) -> str:
+        """The name without the joint or toe behind it."""
+        return self.pattern.removesuffix("_JOINT").removesuffix("_TOE")
 
     def values(self, cycle: Signals) -> dict[str, Any]:
         """Returns all measures of this kind that a cycle has, by name."""
@@ -99,7 +105,7 @@ def _friction(cycle: Signals, toe: str) -> Any:
     return cycle.ratio(*cycle.forces[toe], cycle.pressed) if toe in cycle.forces else None
 
 
-CATALOGUE: tuple[Named, ...] = (
+CATALOGUE: list[Named] = [
     Named("PHASE_time", "s", "Duration of a phase.", lambda cycle, phase: cycle.durations[phase]),
     Named("period", "s", "Duration of a cycle.", lambda cycle: cycle.period),
     Named(
@@ -143,10 +149,20 @@ CATALOGUE: tuple[Named, ...] = (
         "Positive work divided by the robot's weight and the distance covered.",
         _transport(lambda cycle: cycle.positive_work),
     ),
-    Named("effort", "N²·m²·s", "∫ Σ u² dt over a cycle and all motors, u the torque of one motor.", _effort),
+    Named(
+        "effort",
+        "N²·m²·s",
+        "∫ Σ u² dt over a cycle and all motors, u the torque of one motor.",
+        _effort,
+    ),
     Named("effort_per_distance", "N²·m·s", "The effort divided by the distance covered.", _per_distance(_effort)),
     Named("rms_torque_JOINT", "N·m", "Root mean square of the torque of one motor over a cycle.", _rms),
-    Named("peak_torque_JOINT", "N·m", "Largest absolute torque of one motor.", _largest("torques", "amount")),
+    Named(
+        "peak_torque_JOINT",
+        "N·m",
+        "Largest absolute torque of one motor.",
+        _largest("torques", "amount"),
+    ),
     Named("peak_speed_JOINT", "rad/s", "Largest absolute speed of a joint.", _largest("speeds", "amount")),
     Named(
         "greatest_height_TOE",
@@ -186,8 +202,41 @@ CATALOGUE: tuple[Named, ...] = (
     Named("electricity", "J", "Electricity that all motors take in a cycle; none is given back."),
     Named("reserve_JOINT", "N·m", "Smallest torque that one motor still has in reserve, at the joint."),
     Named("multiplier_N", "1", "Modulus of a Floquet multiplier, by decreasing size."),
-)
+]
+SHOWN = [
+    *("mean_speed", "stride", "period", "peak_force", "friction_used", "peak_torque", "rms_torque", "peak_speed"),
+    *("positive_work", "cost_of_transport", "effort"),
+]
+"""Kinds of measures that the page of any gait shows; every page and comparison shows those that are added behind."""
+STANDARD = len(SHOWN)
 PLACES = re.compile(r"[A-Z]{2,}|(?<=_)N$")
+
+
+def register(entry: Named) -> None:
+    """Adds a measure of one's own, which is then known wherever measures are asked for by name.
+
+    Raises:
+        BadValue: the catalogue has a measure of that name, or the entry has no formula.
+    """
+    if entry.of is None:
+        raise BadValue("of", entry.of, "a function of a cycle's Signals")
+    if any(each.pattern == entry.pattern for each in CATALOGUE):
+        raise BadValue("pattern", entry.pattern, "a name that the catalogue does not have yet")
+    CATALOGUE.append(entry)
+    SHOWN.append(entry.kind)
+
+
+def names_in(system: HybridSystem) -> list[str]:
+    """Returns the names of all measures that cycles of a system may have, without those at other events."""
+    robot = system.robot
+    places = {"PHASE": system.phases, "EVENT": (), "JOINT": robot.actuated, "TOE": robot.toes}
+    found = []
+    for each in CATALOGUE:
+        pattern = each.pattern.replace("SECTION", system.section)
+        word = next((word for word in PLACED if word in pattern), "")
+        if each.of is not None:
+            found += [pattern.replace(word, place) for place in places[word]] if word else [pattern]
+    return found
 
 
 def fitting(entry: Named) -> str:

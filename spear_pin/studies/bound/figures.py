@@ -71,6 +71,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
           imbalance of any stride.
         - work, positive_work, absolute_work, cost_of_transport, cost_of_transport_positive, effort and
           effort_per_distance: as of the catalogue.
+        - measures: all of `spear_pin.gaits.measures.catalogue`, by name.
 
         cycles and reason are those of the trajectory.
 
@@ -103,6 +104,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "released": flows["released"],
         "energy_balance": sum(flows.values()),
         "energy_residual": float(np.abs(ledger.residual).max()),
+        "measures": stride.sampled.values(),
         "cycles": trajectory.cycles,
         "reason": trajectory.reason,
     }

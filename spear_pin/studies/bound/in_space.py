@@ -31,6 +31,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         - slips: how often a foot begins to slide.
         - friction_used: largest ratio of tangential to normal force, where a foot carries 2 % of its even share.
         - friction_used_across: the same for the force across the heading.
+        - measures: means and peaks of whole cycles, all of `spear_pin.gaits.measures.catalogue` by name.
         - joints: of the largest of all legs' "adduction", "hip" and "knee" range, speed, torque and power.
     """
     robot = gait.system.robot
@@ -38,7 +39,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     q, v, t = trajectory.q, trajectory.v, trajectory.t
     whole = t[(trajectory.cycle > 0) & (trajectory.cycle <= trajectory.cycles)]
     ahead, aside = _turned(q[-1, [X, Y]] - q[0, [X, Y]], q[0, YAW])
-    sampled = Sampled(robot, trajectory, ())
+    sampled, halves = Sampled(robot, trajectory, ()), bool(gait.system.mirrored_toes)
     curves, joints = sampled.curves, {}
     for i, part in enumerate(PARTS):
         rows, columns = [(leg.adduction, leg.hip, leg.knee)[i] for leg in legs], [leg.motors[i] for leg in legs]
@@ -67,6 +68,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "friction_used": sampled.largest("friction_used"),
         "friction_used_across": max(curves.ratio(across[:, i], normal[:, i], sampled.pressed) for i in toes),
         "joints": joints,
+        "measures": Sampled(robot, trajectory, range(1, trajectory.cycles + 1), halves).values(),
     }
 
 

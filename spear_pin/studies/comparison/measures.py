@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
+from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN, STANDARD
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.column_names import PAIR, motors_at, of_a_pair, parted
 from spear_pin.hybrid.trajectory import Trajectory
@@ -77,6 +78,11 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
         }
     if "cost_of_transport" in found:
         energy["cost of transport", ""] = found["cost_of_transport"]
+    groups = {"N": forces, "N·s": forces, "N·m": torques, "J": energy}
+    for each in CATALOGUE:
+        if each.kind in SHOWN[STANDARD:]:
+            for name, value in each.values(sampled).items():
+                groups.get(each.unit, motion)[_words(name), each.unit] = value
     if run.cycles:
         for flow in run.ledger.flows:
             joint = flow.removeprefix("motor_")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,11 +12,12 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.bounding_law import LEGS
+from spear_pin.gaits.measures.catalogue import SHOWN, STANDARD
 from spear_pin.gaits.sensitivity.measure import Measure, ratio
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.orbit import Orbit, orbit_of_gait, solved
 from spear_pin.hybrid.parameters import number
-from spear_pin.studies.explore.figures import OF_A_GAIT, figures, of_kind
+from spear_pin.studies.explore.figures import figures, of_kind
 from spear_pin.studies.explore.legs import RATIO
 from spear_pin.studies.explore.motion import Motion
 
@@ -129,7 +130,7 @@ def _branch(motion: Motion) -> _Branch:
 def _slopes(motion: Motion, branch: _Branch) -> Iterator[tuple[str, Array]]:
     """Returns derivatives of each figure that equals the measure: not a stance peak where the swing's is higher."""
     shown = figures(motion)
-    for name, measure in MEASURES[motion.knobs.subject.kind](branch):
+    for name, measure in (*MEASURES[motion.knobs.subject.kind](branch), *_of_gait(branch, SHOWN[STANDARD:])):
         value = shown[name]
         if value is not None and math.isclose(value, measure.value, rel_tol=ALIKE):
             yield name, measure.derivative
@@ -166,8 +167,8 @@ def _of_bound(branch: _Branch) -> Iterator[tuple[str, Measure]]:
     yield "posterior_hip_torque", branch.number(SPEED_BY)
 
 
-def _of_gait(branch: _Branch) -> Iterator[tuple[str, Measure]]:
-    for kind in OF_A_GAIT:
+def _of_gait(branch: _Branch, kinds: Sequence[str] = SHOWN) -> Iterator[tuple[str, Measure]]:
+    for kind in kinds:
         found = of_kind(branch.orbit.measures, kind)
         if found:
             yield kind, branch.of(max(found, key=lambda name: found[name].value))

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.gait_table import REASONS, GaitTable
 from spear_pin.gaits.search import find_gait
+from spear_pin.gaits.targets import measures_of
 from spear_pin.hybrid import batch
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import PARTS, with_parameters
@@ -137,7 +138,7 @@ def _solve(index: int, job: Job) -> tuple[int, Rows]:
 def _start(system: HybridSystem, job: Job, guess: State | None) -> dict[str, Any]:
     """Returns the start of every lane: the gait of the system as it is, or its guess if it has none."""
     targets: dict[Any, float] = {
-        name: float(np.median(values)) for name, values in job.points.items() if name in system.measures
+        name: float(np.median(values)) for name, values in job.points.items() if name in measures_of(system)
     }
     targets |= job.target
     try:

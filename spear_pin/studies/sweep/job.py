@@ -16,7 +16,7 @@ from spear_pin.gaits.gait_table import REASONS
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
 from spear_pin.gaits.singly import find_each
-from spear_pin.gaits.targets import check_wanted
+from spear_pin.gaits.targets import check_wanted, measures_of
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.contact import OPEN
@@ -88,12 +88,13 @@ class Job:
             own = {name: column[lanes] for name, column in self.points.items() if name not in of_robot}
             target: dict[str, Any] = {
                 **self.target,
-                **{name: own.pop(name) for name in list(own) if name in system.measures},
+                **{name: own.pop(name) for name in list(own) if name in measures_of(system)},
             }
             start: dict[str, Any] = {
                 name: np.full(len(lanes), parameter(system, name)) for name in (*self.vary, "stiffness")
             }
-            find = find_many if system.robot.planar and not system.pins else find_each
+            in_lanes = system.robot.planar and not system.pins and all(name in MEASURES for name in target)
+            find = find_many if in_lanes else find_each
             table = find(system, {**start, **own}, self.vary, target, guess=self.guess, rtol=self.rtol)
             rows["q"][lanes], rows["v"][lanes], rows["residual"][lanes] = table.q, table.v, table.residual
             rows["multipliers"][lanes, : table.multipliers.shape[1]] = table.multipliers
@@ -111,7 +112,7 @@ def asked(
     kept = _check_system(system)
     given = {name: np.array(values, dtype=float) for name, values in points.items()}
     of_robot = [name for name in given if name in parameters_of(system.robot)]
-    measured = {name: values for name, values in given.items() if name in system.measures}
+    measured = {name: values for name, values in given.items() if name in measures_of(system)}
     n = _check_points(given, vary)
     for name in given:
         if name not in of_robot and name not in measured:
@@ -120,8 +121,8 @@ def asked(
     if len(wanted) != len(vary):
         raise BadValue("target", list(wanted), f"as many targets as parameters to vary, {len(vary)}")
     for name in wanted:
-        if name not in _solvable(system):
-            raise UnknownName("target", name, _solvable(system))
+        if name not in measures_of(system):
+            raise UnknownName("target", name, measures_of(system))
     check_wanted(system, {**target, **measured})
     for name in vary:
         parameter(system, name)
@@ -150,11 +151,6 @@ def _check_system(system: HybridSystem) -> dict[str, Any]:
                 "a change of the system", change, "a callable dataclass, whose name and fields identify the sweep"
             )
     return kept
-
-
-def _solvable(system: HybridSystem) -> list[str]:
-    """Returns the names of the measures that may be targets."""
-    return [name for name in system.measures if name in MEASURES or not system.robot.planar]
 
 
 def _check_points(given: Mapping[str, Array], vary: tuple[str, ...]) -> int:
@@ -190,6 +186,6 @@ def _check_name(system: HybridSystem, name: str) -> None:
         with_parameters(system, {name: 1.0})
     except UnknownName as error:
         robots = parameters_of(system.robot)
-        raise UnknownName("parameter", name, (*error.valid, *robots, *_solvable(system))) from None
+        raise UnknownName("parameter", name, (*error.valid, *robots, *measures_of(system))) from None
     except SpearError:
         pass  # the name is known
