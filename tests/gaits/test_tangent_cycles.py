@@ -37,7 +37,7 @@ def shooting_about(system, state, vary, target):
         return return_map(own, begun, 1e-12)
 
     charts, wanted = chart(system, state).lane, np.zeros((1, len(target)))
-    reference = one_by_one(system, cycle, [system.measures[name] for name in target])
+    reference = one_by_one(system, cycle, [lambda run, _, name=name: system.measures[name](run) for name in target])
     own = Shooting(charts, exact.otherwise(reference), vary, wanted, exact.slopes)
     return own, Shooting(charts, reference, vary, wanted)
 

@@ -31,7 +31,7 @@ def by_reference(system, vary=VARY, measures=("flight_time", "period")):
         asked.append((state, values))
         return return_map(with_parameters(system, dict(zip(vary, values.tolist(), strict=True))), state)
 
-    return one_by_one(system, cycle, [system.measures[name] for name in measures]), asked
+    return one_by_one(system, cycle, [lambda run, _, name=name: system.measures[name](run) for name in measures]), asked
 
 
 def invented(measured, seconds):

@@ -1,0 +1,122 @@
+"""A measure of one's own is known wherever measures are: in summaries, targets, derivatives, designs and pages."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, continue_gait, find_gait, hopping, load, optimize_design, simulate
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN, Named, described, names_in, register
+from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.gaits.targets import measure_of
+from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.hybrid.periodic import return_map
+from spear_pin.studies.comparison import measures, sides_of
+from spear_pin.studies.explore.carried import carried
+from spear_pin.studies.explore.figures import figures
+from spear_pin.studies.explore.gaits import gait_to_explore
+from spear_pin.studies.explore.tangents import tangents
+from spear_pin.studies.hop import summarize
+from spear_pin.studies.sweep.job import asked
+
+IMPULSE = Named(
+    "impulse_TOE",
+    "N·s",
+    "Impulse of the ground on a toe in a cycle, without those of touchdowns.",
+    lambda cycle, toe: cycle.integral(cycle.forces[toe][1]) if toe in cycle.forces else None,
+)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def impulse():
+    counts = len(CATALOGUE), len(SHOWN)
+    register(IMPULSE)
+    yield IMPULSE
+    del CATALOGUE[counts[0] :], SHOWN[counts[1] :]
+
+
+@pytest.fixture(scope="module")
+def hop():
+    return find_gait(hopping(load("spear_ii", locked=["boom_x"])))
+
+
+def test_its_name_and_unit(hop):
+    assert described("impulse_toe").unit == "N·s" and "impulse_toe" in names_in(hop.system)
+    with pytest.raises(BadValue, match="does not have yet"):
+        register(IMPULSE)
+    with pytest.raises(BadValue, match="of is None"):
+        register(Named("beauty", "1", "Beauty."))
+    with pytest.raises(UnknownName, match="beauty"):
+        measure_of(hop.system, "beauty")
+
+
+@pytest.mark.parametrize("name", ["hop", "long_stride"])
+def test_with_touchdowns_it_bears_the_weight(hop, name):
+    """A cycle changes no momentum."""
+    gait = hop if name == "hop" else Gait.load(name)
+    motion, robot = simulate(gait.system, gait.state, 1, progress=False), gait.system.robot
+    struck = sum(np.nansum(np.asarray(event.impulse)[:, -1]) for event in motion.events if event.impulse is not None)
+    borne = sum(Sampled(robot, motion).of("impulse").values())
+    assert borne + struck == pytest.approx(robot.weight * gait.period, rel=1e-7)
+    if name == "hop":
+        assert summarize(gait, motion)["measures"]["impulse_toe"] == pytest.approx(borne, rel=1e-9)
+
+
+@pytest.mark.extra("heyoka")
+class TestWithDerivatives:
+    def test_they_are_those_of_differences(self, hop):
+        orbit = Orbit(hop.system, hop.state, ("stiffness",))
+        found, measure = orbit.measures["impulse_toe"], measure_of(hop.system, "impulse_toe")
+        value, ends = number(hop.system, "stiffness"), []
+        for change in (1e-3, -1e-3):
+            other = with_numbers(hop.system, {"stiffness": value + change})
+            ends.append(measure(other, return_map(other, hop.state, 1e-12)))
+        assert found.derivative[-1] == pytest.approx((ends[0] - ends[1]) / 2e-3, rel=1e-4) and found.unit == "N·s"
+        assert found.value == pytest.approx(sum(ends) / 2.0, rel=1e-7)
+
+    @pytest.mark.slow
+    def test_it_may_be_a_target_and_followed(self, hop):
+        wanted = 1.02 * Orbit(hop.system, hop.state, ()).measures["impulse_toe"].value
+        found = find_gait(hop.system, ["stance_torque"], {"impulse_toe": wanted}, guess=hop.state)
+        motion = simulate(found.system, found.state, 1, progress=False)
+        assert Sampled(found.system.robot, motion).of("impulse")["toe"] == pytest.approx(wanted, rel=1e-7)
+        branch = continue_gait(hop, "impulse_toe", (0.97 * wanted, 1.01 * wanted), ["stance_torque"], points=3)
+        assert branch.values[0] < wanted / 1.02 < branch.values[-1]
+
+    def test_it_may_be_kept_by_a_design(self, hop):
+        kept = {"impulse_toe": Orbit(hop.system, hop.state, ()).measures["impulse_toe"].value}
+        best = optimize_design(hop, "work", {"stiffness": (47.0, 50.0)}, kept, vary=["stance_torque"], iterations=2)
+        there = Orbit(best.gait.system, best.gait.state, ()).measures["impulse_toe"].value
+        assert there == pytest.approx(kept["impulse_toe"], rel=1e-8) and best.objective <= best.start
+
+    @pytest.mark.slow
+    def test_sweeps_take_it(self, hop):
+        own = Orbit(hop.system, hop.state, ()).measures["impulse_toe"].value
+        job = asked(hop.system, {"impulse_toe": [own, 1.01 * own]}, ("stance_torque",), {}, 1e-9)
+        rows = replace(job, guess=hop.state).rows()
+        assert rows["residual"].max() < 1e-8
+        assert rows["solved_stance_torque"][0] == pytest.approx(number(hop.system, "stance_torque"), rel=1e-6)
+
+    @pytest.mark.slow
+    def test_pages_show_it_with_its_slope(self):
+        subject = gait_to_explore(Gait.load("long_stride"), "", over=("friction", "stiffness"))
+        motion = carried(subject.at())
+        assert figures(motion)["impulse"] > 0.0
+        assert np.isfinite(tangents(motion).slopes["stiffness"]["impulse"])
+
+
+def test_a_comparison_has_it():
+    rows = measures(sides_of(["long_stride", "long_stride_3.00"], cycles=1))
+    assert [each.unit for each in rows if each.name.startswith("impulse ")] == ["N·s", "N·s"]
+
+
+@pytest.mark.slow
+def test_a_trot_has_it_for_each_foot():
+    """Of half a stride what a foot of the other side has in it counts, too."""
+    gait = Gait.load("trot")
+    found = Orbit(gait.system, gait.state, ()).measures
+    motion = simulate(gait.system, gait.state, 2, progress=False)
+    for name, value in Sampled(gait.system.robot, motion, (1, 2), True).of("impulse").items():
+        assert found[f"impulse_{name}"].value == pytest.approx(value, rel=1e-7)
