@@ -20,7 +20,7 @@ from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 
 HEADS = (
     "footfalls | closes | unknowns | iterations | build, s | solve, s | stride, s | effort, N²·m·s |"
-    " cost of transport | lacking force | slip, mm"
+    " lacking force | slip, mm"
 )
 TROT = FOOTFALLS["trot"]
 REQUESTS = {
@@ -59,7 +59,7 @@ def row(name: str, gait: CollocatedGait) -> str:
     built, solved = gait.seconds
     numbers = f"{unknowns:,} | {gait.iterations} | {built:.1f} | {solved:.1f} | {gait.period:.3f}"
     numbers += f" | {gait.effort_per_distance:.0f}"
-    return f"{name} | {closes} | {numbers} | {gait.cost_of_transport:.3f} | {found.motion:.3f} | {1e3 * found.slip:.1f}"
+    return f"{name} | {closes} | {numbers} | {found.motion:.3f} | {1e3 * found.slip:.1f}"
 
 
 if __name__ == "__main__":

@@ -113,11 +113,6 @@ class TangentCycles:
         closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
         return Cycles(y[:, : len(q)], y[:, len(q) :], measured, durations, closes, reference, [found.order])
 
-    def borders(self, q: Array, v: Array, values: Array) -> tuple[str, ...]:
-        """Returns events of one lane's cycle that meet another, so that its derivatives are one-sided."""
-        found = self._at(q, v, values)
-        return () if found is None else found.cycle.borders
-
     def slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array, Array]:
         """Returns derivatives of cycles; see `hybrid.shooting.Slopes`."""
         n, rows = len(lanes), q.shape[1] + v.shape[1]

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from spear_pin.arrays import Array
 from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.footfalls.request import FootfallRequest
@@ -95,15 +93,3 @@ class CollocatedGait:
     def period(self) -> float:
         """Duration of a whole stride, in s."""
         return (2.0 if self.request.footfalls.mirrored else 1.0) * sum(each.duration for each in self.stretches)
-
-    @property
-    def cost_of_transport(self) -> float:
-        """Integral of |motor power| over weight and distance."""
-        spent = sum(_simpson(stretch, np.abs(stretch.u * stretch.v[:, 6:]).sum(axis=1)) for stretch in self.stretches)
-        weight = self.robot.weight
-        return spent / (weight * self.request.speed * sum(each.duration for each in self.stretches))
-
-
-def _simpson(stretch: Stretch, values: Array) -> float:
-    third = stretch.duration / (len(values) - 1) / 3.0
-    return third * float(values[0] + values[-1] + 4.0 * values[1::2].sum() + 2.0 * values[2:-1:2].sum())

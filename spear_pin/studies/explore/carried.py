@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.leading import led
 from spear_pin.gaits.search import gait_beside
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, with_numbers
@@ -138,29 +139,37 @@ def carried(knobs: Knobs) -> Motion:
     assert isinstance(subject, Carried)
     if knobs == subject.at():
         return periodic(knobs, subject.gait)
-    begun = near = subject.nearest(knobs.numbers)
-    step, failures = REACH, 0
+    begun = subject.nearest(knobs.numbers)
+    distance, failures = max(subject.distance(begun.numbers, knobs.numbers), 1e-12), 0
     patience = PATIENCE * subject.gait.system.robot.nv**2
     until = math.inf if len(subject.known) == 1 else time.perf_counter() + patience  # at first it is compiled
-    while True:
-        share = min(1.0, step / max(subject.distance(near.numbers, knobs.numbers), 1e-12))
-        numbers = tuple(a + share * (b - a) for a, b in zip(near.numbers, knobs.numbers, strict=True))
+    found: list[Gait] = []
+
+    def solve(share: float, near: Known) -> Known:
+        numbers = tuple(a + share * (b - a) for a, b in zip(begun.numbers, knobs.numbers, strict=True))
         wanted = knobs if share == 1.0 else replace(knobs, numbers=numbers)
         try:
             gait = _beside(wanted, near, until)
+        except NoGait:
+            raise
         except SpearError as error:
-            failures += 1
-            step = 0.4 * share * subject.distance(near.numbers, knobs.numbers)
-            if failures >= STEPS or time.perf_counter() > until:
-                residual = error.residual if isinstance(error, NoGait) else math.inf
-                told = f"{_said(subject, near)} none was found beyond: {_why(error)}"
-                late = failures < STEPS and near is not begun
-                raise (Underway if late else NoGait)(told, residual) from None
-            continue
-        near = Known(wanted.numbers, gait.state, gait.parameters)
-        subject.remember(near)
-        if wanted is knobs:
-            return periodic(knobs, gait)
+            raise NoGait(str(error), math.inf) from None
+        found.append(gait)
+        subject.remember(there := Known(wanted.numbers, gait.state, gait.parameters))
+        return there
+
+    def enough() -> bool:
+        nonlocal failures
+        failures += 1
+        return failures >= STEPS or time.perf_counter() > until
+
+    step = REACH / distance
+    way = led(solve, begun, first=step, shortest=0.0, longest=step, enough=enough)
+    if way.failure is None:
+        return periodic(knobs, found[-1])
+    told = f"{_said(subject, way.end)} none was found beyond: {way.failure.reason}"
+    late = failures < STEPS and way.end is not begun
+    raise (Underway if late else NoGait)(told, way.failure.residual) from None
 
 
 def _beside(knobs: Knobs, near: Known, until: float) -> Gait:
@@ -176,10 +185,6 @@ def _beside(knobs: Knobs, near: Known, until: float) -> Gait:
     system = with_numbers(knobs.system, near.solved)
     target = subject.wanted_of(knobs.values)
     return gait_beside(system, near.state, list(near.solved), target, RTOL, check_time)
-
-
-def _why(error: SpearError) -> str:
-    return error.reason if isinstance(error, NoGait) else str(error)
 
 
 def _said(subject: Carried, near: Known) -> str:

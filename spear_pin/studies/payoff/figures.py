@@ -34,7 +34,7 @@ class Figures:
         torque_used: peak torque over the limit in the robot's file; None where it has none.
         rate_used: the same for the joint speed.
         outside: share of the cycle in which a motor is outside its torque-speed envelope.
-        friction: largest ratio of tangential to normal force in stance.
+        friction: friction used, as of the catalogue of measures.
         durations: in s, by phase.
         multiplier: modulus of the largest Floquet multiplier.
         residual: residual of the fixed point.
@@ -81,7 +81,7 @@ def figures(
         trajectory: trajectory of one cycle.
         work: work to which the cost refers, in J.
         speed: mean forward speed, in m/s; for a hop in place its flight time, in s.
-        friction: largest ratio of tangential to normal force in stance.
+        friction: friction used, as of the catalogue of measures.
         held: bounds of the search that are active at the gait, in words.
     """
     robot = gait.system.robot

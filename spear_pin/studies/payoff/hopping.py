@@ -19,6 +19,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch
 from spear_pin.hybrid.automaton import HybridSystem
@@ -47,7 +48,6 @@ USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
 TOLERANCES = {MESH: (0.05, 1e-8), FINER: (0.02, 1e-9)}  # of the optimiser, in units, and of the integrator
-LOADED = 0.1  # of the weight: with less on the toe the share that friction takes means nothing
 TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far from a brink
 FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
@@ -175,9 +175,7 @@ def figures_of(gait: Gait, motors: Motors, samples: int = MESH) -> Figures:
     """
     robot, flight = gait.system.robot, gait.durations["flight"]
     trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
-    along, normal = trajectory.force[:, 0].T
-    loaded = normal > LOADED * robot.weight
-    friction = float((np.abs(along[loaded]) / normal[loaded]).max(initial=0.0))
+    friction = Sampled(robot, trajectory).largest("friction_used")
     held = _held(gait, trajectory, motors)
     return figures(gait, motors, trajectory, work=work(robot, flight), speed=flight, friction=friction, held=held)
 
