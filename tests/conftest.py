@@ -92,6 +92,16 @@ def speed_at_lift_off(run):
     return run.event("lift_off").v_before[0]
 
 
+@pytest.fixture(autouse=True)
+def measures_of_ones_own():
+    """Those that a test, or a block of the docs, registers are gone after it."""
+    from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN
+
+    before = list(CATALOGUE), list(SHOWN)
+    yield
+    CATALOGUE[:], SHOWN[:] = before
+
+
 @pytest.fixture(scope="session")
 def robot():
     """SPEAR-II on its slider, unable to move forward."""

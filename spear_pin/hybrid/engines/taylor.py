@@ -298,8 +298,8 @@ def compiled(structure: Structure, code: Code) -> Compiled:
 
 
 def lowest(guards: Sequence[Guard], watched: Iterable[int]) -> list[float]:
-    """Returns below which values of some guards are only after their events."""
-    return [-max(guards[i].tolerance, guards[i].patience) for i in watched]
+    """Returns below which values of some guards are only after their events; what is observed goes on below zero."""
+    return [-math.inf if guards[i].observes else -max(guards[i].tolerance, guards[i].patience) for i in watched]
 
 
 def steps(duration: float, longest: float) -> dict[str, Any]:

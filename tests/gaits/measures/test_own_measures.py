@@ -7,7 +7,7 @@ import pytest
 
 from spear_pin import Gait, continue_gait, find_gait, hopping, load, optimize_design, simulate
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN, Named, described, names_in, register
+from spear_pin.gaits.measures.catalogue import Named, described, names_in, register
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.targets import measure_of
@@ -29,12 +29,9 @@ IMPULSE = Named(
 )
 
 
-@pytest.fixture(scope="module", autouse=True)
-def impulse():
-    counts = len(CATALOGUE), len(SHOWN)
+@pytest.fixture(autouse=True)
+def impulse(measures_of_ones_own):
     register(IMPULSE)
-    yield IMPULSE
-    del CATALOGUE[counts[0] :], SHOWN[counts[1] :]
 
 
 @pytest.fixture(scope="module")
