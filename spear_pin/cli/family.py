@@ -134,7 +134,7 @@ def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[
         gait = _hop(arguments, target, program)
     else:
         write_gait(program, arguments.what)
-    measured = arguments.over[0] in measures_of(gait.system)
+    measured = arguments.over[0] in measures_of(gait.system, sampled=True)
     if measured and target:
         raise BadValue(
             "--over",
@@ -156,7 +156,7 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float], program: Progr
     robot = load("spear_ii", locked=["boom_x"]) if leg is None else leg
     make: Callable[[Robot], HybridSystem] = hopping if leg is None else scaled_hopping
     at = {} if arguments.at is None else {over: arguments.at}
-    if leg is None and not at and not target and over not in measures_of(make(robot)):
+    if leg is None and not at and not target and over not in measures_of(make(robot), sampled=True):
         write_gait(program, "hop")
         return named_gait("hop")
     named = write_leg(program, arguments, robot, ["boom_x"])
@@ -164,7 +164,7 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float], program: Progr
         named = program.let("robot", program.call(vary, named, **at))
         robot, at = vary(robot, **at), {}
     system = make(robot)
-    if over in measures_of(system):
+    if over in measures_of(system, sampled=True):
         target, at = {**target, **at}, {}
     written = program.let("system", program.call(make, named))
     if at:

@@ -9,13 +9,13 @@ from typing import Any
 from spear_pin.cli.arguments import Commands, add_command
 from spear_pin.cli.output import joined
 
-WIDTH = 110  # characters of a line
-PLACES = "A word in capitals stands for the name of a joint, toe, phase or event of the robot."
+WIDTH, WIDE = 110, 28  # characters of a line, and of a name in it
+PLACES = "Words in capitals stand for a joint, toe, phase or event, N for a number. Searches take all without (*)."
 
 
 def add(commands: Commands) -> None:
     """Declare the command."""
-    example = ("spear measures", "list what --keep, --minimize and --over take: peak torques, work, heights")
+    example = ("spear measures", "list names for --keep, --minimize and --over: peak torques, work, heights, ...")
     add_command(commands, "measures", run, "list the measures of a cycle, with their units and meanings", example)
 
 
@@ -23,11 +23,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """List the measures."""
     from spear_pin.gaits.measures.catalogue import CATALOGUE
 
-    rows = [{"name": each.pattern, "unit": each.unit, "meaning": each.text} for each in CATALOGUE]
-    wide = max(len(row["name"]) for row in rows)
-    lines = [f"{'measure':<{wide}}  {'unit':<9}meaning"]
-    for row in rows:
-        head = f"{row['name']:<{wide}}  {'' if row['unit'] == '1' else row['unit']:<9}"
-        first, *more = textwrap.wrap(row["meaning"], WIDTH - len(head))
+    rows, lines = list[dict[str, Any]](), [f"{'measure':<{WIDE}}{'unit':<9}meaning"]
+    for each in CATALOGUE:
+        target = each.of is not None
+        rows.append({"name": each.pattern, "unit": each.unit, "meaning": each.text, "target": target})
+        head = f"{each.pattern:<{WIDE}}{'' if each.unit == '1' else each.unit:<9}"
+        first, *more = textwrap.wrap(each.text + ("" if target else " (*)"), WIDTH - len(head))
         lines += [head + first, *(" " * len(head) + line for line in more)]
     return {"measures": rows, "text": joined([*lines, "", PLACES])}

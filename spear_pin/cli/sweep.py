@@ -218,6 +218,7 @@ def _asked(
     """The system, what to solve for, and the target."""
     from spear_pin import Gait, hopping, load
     from spear_pin.gaits.bounding import SPEED_BY
+    from spear_pin.gaits.targets import measures_of
     from spear_pin.studies.hop_of_another import scaled_hopping
 
     leg = one_leg(arguments, ["boom_x"])
@@ -236,13 +237,12 @@ def _asked(
         system = gait.system
         program.let("system", Code(f"{program.call(Gait.load, name)}.system"))
         measure, value, solved = "mean_speed", arguments.speed, SPEED_BY
-    if value is not None and measure in names:
-        raise BadValue(
-            "--over",
-            measure,
-            f"a parameter; for a measure leave out {'--flight-time' if arguments.what == 'hop' else '--speed'}",
-        )
-    asked = value is not None or measure in names
+    over = [name for name in measures_of(system) if name in names]
+    if over and (value is not None or len(over) > 1):
+        option = "--flight-time" if arguments.what == "hop" else "--speed"
+        expected = f"a parameter; for a measure leave out {option}" if value is not None else "one measure at most"
+        raise BadValue("--over", over[-1], expected)
+    asked = value is not None or bool(over)
     return system, [solved] if asked else [], {} if value is None else {measure: value}
 
 

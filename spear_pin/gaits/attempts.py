@@ -94,7 +94,7 @@ class Search:
     rtol: float
     on_iteration: Callable[[int, float], object]
     exact: TangentCycles | None
-    own: tuple[bool, ...] = ()
+    own: tuple[bool, ...]
     effort: Effort = field(default_factory=Effort)
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:

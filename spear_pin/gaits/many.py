@@ -107,9 +107,7 @@ def _wanted(system: HybridSystem, vary: Sequence[str], target: Mapping[str, Arra
         if name not in measures_of(system):
             raise UnknownName("target", name, known)
         if name not in known:
-            raise BadValue(
-                "target", name, f"one of {', '.join(known)}: lanes do not record what happens at other events"
-            )
+            raise BadValue("target", name, f"one of {', '.join(known)}: lanes do not measure more; find_gait does")
         if np.shape(value) not in ((), (n,)):
             raise BadValue(f"target {name}", value, f"a finite number, or {n} of them")
     check_wanted(system, target)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.measures.catalogue import names_in
+from spear_pin.errors import BadValue, NoGait, UnknownName
+from spear_pin.gaits.measures.catalogue import described, names_in
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import Run
@@ -42,9 +43,15 @@ def check_wanted(system: HybridSystem, target: Mapping[Any, ArrayLike]) -> None:
             raise BadValue(f"target {name}", float(values[~valid][0]), expected)
 
 
-def measures_of(system: HybridSystem) -> list[str]:
-    """Returns the names of the measures that may be targets: the system's own, then the others of the catalogue."""
-    return [*dict.fromkeys([*system.measures, *names_in(system)])]
+def measures_of(system: HybridSystem, *, sampled: bool = False) -> list[str]:
+    """Returns the names of the measures that may be targets: the system's own, then the others of the catalogue.
+
+    Args:
+        system: the system.
+        sampled: whether to leave out those that only derivatives give.
+    """
+    others = [name for name in names_in(system) if described(name).sampled or not sampled]
+    return [*dict.fromkeys([*system.measures, *others])]
 
 
 def measure_of(system: HybridSystem, measure: str | Callable[[Run], float]) -> Callable[[HybridSystem, Run], float]:
@@ -66,10 +73,12 @@ def measure_of(system: HybridSystem, measure: str | Callable[[Run], float]) -> C
     def of_samples(other: HybridSystem, run: Run) -> float:
         cycles, halves = range(1, 2 + bool(other.mirrored_toes)), bool(other.mirrored_toes)
         motion = simulate(other, run.start, len(cycles), samples=SAMPLES, progress=False)
+        if motion.cycles < len(cycles):
+            raise NoGait(f"a cycle for {measure} does not close: {motion.message}", math.inf)
         found = Sampled(other.robot, motion, cycles, halves).values()
         if measure not in found:
-            expected = f"a measure that samples give ({', '.join(found)}); others need derivatives, which heyoka gives"
-            raise BadValue("measure", measure, expected)
+            told = "samples do not give it" if not described(str(measure)).sampled else "this cycle has none"
+            raise BadValue("target", measure, f"a measure that needs no derivatives: {told}")
         return found[str(measure)]
 
     return of_samples

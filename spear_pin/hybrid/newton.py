@@ -133,7 +133,7 @@ def newton(
             residuals.
     """
     k = start.shape[1]
-    r = equations or k
+    r = k if equations is None else equations
     lanes = _begun(start / scale, r, iterations)
     for _ in range(calls) if calls is not None else count():
         going = lanes.end == ""

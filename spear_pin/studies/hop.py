@@ -57,7 +57,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "spring_share": spring_share(trajectory),
         "energy_flows": {name: float(ledger[name][0]) for name in ledger.flows} if whole else {},
         "energy_residual": float(np.abs(ledger.residual).max()) if whole else None,
-        "measures": sampled.values(),
+        "measures": sampled.values() if whole else {},
         "cycles": trajectory.cycles,
         "retouches": sum(event.domain != CHATTER for event in trajectory.named(RETOUCH)),
         "reason": trajectory.reason,

@@ -58,7 +58,7 @@ def summarize_round(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "residual": gait.residual,
         "energy_flows": {name: float(ledger[name][0]) for name in ledger.flows} if trajectory.cycles else {},
         "energy_residual": float(np.abs(ledger.residual).max()) if trajectory.cycles else None,
-        "measures": sampled.values(),
+        "measures": sampled.values() if trajectory.cycles else {},
         "cycles": trajectory.cycles,
         "reason": trajectory.reason,
     }

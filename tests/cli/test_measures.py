@@ -9,12 +9,12 @@ from tests.cli.calls import run
 def test_lists_every_measure(capsys):
     status, out, _ = run(capsys, "measures")
     assert status == 0 and all(each.pattern in out for each in CATALOGUE)
-    assert max(map(len, out.splitlines())) <= 110 and "A word in capitals" in out
+    assert max(map(len, out.splitlines())) <= 116 and "Words in capitals" in out
 
 
 def test_as_json(capsys):
     rows = json.loads(run(capsys, "measures", "--json")[1])["measures"]
     assert [row["name"] for row in rows] == [each.pattern for each in CATALOGUE]
-    assert {"unit": "1", "name": "cost_of_transport"}.items() <= next(
+    assert {"unit": "1", "name": "cost_of_transport", "target": True}.items() <= next(
         row for row in rows if row["name"] == "cost_of_transport"
     ).items()

@@ -7,8 +7,8 @@ import pytest
 
 from spear_pin import Contact, Gait, hopping, simulate_many
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.taylor import Code
-from spear_pin.hybrid.engines.taylor_single import AHEAD, UNCLEAR, Entry
+from spear_pin.hybrid.engines.taylor import Code, Ready
+from spear_pin.hybrid.engines.taylor_single import AHEAD, UNCLEAR, Entry, Single
 from spear_pin.hybrid.fields import flattened
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, alone, spread
@@ -204,3 +204,24 @@ def test_a_lane_that_diverges_leaves_the_others(hop):
     for i, one in zip((0, 1, 3), alone, strict=True):
         assert (t[i], ends[i]) == (one[0][0], one[2][0])
         np.testing.assert_array_equal(reached[:, i], one[1][:, 0])
+
+
+@pytest.mark.parametrize("n", [1, 12])
+def test_what_is_observed_goes_on_below_zero(hop, n, monkeypatch):
+    """The arc after an apex begins where its guard is on zero, and falls."""
+    ends, run_one, run_many = [], Single.run, Ready.run
+
+    def one(self, *given, **named):
+        found = run_one(self, *given, **named)
+        ends.append(found[2])
+        return found
+
+    def many(self, *given):
+        found = run_many(self, *given)
+        ends.extend(found[2].tolist())
+        return found
+
+    monkeypatch.setattr(Single, "run", one)
+    monkeypatch.setattr(Ready, "run", many)
+    batch = simulate_many(hop.system, *(np.tile(part, (n, 1)) for part in hop.state), 2, observe=True)
+    assert ends and taylor.FAILED not in ends and not batch.repeated.any()

@@ -141,9 +141,14 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "gaits/sensitivity/measure",
+        "gaits/sensitivity/measures",
         ["hybrid/tangent/test_bound"],
-        {"derivatives: a cost by a weight that stays": ("one.derivative * other.value + ", "")},
+        {
+            "derivatives: a cost by a weight that stays": (
+                "Dual(self._weight.value, self._",
+                "Dual(self._weight.value, 0.0 * self._",
+            )
+        },
     ),
     *mistakes_in(
         "gaits/measures/of_samples",

@@ -101,9 +101,8 @@ class Problem:
             UnknownName: the gait lacks a measure.
             BadValue: the gait would have the measure with other motors.
         """
-        kept = [
-            name for name in orbit.measures if name in measures_of(orbit.system)
-        ]  # the end is searched for with them
+        targets = measures_of(orbit.system)  # the end is searched for with them
+        kept = [name for name in orbit.measures if name in targets]
         for name in self.keep:
             if name not in kept:
                 raise UnknownName("measure to keep", name, kept)

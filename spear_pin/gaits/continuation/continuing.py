@@ -99,10 +99,10 @@ def _equations(
 ) -> tuple[Gaits, Any, Array]:
     """Returns the equations, the gait's state, and its values of the solved numbers and the parameter."""
     system = gait.system
-    measured = over in measures_of(system)
+    measured = over in measures_of(system, sampled=True)
     for name in target:
-        if name not in measures_of(system):
-            raise UnknownName("target", name, measures_of(system))
+        if name not in measures_of(system, sampled=True):
+            raise UnknownName("target", name, measures_of(system, sampled=True))
     if len(vary) != len(target) + measured:
         count = f"{len(target) + measured}" + (f", one for {over} too" if measured else "")
         raise BadValue("vary", list(vary), f"as many parameters as targets, {count}")
@@ -115,7 +115,7 @@ def _equations(
         try:
             parameter(system, over)
         except UnknownName as error:
-            raise UnknownName("parameter", over, (*error.valid, *robots, *measures_of(system))) from None
+            raise UnknownName("parameter", over, (*error.valid, *robots, *measures_of(system, sampled=True))) from None
     check_wanted(system, {**target, **({over: within} if measured else {})})
     names = vary if measured else (*vary, over)
     family = Family(system, names, (*target, *([over] if measured else [])), rtol)

@@ -33,7 +33,7 @@ class Family:
     Attributes:
         system: one of the systems.
         names: names of the numbers, as `with_numbers` takes them; at most the last one belongs to the robot.
-        measures: names among `system.measures`, or functions of a cycle's run.
+        measures: names of measures, or functions of a cycle's run.
         rtol: relative tolerance of the integration.
     """
 
@@ -83,9 +83,8 @@ class Family:
     @cached_property
     def differentiable(self) -> bool:
         """Whether exact derivatives are known for such systems and measures."""
-        if self.system.robot.planar:
-            return self._has_lanes()
-        return may_vary(self.system, ()) and all(isinstance(name, str) for name in self.measures)
+        known = has_lanes(self.system, self._own) if self.system.robot.planar else may_vary(self.system, ())
+        return known and all(isinstance(name, str) for name in self.measures)
 
     def seeds(self, values: Array) -> Seeds:
         """Returns the derivatives of the systems' numbers by the named ones, which the robot's number alone changes."""
@@ -108,8 +107,12 @@ class Family:
 
     def _has_lanes(self) -> bool:
         """Tells whether lanes, which are faster, can run the cycles."""
-        own = self.names[:-1] if self.of_robot else self.names
-        return has_lanes(self.system, own) and all(measure in MEASURES for measure in self.measures)
+        return has_lanes(self.system, self._own) and all(measure in MEASURES for measure in self.measures)
+
+    @property
+    def _own(self) -> tuple[str, ...]:
+        """Names of the numbers that do not belong to the robot."""
+        return self.names[:-1] if self.of_robot else self.names
 
     def _by_lanes(self, q: Array, v: Array, values: Array) -> Cycles:
         parts, chosen = list[Cycles](), list[NDArray[np.int64]]()

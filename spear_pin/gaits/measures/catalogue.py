@@ -26,12 +26,14 @@ class Named(NamedTuple):
         text: meaning of the measure, in a sentence.
         of: returns the measure of a cycle's `Signals`, given the joint, toe, phase or event if the pattern has one;
             None where there is none. Without it, other data than the cycle's are needed.
+        sampled: whether samples give it.
     """
 
     pattern: str
     unit: str
     text: str
     of: Callable[..., Any] | None = None
+    sampled: bool = True
 
     @property
     def kind(self) -> str:
@@ -80,7 +82,7 @@ def _rms(cycle: Signals, joint: str) -> Any:
     if joint not in cycle.squares:
         return None
     square = cycle.squares[joint] / cycle.period
-    return square**0.5 if square > 0.0 else 0.0
+    return 0.0 if square <= 0.0 else square**0.5
 
 
 def _at_closing(i: int) -> Callable[[Signals, str], Any]:
@@ -113,9 +115,16 @@ CATALOGUE: list[Named] = [
         "m",
         "Height of the base at an event that is recorded but changes nothing, such as the apex.",
         lambda cycle, event: cycle.observed[event],
+        sampled=False,
     ),
-    Named("JOINT_rate_at_SECTION", "rad/s", "Speed of a joint just before the cycle closes.", _at_closing(1)),
-    Named("JOINT_at_SECTION", "rad", "Angle of a joint where the cycle closes.", _at_closing(0)),
+    Named(
+        "JOINT_rate_at_SECTION",
+        "rad/s",
+        "Speed of a joint just before the cycle closes.",
+        _at_closing(1),
+        sampled=False,
+    ),
+    Named("JOINT_at_SECTION", "rad", "Angle of a joint where the cycle closes.", _at_closing(0), sampled=False),
     Named("stride", "m", "Distance covered in a cycle.", lambda cycle: cycle.stride),
     Named(
         "mean_speed",
@@ -123,7 +132,7 @@ CATALOGUE: list[Named] = [
         "Distance covered in a cycle, divided by its period.",
         lambda cycle: None if cycle.stride is None else cycle.stride / cycle.period,
     ),
-    Named("turn", "rad", "Change of the heading in a cycle, to the left.", lambda cycle: cycle.turn),
+    Named("turn", "rad", "Change of the heading in a cycle, to the left.", lambda cycle: cycle.turn, sampled=False),
     Named(
         "work",
         "J",
@@ -169,6 +178,7 @@ CATALOGUE: list[Named] = [
         "m",
         "Greatest height of a toe above the ground between lift-off and touchdown.",
         _largest("heights", "peak"),
+        sampled=False,
     ),
     Named(
         "least_JOINT",
@@ -195,6 +205,7 @@ CATALOGUE: list[Named] = [
         "rad",
         "Deflection of a spring when it releases; if it releases several times, the smallest.",
         lambda cycle, joint: cycle.released.get(joint),
+        sampled=False,
     ),
     Named("heat_JOINT", "J", "Heat of the windings of all motors of a joint in a cycle."),
     Named("energy", "J", "Work and heat of all motors in a cycle."),
@@ -208,6 +219,7 @@ SHOWN = [
     *("positive_work", "cost_of_transport", "effort"),
 ]
 """Kinds of measures that the page of any gait shows; every page and comparison shows those that are added behind."""
+OF_A_WAY = ("stride", "mean_speed", "turn", "cost_of_transport", "cost_of_transport_positive", "effort_per_distance")
 STANDARD = len(SHOWN)
 PLACES = re.compile(r"[A-Z]{2,}|(?<=_)N$")
 
@@ -216,26 +228,33 @@ def register(entry: Named) -> None:
     """Adds a measure of one's own, which is then known wherever measures are asked for by name.
 
     Raises:
-        BadValue: the catalogue has a measure of that name, or the entry has no formula.
+        BadValue: the entry has no formula, its name stands for several places, or the catalogue has such names.
     """
     if entry.of is None:
         raise BadValue("of", entry.of, "a function of a cycle's Signals")
-    if any(each.pattern == entry.pattern for each in CATALOGUE):
-        raise BadValue("pattern", entry.pattern, "a name that the catalogue does not have yet")
+    if sum(word in entry.pattern for word in PLACED) > 1:
+        raise BadValue("pattern", entry.pattern, f"a name with one of {', '.join(PLACED)} at most")
+    for each in CATALOGUE:
+        alike = each.kind == entry.kind or re.fullmatch(fitting(each), entry.pattern)
+        if alike or re.fullmatch(fitting(entry), each.pattern):
+            raise BadValue("pattern", entry.pattern, f"a name that the catalogue does not have yet, as {each.pattern}")
     CATALOGUE.append(entry)
     SHOWN.append(entry.kind)
 
 
 def names_in(system: HybridSystem) -> list[str]:
     """Returns the names of all measures that cycles of a system may have, without those at other events."""
-    robot = system.robot
+    robot, moves = system.robot, bool(system.cyclic)
+    springs = dict.fromkeys(mount.joint for domain in system.domains for mount in domain.mounts)
     places = {"PHASE": system.phases, "EVENT": (), "JOINT": robot.actuated, "TOE": robot.toes}
     found = []
     for each in CATALOGUE:
         pattern = each.pattern.replace("SECTION", system.section)
         word = next((word for word in PLACED if word in pattern), "")
-        if each.of is not None:
-            found += [pattern.replace(word, place) for place in places[word]] if word else [pattern]
+        if each.of is None or (each.pattern in OF_A_WAY and not moves):
+            continue
+        there = springs if each.kind == "deflection" else places.get(word, ())
+        found += [pattern.replace(word, place) for place in there] if word else [pattern]
     return found
 
 

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from spear_pin.arrays import Array
+from spear_pin.errors import UnknownName
 from spear_pin.gaits.measures.catalogue import CATALOGUE
 from spear_pin.gaits.measures.curves import Curves
 from spear_pin.gaits.measures.signals import Signals
@@ -40,16 +41,23 @@ class Sampled(Signals):
         return {name: value for each in CATALOGUE for name, value in each.values(self).items()}
 
     def of(self, kind: str) -> dict[str, float]:
-        """Returns the measures of one kind, such as "peak_torque", by joint or toe."""
-        return {name.removeprefix(f"{kind}_"): value for name, value in self._named(kind).items()}
+        """Returns the measures of one kind, such as "peak_torque", by joint or toe.
+
+        Raises:
+            UnknownName: there is no such kind.
+        """
+        for each in CATALOGUE:
+            if each.kind == kind:
+                return {name.removeprefix(f"{kind}_"): value for name, value in each.values(self).items()}
+        raise UnknownName("kind of measure", kind, [each.kind for each in CATALOGUE])
 
     def largest(self, kind: str) -> float:
-        """Returns a measure by its name; of a kind for joints or toes the largest."""
-        return max(self._named(kind).values())
+        """Returns the only measure of a kind, or the largest of all joints or toes; NaN where there is none.
 
-    def _named(self, kind: str) -> dict[str, float]:
-        entry = next(each for each in CATALOGUE if each.pattern in (kind, f"{kind}_JOINT", f"{kind}_TOE"))
-        return entry.values(self)
+        Raises:
+            UnknownName: there is no such kind.
+        """
+        return max(self.of(kind).values(), default=math.nan)
 
     @cached_property
     def curves(self) -> Curves:

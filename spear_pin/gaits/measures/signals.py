@@ -19,7 +19,7 @@ PRESSED = 0.02  # share of a toe's even share of the weight above which friction
 class Signals(ABC):
     """Signals of a cycle, their integrals and peaks. Numbers are floats, or dual numbers.
 
-    Signals have `*`, by another signal or by a number.
+    Signals have `*`, by a number or, signals of joints, by each other; those of toes are not known all the time.
 
     Attributes:
         robot: the robot that moves.

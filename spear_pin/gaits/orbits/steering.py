@@ -52,6 +52,6 @@ def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: 
     try:
         x = strides.solved(np.zeros(strides.unknowns), off, held, 10.0 * rtol, LONGEST)
     except NoGait as failure:
-        problem = f"Newton's method finds no turn by {np.degrees(turn):.3g}° a stride: {failure.reason}"
+        problem = f"no turn by {np.degrees(turn):.3g}° a stride was found: {failure.reason}"
         raise NoGait(problem, failure.residual, remedy="a smaller turn") from None
     return strides.system(x), headed(*strides.state(x))

@@ -81,12 +81,6 @@ def total(parts: Sequence[Measure]) -> Measure:
     return Measure(value, np.sum([each.derivative for each in parts], axis=0), parts[0].unit)
 
 
-def product(one: Measure, other: Measure, unit: str) -> Measure:
-    """Returns the product of two measures, in a given unit."""
-    change = one.derivative * other.value + one.value * other.derivative
-    return Measure(one.value * other.value, change, unit)
-
-
 def ratio(above: Measure, below: Measure, unit: str) -> Measure:
     """Returns the ratio of two measures, in a given unit."""
     value = above.value / below.value

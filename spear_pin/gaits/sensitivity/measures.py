@@ -67,10 +67,15 @@ class Signal:
     pieces: Sequence[Pieces]
     halves: int = 1
 
-    def __mul__(self, other: Signal | float) -> Signal:
+    def __mul__(self, other: Signal | Dual | float) -> Signal:
         if isinstance(other, Signal):
+            if [each.stretch for each in self.pieces] != [each.stretch for each in other.pieces]:
+                raise TypeError("forces and heights are known on some arcs only: multiply them with no other signal")
             return Signal([a.times(b) for a, b in zip(self.pieces, other.pieces, strict=True)], self.halves)
-        return Signal([each.times(other) for each in self.pieces], self.halves)
+        number, change = (other.x, other.d) if isinstance(other, Dual) else (other, 0.0)
+        return Signal([each.times(float(number), change) for each in self.pieces], self.halves)
+
+    __rmul__ = __mul__
 
 
 class Differentiated(Signals):
@@ -222,7 +227,7 @@ class Differentiated(Signals):
                 if own not in closed_in(each, toes)
             ]
             if aloft:
-                found[toe] = Signal(aloft)
+                found[toe] = Signal(aloft, len(with_partner(self.cycle.system, toe)))
         return found
 
     def integral(self, signal: Signal) -> Any:

@@ -123,7 +123,7 @@ class Compiled:
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Values, code: Code) -> None:
         hy = require()
-        self.nv, self.guards, self._domain = system.robot.nv, len(domain.guards), domain
+        self.nv, self.guards = system.robot.nv, len(domain.guards)
         self.closed = closed_toes(system.robot.toes, domain)
         self.state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
         mechanism, self.numbers, kept = symbols(system, mechanism_of(system.robot), held, hy.par)
@@ -225,16 +225,7 @@ class Compiled:
         ends = np.where(codes == int(require().taylor_outcome.time_limit), TIME_LIMIT, FAILED)
         events = (codes < 0) & (codes >= -len(self.meaning))  # the first is -1
         ends[events] = self.meaning[-codes[events] - 1]
-        found = times.ravel()[:n], states.transpose(1, 0, 2).reshape(len(y), -1)[:, :n].copy(), ends
-        ends[self._unseen(self.at(t, y, parameters), self.at(*found[:2], parameters), ends)] = FAILED
-        return found
-
-    def _unseen(self, before: Point, after: Point, ends: NDArray[np.int64]) -> NDArray[np.bool_]:
-        """Tells in which lanes a guard that is no event fell through zero: by rounding, heyoka may find no root."""
-        watched = self.meaning[self.meaning >= 0]
-        least = np.array(lowest(self._domain.guards, watched))[:, None]
-        fell = (before.guards[watched] >= least) & (after.guards[watched] < least) & (watched[:, None] != ends)
-        return np.asarray(fell.any(axis=0))
+        return times.ravel()[:n], states.transpose(1, 0, 2).reshape(len(y), -1)[:, :n].copy(), ends
 
     def _run(
         self, t: Array, y: Array, until: Array, parameters: Array, codes: NDArray[np.int64], longest: float
@@ -288,7 +279,16 @@ class Ready:
         self, t: Array, y: Array, until: Array, parameters: Array, longest: float = math.inf
     ) -> tuple[Array, Array, NDArray[np.int64]]:
         """Integrates up to the first guard that falls through zero, or up to a time; see `Compiled.run`."""
-        return self.compiled.run(t, y, until, parameters, longest)
+        found = self.compiled.run(t, y, until, parameters, longest)
+        found[2][self._unseen(self.at(t, y, parameters), self.at(*found[:2], parameters), found[2])] = FAILED
+        return found
+
+    def _unseen(self, before: Point, after: Point, ends: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Tells in which lanes a guard that is no event fell through zero: by rounding, heyoka may find no root."""
+        watched = self.compiled.meaning[self.compiled.meaning >= 0]
+        least = np.array(lowest(self.domain.guards, watched))[:, None]
+        fell = (before.guards[watched] >= least) & (after.guards[watched] < least) & (watched[:, None] != ends)
+        return np.asarray(fell.any(axis=0))
 
 
 @lru_cache(MOST)

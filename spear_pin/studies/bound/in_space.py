@@ -53,6 +53,8 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         }
     across = np.stack([_turned(force[:, :2].T, yaw)[1] for force, yaw in zip(trajectory.force, q[:, YAW], strict=True)])
     normal, toes = trajectory.force[:, :, 2], range(len(trajectory.toes))
+    cycles = range(1, trajectory.cycles + 1)
+    measures = Sampled(robot, trajectory, cycles, halves).values() if trajectory.cycles else {}
     return {
         "residual": gait.residual,
         "multipliers": gait.multipliers.tolist(),
@@ -68,7 +70,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "friction_used": sampled.largest("friction_used"),
         "friction_used_across": max(curves.ratio(across[:, i], normal[:, i], sampled.pressed) for i in toes),
         "joints": joints,
-        "measures": Sampled(robot, trajectory, range(1, trajectory.cycles + 1), halves).values(),
+        "measures": measures,
     }
 
 

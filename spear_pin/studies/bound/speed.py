@@ -9,7 +9,7 @@ from spear_pin.gaits.attempts import Measure
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.feedback import regulated, speed_regulated, without_feedback
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.leading import led
+from spear_pin.gaits.leading import Way, led
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.result import Options
@@ -64,10 +64,10 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
     whole = speed - begin
 
     def solve(share: float, near: Gait) -> Gait:
-        return _continued(near, begin + share * whole, on_iteration)
+        return _continued(near, speed if share == 1.0 else begin + share * whole, on_iteration)
 
     step, shortest = (each / max(abs(whole), 1e-12) for each in (SPEED_STEP, SHORTEST_STEP))
-    way = led(solve, gait, first=step, shortest=shortest, longest=step)
+    way = led(solve, gait, first=step, shortest=shortest, longest=step) if whole else Way(1.0, gait)
     if way.failure is not None:
         problem = f"it continues from {begin:.2f} to {begin + way.done * whole:.2f} m/s, and none was found beyond"
         raise NoGait(problem, way.failure.residual, remedy=f"a speed nearer to {begin:.2f} m/s")

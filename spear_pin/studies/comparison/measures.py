@@ -82,7 +82,7 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
     for each in CATALOGUE:
         if each.kind in SHOWN[STANDARD:]:
             for name, value in each.values(sampled).items():
-                groups.get(each.unit, motion)[_words(name), each.unit] = value
+                groups.get(each.unit, motion)[_words(name), each.unit.replace("1", "")] = value
     if run.cycles:
         for flow in run.ledger.flows:
             joint = flow.removeprefix("motor_")

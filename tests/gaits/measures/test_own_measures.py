@@ -45,6 +45,9 @@ def test_its_name_and_unit(hop):
         register(IMPULSE)
     with pytest.raises(BadValue, match="of is None"):
         register(Named("beauty", "1", "Beauty."))
+    for clash in ("greatest_knee", "work_JOINT", "two_JOINT_TOE"):
+        with pytest.raises(BadValue, match=f"pattern is '{clash}'"):
+            register(IMPULSE._replace(pattern=clash))
     with pytest.raises(UnknownName, match="beauty"):
         measure_of(hop.system, "beauty")
 
@@ -107,6 +110,36 @@ class TestWithDerivatives:
 def test_a_comparison_has_it():
     rows = measures(sides_of(["long_stride", "long_stride_3.00"], cycles=1))
     assert [each.unit for each in rows if each.name.startswith("impulse ")] == ["N·s", "N·s"]
+
+
+def test_signals_take_numbers_from_either_side(hop):
+    register(
+        IMPULSE._replace(pattern="weights_TOE", of=lambda c, toe: c.integral(0.5 * c.forces[toe][1] * (2 / c.weight)))
+    )
+    motion = simulate(hop.system, hop.state, 1, progress=False)
+    by_samples = Sampled(hop.system.robot, motion).of("weights")["toe"]
+    assert by_samples == pytest.approx(Sampled(hop.system.robot, motion).of("impulse")["toe"] / hop.system.robot.weight)
+    assert Orbit(hop.system, hop.state, ()).measures["weights_toe"].value == pytest.approx(by_samples, rel=1e-7)
+
+
+@pytest.mark.slow
+def test_heights_of_half_strides_count_once():
+    """Those of a foot, and of the other foot in the other half, are of a whole stride."""
+    register(IMPULSE._replace(pattern="raised_TOE", of=lambda c, toe: c.integral(c.heights[toe])))
+    gait = Gait.load("trot")
+    motion, robot = simulate(gait.system, gait.state, 2, progress=False), gait.system.robot
+    found, (toe, *_) = Orbit(gait.system, gait.state, ()).measures, robot.toes
+    heights = np.array([robot.toe_position(q, toe)[2] for q in motion.q])
+    curves = Sampled(robot, motion, (1, 2), True).curves
+    assert found[f"raised_{toe}"].value == pytest.approx(curves.integral(heights) / 2.0, rel=1e-6)
+
+
+def test_what_no_cycle_has(hop):
+    sampled = Sampled(hop.system.robot, simulate(hop.system, hop.state, 1, progress=False), (7,))
+    assert np.isnan(sampled.period) and np.isnan(sampled.of("rms_torque")["knee"])
+    assert np.isnan(sampled.largest("cost_of_transport"))
+    with pytest.raises(UnknownName, match="nope"):
+        sampled.of("nope")
 
 
 @pytest.mark.slow
