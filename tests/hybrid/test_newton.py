@@ -239,3 +239,53 @@ class TestDifferences:
         after = broyden(before, step, change)[0]
         np.testing.assert_allclose(after @ step[0], change[0], rtol=1e-14)
         np.testing.assert_array_equal(after[:, 1], before[0, :, 1])
+
+
+class TestMoreUnknownsThanEquations:
+    """A circle of radius 2, from outside: each step is the shortest that solves the linear equation."""
+
+    START = np.array([[6.0, 8.0]])
+
+    @staticmethod
+    def circle(lanes, x):
+        return (x * x).sum(axis=1, keepdims=True) - 4.0, np.full(len(x), "", dtype=object)
+
+    @staticmethod
+    def slopes(lanes, x):
+        return 2.0 * x[:, None, :]
+
+    @pytest.mark.parametrize("slopes", [None, "exact"])
+    def test_the_nearest_root_is_found(self, slopes):
+        given = {"slopes": self.slopes} if slopes else {}
+        found = newton(self.circle, self.START, np.ones((1, 2)), 1e-12, equations=1, **given)
+        assert found.end[0] == CONVERGED
+        np.testing.assert_allclose(found.x, [[1.2, 1.6]], rtol=0, atol=1e-6 if slopes is None else 1e-12)
+
+    def test_steps_are_no_longer_than_allowed(self):
+        seen = []
+
+        def circle(lanes, x):
+            seen.extend(x.tolist())
+            return self.circle(lanes, x)
+
+        found = newton(
+            circle, self.START, np.ones((1, 2)), 1e-12, slopes=self.slopes, equations=1, longest=0.5, iterations=40
+        )
+        assert found.end[0] == CONVERGED
+        assert np.abs(np.diff(np.array(seen), axis=0)).max() == pytest.approx(0.5)
+
+    def test_jacobians_are_updated_while_steps_reduce_the_residual_a_lot(self):
+        """Where it need not always be asked for."""
+        counts = {}
+        for always in (True, False):
+            asked = []
+
+            def slopes(lanes, x, asked=asked):
+                asked.append(x)
+                return self.slopes(lanes, x)
+
+            start = np.array([[1.3, 1.65]])
+            found = newton(self.circle, start, np.ones((1, 2)), 1e-12, slopes=slopes, equations=1, always=always)
+            assert found.end[0] == CONVERGED
+            counts[always] = len(asked)
+        assert counts[False] < counts[True]

@@ -63,6 +63,55 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/newton",
+        ["hybrid/test_newton"],
+        {
+            "steps of any length": ("np.minimum(1.0, longest /", "np.minimum(1.0, np.inf /"),
+            "Jacobians are always asked for": ("if always else lanes.differs", "if True else lanes.differs"),
+        },
+    ),
+    *mistakes_in(
+        "gaits/leading",
+        ["gaits/test_leading"],
+        {
+            "a step grows at once after one that failed": (
+                "growth = 0.5 * (reach - way.done), 1.0",
+                "growth = 0.5 * (reach - way.done), 2.0",
+            ),
+            "steps as long as they like": ("min(growth * step, longest)", "growth * step"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/contact",
+        ["hybrid/tangent/test_in_space"],
+        {"a toe sets out for too long": ("SETTING_OUT = 1e-5", "SETTING_OUT = 1e-4")},
+    ),
+    *mistakes_in(
+        "gaits/targets",
+        ["gaits/measures/test_own_measures"],
+        {"half a stride is measured alone": ("range(1, 2 + bool(other.mirrored_toes))", "range(1, 2)")},
+    ),
+    *mistakes_in(
+        "hybrid/events",
+        ["hybrid/test_events", "hybrid/test_lanes_in_space"],
+        {
+            "a guard with patience never rises early": (
+                "if not guard.patience or (max(values)",
+                "if True or (max(values)",
+            )
+        },
+    ),
+    *mistakes_in(
+        "gaits/sensitivity/measures",
+        ["gaits/measures/test_own_measures"],
+        {
+            "heights of half strides twice": (
+                "Signal(aloft, len(with_partner(self.cycle.system, toe)))",
+                "Signal(aloft)",
+            )
+        },
+    ),
+    *mistakes_in(
         "hybrid/periodic",
         ["hybrid/test_periodic"],
         {

@@ -150,3 +150,13 @@ def test_a_trot_has_it_for_each_foot():
     motion = simulate(gait.system, gait.state, 2, progress=False)
     for name, value in Sampled(gait.system.robot, motion, (1, 2), True).of("impulse").items():
         assert found[f"impulse_{name}"].value == pytest.approx(value, rel=1e-7)
+
+
+@pytest.mark.slow
+def test_by_samples_half_strides_are_measured_whole():
+    """A foot takes more torque in one half than in the other."""
+    gait = Gait.load("trot")
+    found, cycle = Orbit(gait.system, gait.state, ()).measures, return_map(gait.system, gait.state)
+    for joint in ("posterior_left_knee", "posterior_right_knee"):
+        measured = measure_of(gait.system, f"peak_torque_{joint}")(gait.system, cycle)
+        assert measured == pytest.approx(found[f"peak_torque_{joint}"].value, rel=1e-5)

@@ -14,6 +14,7 @@ from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart, return_map
+from spear_pin.hybrid.result import FINEST
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.hybrid.tangent.section import tell_feet_apart
 from tests.solve import gaits  # noqa: F401  registers the recipes
@@ -147,3 +148,14 @@ class TestRefused:
         motors = {joint: motor("assumed_600w") for joint in gait.system.robot.actuated}
         with pytest.raises(BadValue, match="half a stride"):
             gait.sensitivity(["friction"], motors=motors)
+
+
+def test_friction_where_a_toe_begins_to_slide():
+    """Along its first direction a toe does not slide quite as its velocity does; so it goes only to 0.01 mm/s."""
+    gait = Gait.load("turn_9")
+    exact, local = Orbit(gait.system, gait.state, ("friction",)).columns[:, -1], chart(gait.system, gait.state)
+    value, ends = number(gait.system, "friction"), []
+    for step in (3e-4, -3e-4):
+        system = with_numbers(gait.system, {"friction": value + step})
+        ends.append(local.coordinates(return_map(system, gait.state, FINEST).state))
+    assert np.abs((ends[0] - ends[1]) / 6e-4 - exact).max() <= 2e-5 * np.abs(exact).max()
