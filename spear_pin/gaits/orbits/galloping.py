@@ -2,7 +2,8 @@
 
 The gait is continued step by step with the Gauss-Newton method: among all inputs it takes the smallest change, at the
 same speed and heading. Where both feet of a pair land at once, the return map has a kink, because either foot may be
-first. Derivatives there are central differences, which do not see the kink. Beyond it they are exact, where a stride has derivatives.
+first. Derivatives there are central differences, which do not see the kink. Beyond it they are exact, where a stride
+has derivatives.
 """
 
 from __future__ import annotations
