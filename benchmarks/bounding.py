@@ -16,8 +16,9 @@ from typing import Any
 from benchmarks.markdown import table
 from spear_pin import load
 from spear_pin.errors import SpearError
-from spear_pin.gaits.bounding_programme import transcribe
 from spear_pin.gaits.collocation import Solution, resampled
+from spear_pin.gaits.footfalls.in_plane import in_plane
+from spear_pin.gaits.footfalls.programme import transcribe
 from spear_pin.gaits.library import REQUESTS
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
@@ -44,7 +45,7 @@ def meshes(request: Request, solution: Solution) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for intervals in MESHES:
         begin = time.process_time()
-        solution = transcribe(ROBOT, request, intervals, start=resampled(solution)).programme.solve()
+        solution = transcribe(in_plane(ROBOT, request, intervals), resampled(solution)).programme.solve()
         row = {"intervals": intervals, "objective": solution.objective, "iterations": solution.iterations}
         rows.append(row | {"success": solution.success, "seconds": time.process_time() - begin})
     return rows

@@ -242,9 +242,14 @@ class Leg:
         return leg_angle(PITCH, self.hip, self.knee, self.lengths)
 
     @property
-    def rows(self) -> tuple[Variable, ...]:
-        """Controlled variables: γ and the knee."""
+    def controlled(self) -> tuple[Variable, Variable]:
+        """Variables that the motors of hip and knee control in the air: γ and the knee."""
         return self.angle, ((self.knee, 1.0),)
+
+    @property
+    def bends(self) -> float:
+        """+1 if the knee flexes to positive angles, -1 if to negative."""
+        return self.side
 
     def flexion(self, q: Any) -> Any:
         """Returns how far the knee is flexed, in rad."""
@@ -327,13 +332,13 @@ def _side(robot: Robot, leg: RobotLeg, usual: float) -> float:
 
 def _stance(leg: Leg, other: Leg) -> Phase:
     """Returns a single stance: the other leg swings, and s depends on the supporting leg's angle."""
-    return Phase(f"{leg.name}_stance", (other,), Outputs(other.rows, leg.angle, other.motors), bearing=leg)
+    return Phase(f"{leg.name}_stance", (other,), Outputs(other.controlled, leg.angle, other.motors), bearing=leg)
 
 
 def _flight(name: str, lifted: Leg, landing: Leg) -> Phase:
     """Returns a flight: both legs swing, and s depends on the torso's travel."""
     first, second = legs = sorted((lifted, landing), key=lambda leg: leg.hip)
-    outputs = Outputs((*first.rows, *second.rows), ((AHEAD, 1.0),), (*first.motors, *second.motors))
+    outputs = Outputs((*first.controlled, *second.controlled), ((AHEAD, 1.0),), (*first.motors, *second.motors))
     return Phase(name, tuple(legs), outputs, lifted=lifted, landing=landing)
 
 

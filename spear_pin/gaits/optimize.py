@@ -1,23 +1,24 @@
 """Search for bounding gaits of least effort, or with another objective, by direct collocation.
 
-The unknowns are the states, accelerations, swing torques and ground forces at the nodes, the durations, the law's
-parameters and the impulses. The dynamics are those of `model.planar`; the outputs and the stance law are those of the
+The unknowns are the states, accelerations and ground forces at the nodes, the durations, the law's parameters and the
+impulses. The dynamics are those of `model.planar`; the outputs and the stance law are those of the
 simulation. The solution is then refined to a fixed point of the event-exact simulation. Every optimum is a local one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, Infeasible, NoGait
+from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.bounding import SPEED_BY, bounding
-from spear_pin.gaits.bounding_law import PAIR
-from spear_pin.gaits.bounding_programme import Transcription, transcribe
 from spear_pin.gaits.collocation import Progress, Solution, resampled
+from spear_pin.gaits.footfalls.in_plane import in_plane, read
+from spear_pin.gaits.footfalls.obstacles import obstacle
+from spear_pin.gaits.footfalls.programme import Transcription, transcribe
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.request import Request
 from spear_pin.gaits.search import gait_beside
@@ -32,19 +33,6 @@ POLISHED_BY = (SPEED_BY, "anterior_hip_torque", "anterior_leg_touchdown")
 STRAYS = 0.2  # of a phase's time
 ATTEMPTS, APART = 3, 1000  # number of initial guesses, and distance of their seeds
 PATIENCE = 300  # iterations of each; one that succeeds takes 40 to 250
-MET = 1e-5  # relative to a wish's scale: a wish with a smaller miss is met
-SLIPPED, SLOWER = 1.25, 0.9  # factors on the requested friction and speed
-# wishes, by how their labels begin, and what to try where one is missed most: of the request and by how much it is
-REMEDIES: Mapping[str, Callable[[Request, float], str]] = {
-    "mean speed": lambda asked, by: f"speed={max(asked.speed - by, 0.5 * asked.speed):.3g}",
-    "duration of the stride": lambda asked, by: f"minimum_stride={max(asked.minimum_stride - by, 0.0):.3g}",
-    "friction": lambda asked, by: f"friction={SLIPPED * asked.friction:.2g}{_less_bent(asked)}",
-    "normal force": lambda asked, by: f"minimum_force={max(asked.minimum_force - by, 0.0):.3g}",
-    "clearance": lambda asked, by: f"clearance={max(asked.clearance - by, 0.0):.2g}",
-    "speed": lambda asked, by: f"a gearbox of a smaller ratio, or speed={SLOWER * asked.speed:.3g}",
-    "envelope": lambda asked, by: f"a stronger motor, another ratio{_free_spring(asked)}, or a slower speed",
-    "torque": lambda asked, by: f"{_stronger(asked, by)}speed={SLOWER * asked.speed:.3g}",
-}
 
 
 @typed
@@ -88,7 +76,7 @@ def search(
         raise BadValue("contact.friction", ground, f"at least the request's, {request.friction}: give contact=")
     solution = start or _cold(robot, request, seed, on_iteration)
     for intervals in meshes:
-        transcription = transcribe(robot, request, intervals, start=resampled(solution))
+        transcription = transcribe(in_plane(robot, request, intervals), resampled(solution))
         solution = transcription.programme.solve(on_iteration=on_iteration)
         if not solution.success:
             raise obstacle(transcription, solution)
@@ -106,7 +94,7 @@ def _cold(robot: Robot, request: Request, seed: int, on_iteration: Progress | No
         for way in ways(request):
             start = None
             for stage in way:
-                transcription = transcribe(robot, stage, COARSE, seed=seed + attempt * APART, start=start)
+                transcription = transcribe(in_plane(robot, stage, COARSE, seed + attempt * APART), start)
                 solution = transcription.programme.solve(iterations=PATIENCE, on_iteration=on_iteration)
                 if not solution.success:
                     break
@@ -133,15 +121,16 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
     Raises:
         NoGait: there is no fixed point nearby: a phase would differ by more than `STRAYS` of its time.
     """
-    law, state, stiffness = transcription.read(solution)
-    durations = transcription.durations.items()
-    lasting = {phase: float(transcription.programme.read(time, solution)[0]) for phase, time in durations}
-    system = bounding(robot, law, transcription.request.spring(stiffness), contact)
+    room = transcription.room
+    law, state, stiffness = read(transcription, solution)
+    durations = zip(room.names, transcription.durations, strict=True)
+    lasting = {phase: transcription.number(time, solution) for phase, time in durations}
+    system = bounding(robot, law, replace(transcription.spring, stiffness=stiffness), contact)
     state = _on_ground(robot, ("posterior_toe",), state)
     failure = NoGait("nothing was tried", np.inf)
     for by in POLISHED_BY:
         try:
-            gait = gait_beside(system, state, [by], {"mean_speed": transcription.request.speed})
+            gait = gait_beside(system, state, [by], {"mean_speed": room.request.speed})
         except NoGait as error:
             failure = error
             continue
@@ -153,55 +142,6 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
         reason = f"the fixed point near the optimiser's solution is another gait: {own}"
         failure = NoGait(reason, gait.residual, remedy="a finer mesh, or another seed")
     raise failure
-
-
-def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | NoGait:
-    """Finds the obstacle to a request: the wish that a relaxed solve misses most, counted in its scale."""
-    relaxed, margins = transcription.programme.relaxed(resampled(solution))
-    loosened = relaxed.solve(iterations=300)
-    if not loosened.success:
-        reason = f"the optimiser ended with {solution.status} and its relaxed search with {loosened.status}"
-        return _stopped(reason, solution, f"speed={SLOWER * transcription.request.speed:.3g}, or another seed")
-    missed = {label: float(loosened.values[margin.unknown][0]) for label, margin in margins.items()}
-    worst = max(missed, key=lambda label: missed[label])
-    if missed[worst] < MET:
-        reason = f"the optimiser ended with {solution.status}, though every wish can be met"
-        return _stopped(reason, solution, "another seed")
-    by = missed[worst] * margins[worst].scale
-    return Infeasible(worst, by, margins[worst].unit, remedy(transcription.request, worst, by))
-
-
-def _stopped(reason: str, solution: Solution, remedy: str) -> NoGait:
-    """Returns the error for a search that ended without a wish to blame: it names the worst violation at the end."""
-    worst = max(solution.violations, key=lambda label: solution.violations[label])
-    return NoGait(reason, solution.violations[worst], f"its last iterate misses {worst!r} most", remedy)
-
-
-def remedy(request: Request, wish: str, missed: float) -> str:
-    """Suggests one thing to try where a wish is missed; returns empty text where nothing is known.
-
-    Args:
-        request: the request that has the wish.
-        wish: label of the wish.
-        missed: by how much the wish is missed, in its unit.
-    """
-    known = (say for begin, say in REMEDIES.items() if wish.startswith(begin))
-    return next((say(request, missed) for say in known), "")
-
-
-def _less_bent(request: Request) -> str:
-    """Suggests a straighter knee at touchdown, which strikes the ground less at a slant, where its angle is given."""
-    bent = request.knee_touchdown
-    return "" if bent is None else f" or a smaller knee_touchdown than {bent:.3g}"
-
-
-def _free_spring(request: Request) -> str:
-    return "" if request.stiffness is None else ", stiffness=None, which leaves it free"
-
-
-def _stronger(request: Request, missed: float) -> str:
-    """Suggests more hip torque, which the request counts by pairs of legs, where it is bounded."""
-    return "" if request.hip_torque is None else f"hip_torque={request.hip_torque + PAIR * missed:.3g} or "
 
 
 def _on_ground(robot: Robot, toes: tuple[str, ...], state: tuple[Array, Array]) -> tuple[Array, Array]:

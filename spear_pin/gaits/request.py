@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, ClassVar
 
 from spear_pin.errors import BadValue, UnknownName, require
-from spear_pin.gaits.bounding_law import BoundingLaw, Leg, legs_of
+from spear_pin.gaits.bounding_law import PAIR, BoundingLaw, Leg, legs_of
 from spear_pin.hybrid.contact import Contact
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
@@ -39,29 +39,66 @@ SPARE = 0.1  # rad: least distance of a landing knee from its straightest angle
 
 @typed
 @dataclass(frozen=True)
-class Request:
-    """Request for a bounding gait. Torques and forces are those of a pair of legs.
+class Wishes:
+    """What is asked of any gait that is found by collocation, in the plane or in space.
 
-    Defaults are for Q-SPEAR; for another robot see `scaled`.
+    In the plane, where a leg stands for a pair, forces and torques are those of a pair; those of `hip_drive` and
+    `knee_drive` are always those of one motor.
 
     Attributes:
-        speed: mean forward speed, in m/s (source: 2.5).
+        speed: mean speed along the path, in m/s.
         objective: a key of `OBJECTIVES`.
-        lift_off: "knee" or "force", see `BoundingLaw`.
         friction: coefficient of friction that forces and impulses may use.
-        minimum_force: least normal force in stance, in N; with lift-off by force the force only may not pull.
-        clearance: least height of the other toe during a stance, in m.
+        minimum_force: least normal force on a foot on the ground, in N.
+        clearance: least height of a foot in the air, in m: in the plane while the other leg stands, in space in the
+            middle of its way.
+        hip_torque: largest hip torque, in N·m; None means no bound.
+        knee_drive: motor, gearbox and bus of each knee; None means no bound.
+        hip_drive: motor, gearbox and bus of each hip; None: the objective "electrical" counts the hips' positive work.
+    """
+
+    legs: ClassVar[int] = 1  # that a leg of the model stands for
+    speed: float = 2.5
+    objective: str = "effort_per_distance"
+    friction: float = 0.6
+    minimum_force: float = 20.0
+    clearance: float = 0.03
+    hip_torque: float | None = None
+    knee_drive: Drive | None = None
+    hip_drive: Drive | None = None
+
+    def __post_init__(self) -> None:
+        """Checks the fields."""
+        if self.objective not in OBJECTIVES:
+            raise UnknownName("objective", self.objective, OBJECTIVES)
+        if self.objective in ("electrical", "violation") and self.knee_drive is None:
+            raise BadValue("knee_drive", None, f"a drive, for the objective {self.objective!r}")
+        require("speed", self.speed, lambda v: v > 0, "a number > 0, in m/s")
+        require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
+        for name, unit in (("minimum_force", "N"), ("clearance", "m")):
+            require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}")
+        if self.hip_torque is not None:
+            require("hip_torque", self.hip_torque, lambda u: u >= 0, "a number >= 0, in N·m, or None")
+
+
+@typed
+@dataclass(frozen=True)
+class Request(Wishes):
+    """Request for a bounding gait in the plane, where torques and forces are those of a pair of legs.
+
+    Defaults are for Q-SPEAR (source: 2.5 m/s); for another robot see `scaled`. With lift-off by force the normal force
+    only may not pull.
+
+    Attributes:
+        lift_off: "knee" or "force", see `BoundingLaw`.
         minimum_stride: least duration of a stride, in s.
         minimum_stance: least duration of a stance, in s.
         minimum_knee_torque: least |ū| of (5.5)-(5.6), in N·m.
-        hip_torque: largest hip torque, in N·m; None means no bound.
         stiffness: stiffness of the physical knee springs, in N·m/rad; None leaves it free.
         virtual_stiffness: k of (5.5)-(5.6), in N·m/rad; None leaves it free.
         knee_touchdown: knee angle at touchdown, by magnitude, in rad; None leaves it free.
         knee_rest: θ̄ of (5.5)-(5.6), by magnitude, in rad.
         leg_touchdown: bounds on the leg angle at touchdown, in rad.
-        knee_drive: motor, gearbox and bus of each knee, two a pair; None means no bound.
-        hip_drive: motor, gearbox and bus of each hip; None: the objective "electrical" counts the hips' positive work.
         hardening: hardening of the physical knee springs, in N·m/rad³.
         preload: preload of these springs, in N·m.
         table: table of these springs, instead of a stiffness; see `Spring`.
@@ -69,23 +106,16 @@ class Request:
         within_limits: whether angles, rates and torques stay within the limits that the robot's file gives its joints.
     """
 
-    speed: float = 2.5
-    objective: str = "effort_per_distance"
+    legs: ClassVar[int] = PAIR
     lift_off: str = "knee"
-    friction: float = 0.6
-    minimum_force: float = 20.0
-    clearance: float = 0.03
     minimum_stride: float = 0.0
     minimum_stance: float = 0.05
     minimum_knee_torque: float = 10.0
-    hip_torque: float | None = None
     stiffness: float | None = PAIR_STIFFNESS
     virtual_stiffness: float | None = BoundingLaw.virtual_stiffness
     knee_touchdown: float | None = BoundingLaw.knee_touchdown
     knee_rest: float = BoundingLaw.knee_rest
     leg_touchdown: tuple[float, float] = (-0.3, 0.7)
-    knee_drive: Drive | None = None
-    hip_drive: Drive | None = None
     hardening: float = 0.0
     preload: float = 0.0
     table: tuple[tuple[float, float], ...] = ()
@@ -130,22 +160,15 @@ class Request:
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        if self.objective not in OBJECTIVES:
-            raise UnknownName("objective", self.objective, OBJECTIVES)
-        if self.objective in ("electrical", "violation") and self.knee_drive is None:
-            raise BadValue("knee_drive", None, f"a drive, for the objective {self.objective!r}")
+        super().__post_init__()
         if self.lift_off not in ("knee", "force"):
             raise UnknownName("rule of lift-off", self.lift_off, ("knee", "force"))
-        require("speed", self.speed, lambda v: v > 0, "a number > 0, in m/s")
-        require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
-        for name, unit in (("minimum_force", "N"), ("minimum_knee_torque", "N·m")):
-            require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}")
-        require("clearance", self.clearance, lambda z: z >= 0, "a number >= 0, in m")
+        require("minimum_knee_torque", self.minimum_knee_torque, lambda u: u >= 0, "a number >= 0, in N·m")
         require("minimum_stride", self.minimum_stride, lambda t: t >= 0, "a number >= 0, in s")
         require("minimum_stance", self.minimum_stance, lambda t: t > 0, "a number > 0, in s")
-        for name, unit in (("stiffness", "N·m/rad"), ("virtual_stiffness", "N·m/rad"), ("hip_torque", "N·m")):
+        for name in ("stiffness", "virtual_stiffness"):
             if getattr(self, name) is not None:
-                require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}, or None")
+                require(name, getattr(self, name), lambda k: k >= 0, "a number >= 0, in N·m/rad, or None")
         self.spring(PAIR_STIFFNESS if self.stiffness is None else self.stiffness)  # it says what is valid
         self._check_angles()
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from itertools import islice
+from operator import add, mul
 from typing import Any, NamedTuple, Self
 
 from spear_pin.model.directions import Round
+
+NO_FORCES: Mapping[str, Sequence[Any]] = {}
 
 
 class Feet(NamedTuple):
@@ -24,6 +27,20 @@ class Feet(NamedTuple):
     positions: dict[str, tuple[Any, ...]]
     jacobians: dict[str, list[list[Any]]]
     drifts: dict[str, tuple[Any, ...]]
+
+
+class Toe(NamedTuple):
+    """Motion of a toe in the world, in two dimensions or in three.
+
+    Attributes:
+        position: position, in m.
+        velocity: J v, in m/s.
+        acceleration: J v̇ + J̇ v, in m/s².
+    """
+
+    position: tuple[Any, ...]
+    velocity: tuple[Any, ...]
+    acceleration: tuple[Any, ...]
 
 
 @dataclass(frozen=True)
@@ -81,6 +98,57 @@ class Mechanism(ABC):
         Raises:
             UnknownName: there is no such frame.
         """
+
+    def forces(
+        self,
+        q: Sequence[Any],
+        v: Sequence[Any],
+        a: Sequence[Any],
+        ops: Any,
+        pushes: Mapping[str, Sequence[Any]] = NO_FORCES,
+        *,
+        gravity: bool = True,
+    ) -> list[Any]:
+        """Returns the forces along the coordinates that a motion needs, (nv,): D v̇ + C v + G - Σ Jᵀ F.
+
+        Without gravity and at v = 0 these are the impulses that a change `a` of the velocity needs; `pushes` then are
+        impulses at the toes.
+
+        Args:
+            q: nv scalars.
+            v: nv scalars.
+            a: v̇, nv scalars.
+            ops: has `sin` and `cos` for them.
+            pushes: forces of the ground on toes by name, in the world, in N.
+            gravity: whether gravity acts.
+        """
+        terms = self.terms(q, v, ops)
+        needed = [sum(map(mul, row, a), 0.0) for row in terms.mass_matrix]
+        if gravity:
+            needed = list(map(add, needed, terms.bias))
+        for toe, push in pushes.items():
+            for row, force in zip(terms.jacobians[toe], push, strict=True):
+                needed = [own - column * force for own, column in zip(needed, row, strict=True)]
+        return needed
+
+    def moving_feet(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any) -> dict[str, Toe]:
+        """Returns the motion of the toes.
+
+        Args:
+            q: nv scalars.
+            v: nv scalars.
+            a: v̇, nv scalars.
+            ops: has `sin` and `cos` for them.
+        """
+        feet = self.feet(q, v, ops)
+        return {
+            toe: Toe(
+                feet.positions[toe],
+                tuple(sum(map(mul, row, v), 0.0) for row in rows),
+                tuple(sum(map(mul, row, a), drift) for row, drift in zip(rows, feet.drifts[toe], strict=True)),
+            )
+            for toe, rows in feet.jacobians.items()
+        }
 
     @property
     def numbers(self) -> tuple[Any, ...]:

@@ -19,7 +19,7 @@ import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.directions import Round
-from spear_pin.model.mechanism import Feet, Mechanism, Terms
+from spear_pin.model.mechanism import NO_FORCES, Feet, Mechanism, Terms, Toe
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import dot, negated, plus, times, vanishes
 from spear_pin.model.vectors import (
@@ -40,8 +40,6 @@ from spear_pin.model.vectors import (
     transpose,
     vector_of,
 )
-
-NO_FORCES: Mapping[str, Vector] = {}
 
 
 @dataclass(frozen=True)
@@ -83,20 +81,6 @@ class Body:
         inertia = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
         armature, placement = next(left), vector_of(islice(left, 3))
         return replace(self, mass=mass, moment=moment, inertia=inertia, armature=armature, placement=placement)
-
-
-class Toe(NamedTuple):
-    """Motion of a toe in the world, x, y and z.
-
-    Attributes:
-        position: position, in m.
-        velocity: J v, in m/s.
-        acceleration: J v̇ + J̇ v, in m/s².
-    """
-
-    position: Vector
-    velocity: Vector
-    acceleration: Vector
 
 
 class Spatial(Mechanism):
@@ -177,32 +161,20 @@ class Spatial(Mechanism):
         v: Sequence[Any],
         a: Sequence[Any],
         ops: Any,
-        pushes: Mapping[str, Vector] = NO_FORCES,
+        pushes: Mapping[str, Sequence[Any]] = NO_FORCES,
         *,
         gravity: bool = True,
     ) -> list[Any]:
-        """Returns the forces along the coordinates that a motion needs, (nv,): D v̇ + C v + G - Σ Jᵀ F.
-
-        Without gravity and at v = 0 these are the impulses that a change `a` of the velocity needs; `pushes` then are
-        impulses at the toes.
-
-        Args:
-            q: nv scalars.
-            v: nv scalars.
-            a: v̇, nv scalars.
-            ops: has `sin` and `cos` for them.
-            pushes: forces of the ground on toes by name, in the world, in N.
-            gravity: whether gravity acts.
-        """
+        """Returns the forces that a motion needs, by recursion; see `Mechanism.forces`."""
         return self._needed(self._joints(q, v, a, ops, self.lift if gravity else ZERO), a, pushes)
 
     def _needed(
-        self, joints: Sequence[_Joint], a: Sequence[Any], pushes: Mapping[str, Vector] = NO_FORCES
+        self, joints: Sequence[_Joint], a: Sequence[Any], pushes: Mapping[str, Sequence[Any]] = NO_FORCES
     ) -> list[Any]:
         loads: list[tuple[Vector, Vector]] = [_inertial(*each) for each in zip(self.bodies, joints, strict=True)]
         for toe, push in pushes.items():
             i, offset = self.toes[toe]
-            own = rotate_back(joints[i].turned, push)
+            own = rotate_back(joints[i].turned, (push[0], push[1], push[2]))
             loads[i] = subtract(loads[i][0], own), subtract(loads[i][1], cross(offset, own))
         needed: list[Any] = [0.0] * self.nv
         for i in reversed(range(self.nv)):
@@ -257,14 +229,7 @@ class Spatial(Mechanism):
         return Feet(positions, jacobians, drifts)
 
     def moving_feet(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any) -> dict[str, Toe]:
-        """Returns the motion of the toes.
-
-        Args:
-            q: nv scalars.
-            v: nv scalars.
-            a: v̇, nv scalars.
-            ops: has `sin` and `cos` for them.
-        """
+        """Returns the motion of the toes, without their Jacobians; see `Mechanism.moving_feet`."""
         joints, feet = self._joints(q, v, a, ops, ZERO), {}
         for toe, (i, offset) in self.toes.items():
             joint = joints[i]

@@ -5,20 +5,16 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, NoGait
-from spear_pin.gaits.collocation import Progress, Solution, casadi, resampled
+from spear_pin.errors import BadValue
+from spear_pin.gaits.collocation import Progress, Solution, casadi, quadrature, resampled
 from spear_pin.gaits.footfalls.course import CollocatedGait, Stretch, Swing
-from spear_pin.gaits.footfalls.programme import (
-    CONSTANTS,
-    OF_EFFORT,
-    Transcription,
-    constant_name,
-    impulse_name,
-    transcribe,
-)
+from spear_pin.gaits.footfalls.in_space import in_space
+from spear_pin.gaits.footfalls.obstacles import obstacle
+from spear_pin.gaits.footfalls.programme import Transcription, impulse_name, transcribe
 from spear_pin.gaits.footfalls.request import FootfallRequest
 from spear_pin.gaits.footfalls.sequence import LEGS
 from spear_pin.kinds import typed
@@ -50,7 +46,8 @@ def collocated(
         on_iteration: called with the optimiser's iteration, objective and largest violation.
 
     Raises:
-        NoGait: the optimiser found no gait.
+        Infeasible: the optimiser found nothing; the error names the wish that a relaxed solve misses most.
+        NoGait: the optimiser failed though every wish can be met.
         BadValue: the robot is not such a quadruped.
         MissingExtra: CasADi is not installed.
 
@@ -66,15 +63,15 @@ def collocated(
     solution, taken, built, solved = start, 0, 0.0, 0.0
     for stage in _stages(request, meshes, cold=start is None):
         begun = time.process_time()
-        transcription = transcribe(robot, stage, start=None if solution is None else resampled(solution))
+        transcription = transcribe(in_space(robot, stage), None if solution is None else resampled(solution))
         ready = time.process_time()
         solution = transcription.programme.solve(iterations=iterations, on_iteration=on_iteration)
         built, solved = built + ready - begun, solved + time.process_time() - ready
         taken += solution.iterations
         if not solution.success:
-            raise _failure(solution)
+            raise obstacle(transcription, solution)
     assert solution is not None
-    return _read(robot, transcription, solution, taken, (built, solved))
+    return _read(robot, stage, transcription, solution, taken, (built, solved))
 
 
 def _stages(request: FootfallRequest, meshes: Sequence[int], *, cold: bool) -> list[FootfallRequest]:
@@ -84,17 +81,15 @@ def _stages(request: FootfallRequest, meshes: Sequence[int], *, cold: bool) -> l
     return [first, *wanted] if cold and request.swing is not None else wanted
 
 
-def _failure(solution: Solution) -> NoGait:
-    worst = max(solution.violations, key=lambda label: solution.violations[label])
-    reason, cause = f"the optimiser ended with {solution.status}", f"its last iterate misses {worst!r} most"
-    remedy = "another speed, a coarser mesh, or start= of a gait that is near"
-    return NoGait(reason, solution.violations[worst], cause, remedy)
-
-
 def _read(
-    robot: Robot, transcription: Transcription, solution: Solution, taken: int, seconds: tuple[float, float]
+    robot: Robot,
+    request: FootfallRequest,
+    transcription: Transcription,
+    solution: Solution,
+    taken: int,
+    seconds: tuple[float, float],
 ) -> CollocatedGait:
-    request, programme, stretches, begun = transcription.request, transcription.programme, [], 0.0
+    room, programme, stretches, begun = transcription.room, transcription.programme, list[Stretch](), 0.0
     for i, (nodes, torques) in enumerate(zip(transcription.phases, transcription.torques, strict=True)):
         bearing, ca = request.footfalls.phases[i], casadi()
         columns = [
@@ -106,8 +101,8 @@ def _read(
         q, v, a, u, needed, *forces = np.split(
             values, np.cumsum([n, n, n, m, m, *3 * np.ones(len(bearing), dtype=int)])[:-1], axis=1
         )
-        lasting = float(solution.values[f"{transcription.names[i]} lasts"][0])
-        struck = {leg: solution.values.get(impulse_name(transcription.names[i], leg)) for leg in LEGS}
+        lasting = transcription.number(transcription.durations[i], solution)
+        struck = {leg: solution.values.get(impulse_name(room.names[i], leg)) for leg in LEGS}
         stretches.append(
             Stretch(
                 bearing=bearing,
@@ -123,20 +118,19 @@ def _read(
             )
         )
         begun += lasting
-    constants = {
-        leg: (float(hip[0]), float(knee[0]), float(upright[0]))
-        for leg in transcription.constants
-        for hip, knee, upright in [[solution.values[constant_name(leg, name)] for name in CONSTANTS]]
+    constants: dict[str, Any] = {
+        leg: tuple(transcription.number(part, solution) for part in parts)
+        for leg, parts in transcription.constants.items()
     }
-    unit = transcription.scale.torque**2 * transcription.scale.time / transcription.scale.length
-    effort = solution.objective / OF_EFFORT * unit
-    return CollocatedGait(robot, request, tuple(stretches), constants, effort, solution, taken, seconds)
+    effort = sum(quadrature(each.duration, [float(u @ u) for u in each.u]) for each in stretches)
+    distance = request.speed * sum(each.duration for each in stretches)
+    return CollocatedGait(robot, request, tuple(stretches), constants, effort / distance, solution, taken, seconds)
 
 
 def _swings(transcription: Transcription, phase: int, solution: Solution) -> dict[str, Swing]:
     found: dict[str, Swing] = {}
-    for leg, (evolution, aim) in (transcription.evolutions[phase] if transcription.evolutions else {}).items():
-        parts = casadi().vertcat(*evolution.alpha[0], *evolution.alpha[1], evolution.origin, evolution.span, aim)
-        *alpha, origin, span, adduction = transcription.programme.read(parts, solution).tolist()
+    for leg, evolution in (transcription.evolutions[phase] if transcription.evolutions else {}).items():
+        parts = [*evolution.alpha[0], *evolution.alpha[1], evolution.origin, evolution.span, transcription.aims[leg]]
+        *alpha, origin, span, adduction = transcription.programme.read(casadi().vertcat(*parts), solution).tolist()
         found[leg] = Swing(np.array(alpha).reshape(2, -1), origin, span, adduction)
     return found

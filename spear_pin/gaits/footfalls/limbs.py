@@ -28,9 +28,9 @@ def hip_heights(robot: Robot) -> dict[str, float]:
     return {name: float(robot.frame_position(upright, leg.above)[2]) for name, leg in legs_of(robot).items()}
 
 
-def length(leg: Leg, flexion: float) -> float:
+def length(lengths: tuple[float, float], flexion: float) -> float:
     """Returns the distance from hip to toe in the plane, in m, with the knee flexed by an angle in rad."""
-    thigh, shank = leg.lengths
+    thigh, shank = lengths
     return math.hypot(shank * math.sin(flexion), thigh + shank * math.cos(flexion))
 
 

@@ -1,31 +1,30 @@
-"""Nodes of the programme in space: their unknowns, the bounds on these, and the dynamics at the nodes."""
+"""Nodes of the programme: their unknowns, with guesses and bounds, and the dynamics at the nodes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.bounding_nodes import AWAY, WITHIN
+from spear_pin.gaits.bounding_law import Leg as LegInPlane
 from spear_pin.gaits.collocation import Programme, casadi, node_name
-from spear_pin.gaits.footfalls.request import FootfallRequest
-from spear_pin.gaits.spatial.legs import Leg
-from spear_pin.model.chain import CHAIN
+from spear_pin.gaits.footfalls.sequence import Footfalls
+from spear_pin.gaits.request import Wishes
+from spear_pin.gaits.spatial.legs import Leg as LegInSpace
 from spear_pin.model.limits import UNKNOWN
+from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale
-from spear_pin.model.spatial import Spatial
+from spear_pin.model.spring import Spring
 
-BASE = len(CHAIN)
-FARTHEST, LOWEST, HIGHEST = 3.0, -0.3, 0.9  # m of Q-SPEAR: along, aside; of the torso above the ground
-TURNED, STEEPEST = 1.5, 1.9  # rad: yaw; a hip from straight down
-STRAIGHT, FLEXED = 0.15, 2.4  # rad: flexion of a knee
-FASTEST = (10.0, 20.0)  # m/s and rad/s of Q-SPEAR
-HARDEST, STRONGEST = 2000.0, 4000.0  # m/s² or rad/s², N of Q-SPEAR
+Leg = LegInPlane | LegInSpace
+WITHIN, AWAY = 0.95, 0.01  # share of torque and rate limits, rad from angle limits; error needs it
+HARDEST, STRONGEST = 2000.0, 4000.0  # m/s² or rad/s², N of a leg of Q-SPEAR
+Part = str  # of a leg: "hip", "knee" or "adduction"
 
 
 @dataclass(frozen=True)
@@ -36,7 +35,7 @@ class Node:
         q: configuration.
         v: velocity.
         a: acceleration.
-        F: force on each foot on the ground, three numbers each.
+        F: force on each foot on the ground, two or three numbers each.
         needed: forces along the coordinates that the motion needs, including those of springs and dampers.
         toes: position, velocity and acceleration of each leg's toe.
     """
@@ -49,100 +48,156 @@ class Node:
     toes: Mapping[str, tuple[Any, Any, Any]]
 
 
-@dataclass(frozen=True)
-class Room:
-    """Bounds that a robot and a request put on the unknowns of a node.
+class Free(NamedTuple):
+    """A number that the search chooses.
 
     Attributes:
-        robot: a quadruped on a chain.
-        limbs: its legs, by name.
+        name: its name among the unknowns.
+        guess: initial value.
+        lower: least value.
+        upper: largest value.
+        scale: scale by which it is divided internally.
+    """
+
+    name: str
+    guess: float
+    lower: float
+    upper: float
+    scale: float = 1.0
+
+
+class Support(NamedTuple):
+    """The law for torques of legs on the ground, in the form of `StanceLaw`.
+
+    Attributes:
+        stiffness: k of a knee.
+        knee_rest: flexion from which it counts, and at which a leg lifts off.
+        knee_touchdown: flexion at touchdown.
+        constants: guess, least and largest value of the constants of hip, knee and adduction.
+        upright: stiffness and damping of the adduction on the ground, and its ε in the air.
+        by_force: whether a leg lifts off where its foot carries no force, not where its knee is back at rest.
+    """
+
+    stiffness: Any
+    knee_rest: float
+    knee_touchdown: Any
+    constants: Mapping[Part, tuple[float, float, float]]
+    upright: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    by_force: bool = False
+
+
+@dataclass(frozen=True)
+class Room:
+    """What a robot and a request for it allow, in the plane or in space. Numbers are in SI units.
+
+    Attributes:
+        robot: the robot.
         request: the request for the gait.
+        footfalls: which legs are on the ground, and how many intervals each phase has.
+        names: names of the phases among the unknowns.
+        limbs: the robot's legs, by name.
         scale: the robot's size.
+        mechanism: the robot's dynamics for symbols.
+        base: number of coordinates of the torso.
+        configurations: least and largest q, (nv,).
+        rates: largest velocities, (nv,).
+        effort: limits of the motors' torques, (nv - base,), infinite where there is none.
+        durations: guess, least and largest duration of each phase.
+        stride: least and largest duration of a whole stride.
+        push: guess of the upward force on a foot on the ground.
+        posture: returns a rough configuration, by the number of a phase and the fraction of it that has passed.
+        guess: returns the guess of configuration and velocity, by the same.
+        height: returns the least height of the foot of a leg in the air, by the number of a phase, the leg and the
+            fraction of the phase; None where the foot may be on the ground.
+        landing: bounds of the leg angle at touchdown.
+        falls: least speed of a landing foot.
+        rises: least acceleration of a foot that lifts off.
+        support: the law for legs on the ground; None: their torques are free.
+        spring: spring of a knee, whose stiffness may be `Free`; None: there is none.
+        passes: whether knees on the ground may be less flexed than at touchdown.
+        swings: whether legs in the air follow a law, too.
+        coarse: whether the mesh is so coarse that knees must be held to their angle at touchdown besides by the law.
+        turn: turn to the left in a stride; None in the plane.
     """
 
     robot: Robot
+    request: Wishes
+    footfalls: Footfalls
+    names: Sequence[str]
     limbs: Mapping[str, Leg]
-    request: FootfallRequest
     scale: Scale
+    mechanism: Mechanism
+    base: int
+    configurations: tuple[Array, Array]
+    rates: Array
+    effort: Array
+    durations: Sequence[tuple[float, float, float]]
+    stride: tuple[float, float]
+    push: float
+    posture: Callable[[int, float], Array]
+    guess: Callable[[int, float], tuple[Array, Array]]
+    height: Callable[[int, str, float], float | None]
+    landing: tuple[float, float]
+    falls: float
+    rises: float
+    support: Support | None
+    spring: Spring | None
+    passes: bool = True
+    swings: bool = True
+    coarse: bool = False
+    turn: float | None = None
 
     @cached_property
     def units(self) -> tuple[Array, Array]:
         """Units in which coordinates, and forces along them, are of order one, (nv,) each."""
-        joints = self.robot.nv - 3
-        q, force = (
-            np.array([*3 * (first,), *joints * (second,)])
-            for first, second in ((self.scale.length, 1.0), (self.scale.force, self.scale.torque))
-        )
-        return q, force
+        turns = np.array([body.turns for body in self.mechanism.bodies])
+        return np.where(turns, 1.0, self.scale.length), np.where(turns, self.scale.torque, self.scale.force)
 
     @cached_property
-    def configurations(self) -> tuple[Array, Array]:
-        """Least and largest q, (nv,), in SI units."""
-        length, tilt = self.scale.length, self.request.tilt
-        most = np.array([FARTHEST * length, FARTHEST * length, HIGHEST * length, TURNED, tilt, tilt])
-        least = np.array([-FARTHEST * length, -FARTHEST * length, LOWEST * length, -TURNED, -tilt, -tilt])
-        least, most = (np.concatenate([part, np.zeros(self.robot.nv - BASE)]) for part in (least, most))
-        for limb in self.limbs.values():
-            knee = sorted(limb.zeros[2] + limb.side * angle for angle in (STRAIGHT, FLEXED))
-            hip = limb.zeros[1] - STEEPEST, limb.zeros[1] + STEEPEST
-            for i, (low, high) in zip(
-                limb.rows, ((-self.request.adduction, self.request.adduction), hip, knee), strict=True
-            ):
-                lower, upper = self.robot.limits[self.robot.coordinates[i]].position
-                least[i], most[i] = max(low, lower + AWAY), min(high, upper - AWAY)
-        return least, most
+    def motors(self) -> dict[tuple[str, Part], int]:
+        """Row among the joints of each motor, by leg and part."""
+        parts: tuple[Part, ...] = ("hip", "knee", "adduction")
+        return {
+            (leg, part): getattr(limb, part) - self.base
+            for leg, limb in self.limbs.items()
+            for part in parts
+            if hasattr(limb, part)
+        }
 
-    def joints(self, what: str, without: float) -> Array:
-        """Returns limits of the joints' "velocity" or "effort", (nv - 6,), and `without` where there is none."""
-        limits = (getattr(self.robot.limits[name], what) for name in self.robot.coordinates[BASE:])
-        return np.array([WITHIN * limit if 0.0 < limit < UNKNOWN else without for limit in limits])
-
-    @cached_property
-    def rates(self) -> Array:
-        """Largest velocities, (nv,)."""
-        straight, turning = FASTEST[0] * self.scale.speed, FASTEST[1] / self.scale.time
-        return np.array([*3 * (straight,), *3 * (turning,), *self.joints("velocity", 1.5 * turning)])
-
-    def add(
-        self,
-        programme: Programme,
-        phase: str,
-        fraction: float,
-        guess: tuple[Array, Array],
-        bearing: Sequence[str],
-        push: float,
-    ) -> tuple[Any, Any, Any, Mapping[str, Any]]:
-        """Adds unknowns q, v, a and forces at a node, about a guess.
-
-        Args:
-            programme: the programme to which they are added.
-            phase: name of the phase.
-            fraction: fraction of the phase that has passed.
-            guess: guess of configuration and velocity.
-            bearing: legs on the ground.
-            push: guess of the upward force on each.
-        """
+    def add(self, programme: Programme, phase: int, s: float) -> tuple[Any, Any, Any, Mapping[str, Any]]:
+        """Adds unknowns q, v, a and forces at a node, where a fraction of a phase has passed, about a guess."""
 
         def variable(part: str, *arguments: Any) -> Any:
-            return programme.variable(node_name(phase, fraction, part), *arguments)
+            return programme.variable(node_name(self.names[phase], s, part), *arguments)
 
-        time, (unit, _) = self.scale.time, self.units
-        q = variable("q", guess[0], *self.configurations, unit)
-        v = variable("v", guess[1], -self.rates, self.rates, 10.0 * unit / time)
-        a = variable("a", 0.0 * unit, -HARDEST * unit / time**2, HARDEST * unit / time**2, 100.0 * unit / time**2)
-        most = STRONGEST * self.scale.force
-        F = {
-            leg: variable(f"F {leg}", [0.0, 0.0, push], [-most, -most, 0.0], most, 100.0 * self.scale.force)
-            for leg in bearing
-        }
-        return q, v, a, F
+        time, (unit, _), (first, second) = self.scale.time, self.units, self.guess(phase, s)
+        hardest, most = HARDEST * unit / time**2, self.request.legs * STRONGEST * self.scale.force
+        q = variable("q", first, *self.configurations, unit)
+        v = variable("v", second, -self.rates, self.rates, 10.0 * unit / time)
+        a = variable("a", 0.0 * unit, -hardest, hardest, 0.05 * hardest)
+        aside = (len(self.mechanism.lift) - 1) * (1.0,)
+        upward, least = [*(0.0 * part for part in aside), self.push], [*(-most * part for part in aside), 0.0]
+        bearing = self.footfalls.phases[phase]
+        return q, v, a, {leg: variable(f"F {leg}", upward, least, most, 100.0 * self.scale.force) for leg in bearing}
+
+
+def limits(robot: Robot, base: int, what: str, without: float) -> Array:
+    """Returns limits of the joints' "velocity" or "effort", (nv - base,), and `without` where there is none."""
+    found = (getattr(robot.limits[name], what) for name in robot.coordinates[base:])
+    return np.array([WITHIN * limit if 0.0 < limit < UNKNOWN else without for limit in found])
+
+
+def within(robot: Robot, i: int, least: float, most: float) -> tuple[float, float]:
+    """Returns bounds of a coordinate within the limits that the robot's file gives it."""
+    lower, upper = robot.limits[robot.coordinates[i]].position
+    return max(least, lower + AWAY), min(most, upper - AWAY)
 
 
 class Mechanics:
     """The dynamics as functions of CasADi's symbols, for sets of feet on the ground."""
 
-    def __init__(self, robot: Robot, limbs: Mapping[str, Leg]) -> None:
-        self.spatial, self.limbs = Spatial(robot), limbs
+    def __init__(self, mechanism: Mechanism, limbs: Mapping[str, Leg]) -> None:
+        self.mechanism, self.limbs = mechanism, limbs
         self._functions: dict[tuple[tuple[str, ...], bool], Any] = {}
 
     def node(self, q: Any, v: Any, a: Any, F: Mapping[str, Any]) -> Node:
@@ -166,13 +221,13 @@ class Mechanics:
     def _function(self, bearing: tuple[str, ...], gravity: bool) -> Any:
         """Makes the function from q, v, v̇ and foot forces to needed forces and each toe's motion."""
         if (bearing, gravity) not in self._functions:
-            ca, nv = casadi(), self.spatial.nv
+            ca, nv, size = casadi(), self.mechanism.nv, len(self.mechanism.lift)
             q, v, a = (ca.SX.sym(name, nv) for name in ("q", "v", "a"))
-            F = ca.SX.sym("F", 3 * len(bearing))
+            F = ca.SX.sym("F", size * len(bearing))
             motion, parts = [ca.vertsplit(each) for each in (q, v, a)], ca.vertsplit(F) if bearing else []
-            pushes = {self.limbs[leg].toe: tuple(parts[3 * i : 3 * i + 3]) for i, leg in enumerate(bearing)}
-            feet = self.spatial.moving_feet(motion[0], motion[1], motion[2], ca)
-            rows = [ca.vertcat(*self.spatial.forces(motion[0], motion[1], motion[2], ca, pushes, gravity=gravity))]
+            pushes = {self.limbs[leg].toe: tuple(parts[size * i : size * (i + 1)]) for i, leg in enumerate(bearing)}
+            feet = self.mechanism.moving_feet(motion[0], motion[1], motion[2], ca)
+            rows = [ca.vertcat(*self.mechanism.forces(motion[0], motion[1], motion[2], ca, pushes, gravity=gravity))]
             rows += [ca.vertcat(*part) for limb in self.limbs.values() for part in feet[limb.toe]]
             self._functions[bearing, gravity] = ca.Function("mechanics", [q, v, a, F], rows, {"cse": True})
         return self._functions[bearing, gravity]

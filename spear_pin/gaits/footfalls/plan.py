@@ -84,7 +84,7 @@ class Plan:
     def q(self, time: float, nv: int) -> Array:
         """Returns the configuration, (nv,)."""
         request = self.request
-        height = float(np.mean([length(limb, FLEXED) - self.hips[name] for name, limb in self.limbs.items()]))
+        height = float(np.mean([length(limb.lengths, FLEXED) - self.hips[name] for name, limb in self.limbs.items()]))
         turned = request.turn * time / self.stride
         q, along = np.zeros(nv), request.speed * time * float(np.sinc(0.5 * turned / math.pi))
         q[[X, Y, Z, YAW]] = along * math.cos(0.5 * turned), along * math.sin(0.5 * turned), height, turned

@@ -1,4 +1,7 @@
-"""A gait with given footfalls as a nonlinear programme: motion, contact, impacts and closing at the nodes."""
+"""A gait with given footfalls as a nonlinear programme: motion, contact, impacts, law and closing at the nodes.
+
+It is the same in the plane and in space; `Room` says what a robot and a request allow there.
+"""
 
 from __future__ import annotations
 
@@ -11,26 +14,19 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.collocation import Guess, Programme, casadi, hermite_simpson, node_name, quadrature
-from spear_pin.gaits.footfalls.limbs import hip_heights, legs_of
-from spear_pin.gaits.footfalls.nodes import BASE, Mechanics, Node, Room
-from spear_pin.gaits.footfalls.plan import YAW, Plan, X, Y
-from spear_pin.gaits.footfalls.request import FootfallRequest
+from spear_pin.gaits.collocation import Guess, Programme, Solution, casadi, hermite_simpson, node_name, quadrature
+from spear_pin.gaits.footfalls.nodes import Free, Leg, Mechanics, Node, Room, Support
 from spear_pin.gaits.footfalls.sequence import Bearing, opposite
 from spear_pin.gaits.footfalls.swing import Air, Swings
-from spear_pin.gaits.spatial.legs import Leg
+from spear_pin.gaits.objectives import Costs, at_most
+from spear_pin.gaits.spatial.legs import Leg as LegInSpace
 from spear_pin.gaits.virtual_constraints import Evolution
-from spear_pin.hybrid.symmetry import mirror_of
-from spear_pin.model.robot import Robot
-from spear_pin.model.scale import Scale, scale_in_space
+from spear_pin.hybrid.fields import with_fields
+from spear_pin.hybrid.symmetry import YAW, X, Y, mirror_of
 
 CONE = 0.98  # share of the requested friction; the collocation's error may use the rest
-OF_EFFORT = 1e-3  # factor that brings the effort to order ten
-FALLS = 0.1  # m/s for Q-SPEAR: least speed of a landing foot
 HITS = 30.0  # of 10 N·s of Q-SPEAR: at most
-RISES = 1.0  # m/s² for Q-SPEAR: least acceleration of a foot that lifts off
 ROUND = 1e-6  # rad²: smoothing of a spring that only pulls
-CONSTANTS = ("hip", "knee", "adduction")
 
 
 @dataclass
@@ -38,42 +34,48 @@ class Transcription:
     """The nonlinear programme for a request, and its parts.
 
     Attributes:
-        request: the request for the gait.
+        room: the robot, the request, and what they allow.
         programme: the programme to be solved.
-        scale: the robot's size.
-        names: names of the phases among the unknowns.
+        costs: the objective.
+        support: the law for legs on the ground.
+        spring: the spring of a knee.
         phases: the nodes of each phase.
-        torques: motor torques at each node of each phase, nv - 6.
+        torques: motor torques at each node of each phase, nv - 6 or nv - 3.
         durations: durations of the phases.
-        constants: constants of the stance law for each leg: hip, knee and adduction.
-        evolutions: swing law in each phase for each leg in the air, and the angle at which its adduction lands.
+        constants: constants of the stance law for each leg: hip, knee and in space adduction.
+        evolutions: swing law in each phase for each leg in the air.
+        aims: angle at which the adduction of each leg lands.
     """
 
-    request: FootfallRequest
+    room: Room
     programme: Programme
-    scale: Scale
-    names: list[str]
+    costs: Costs
+    support: Support | None
+    spring: Any
     phases: list[list[Node]] = field(default_factory=list)
     torques: list[list[Any]] = field(default_factory=list)
     durations: list[Any] = field(default_factory=list)
-    constants: dict[str, tuple[Any, Any, Any]] = field(default_factory=dict)
-    evolutions: list[dict[str, tuple[Evolution, Any]]] = field(default_factory=list)
+    constants: dict[str, tuple[Any, ...]] = field(default_factory=dict)
+    evolutions: list[dict[str, Evolution]] = field(default_factory=list)
+    aims: dict[str, Any] = field(default_factory=dict)
+
+    def number(self, expression: Any, solution: Solution) -> float:
+        """Returns the value of a scalar at a solution."""
+        return float(self.programme.read(expression, solution)[0])
 
 
-def transcribe(robot: Robot, request: FootfallRequest, *, start: Guess | None = None) -> Transcription:
+def transcribe(room: Room, start: Guess | None = None) -> Transcription:
     """Builds the nonlinear programme for a request.
 
     Args:
-        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`.
-        request: the request for the gait.
+        room: the robot, the request, and what they allow.
         start: values to start from, by name.
 
     Raises:
-        BadValue: the robot is not such a quadruped.
         MissingExtra: CasADi is not installed.
     """
-    writer = _Writer(robot, request, start)
-    for i in range(len(request.footfalls.phases)):
+    writer = _Writer(room, start)
+    for i in range(len(room.footfalls.phases)):
         writer.add_phase(i)
         if i:
             writer.join(i)
@@ -86,183 +88,195 @@ def impulse_name(phase: str, leg: str) -> str:
     return f"impulse of {leg} into {phase}"
 
 
-def constant_name(leg: str, name: str) -> str:
-    """Returns the name of a constant of a leg's stance law, one of `CONSTANTS`."""
-    return f"{leg} {name}"
-
-
-def _named(phase: int, bearing: Sequence[str]) -> str:
+def in_words(phase: str) -> str:
     """Returns the name of a phase in words."""
-    return f"phase {phase + 1}, {' and '.join(each.replace('_', ' ') for each in bearing) or 'flight'}"
+    return phase.replace("_", " ")
 
 
 class _Writer:
     """Writer of the programme; holds what its parts share while they are written."""
 
-    def __init__(self, robot: Robot, request: FootfallRequest, start: Guess | None) -> None:
-        self.robot, self.request, self.start, self.programme = robot, request, start, Programme(start)
-        self.limbs, self.scale, self.mirror = legs_of(robot), scale_in_space(robot), mirror_of(robot)
-        self.room, self.mechanics = Room(robot, self.limbs, request, self.scale), Mechanics(robot, self.limbs)
-        self.plan = Plan(self.limbs, hip_heights(robot), request, self.scale, robot.weight)
-        self.unit, self.force = self.room.units
-        self.names = [_named(i, phase) for i, phase in enumerate(request.footfalls.phases)]
+    def __init__(self, room: Room, start: Guess | None) -> None:
+        self.room, self.request, self.scale, self.limbs, self.start = room, room.request, room.scale, room.limbs, start
+        self.programme = programme = Programme(start)
+        self.mechanics = Mechanics(room.mechanism, room.limbs)
+        self.footfalls, self.labels = room.footfalls, [in_words(name) for name in room.names]
+        self.unit, self.force = room.units
         self.landed: dict[str, Node] = {}
-        self.aims: dict[str, Any] = {}
-        law, swing = request.law, request.swing
-        self.swings = Swings(self.programme, self.limbs, swing, self.scale, law.knee_rest) if law and swing else None
-        self.result = Transcription(request, self.programme, self.scale, self.names)
+        self.support = support = room.support
+        if support is not None:
+            knee, stiffness = (self.chosen(number) for number in (support.knee_touchdown, support.stiffness))
+            self.support = support = support._replace(knee_touchdown=knee, stiffness=stiffness)
+        spring = room.spring and with_fields(room.spring, {"stiffness": self.chosen(room.spring.stiffness)})
+        self.swings = Swings(programme, room, support) if support is not None and room.swings else None
+        costs = Costs(programme, room.request, room.scale, room.motors)
+        self.result = Transcription(room, programme, costs, support, spring)
+
+    def chosen(self, number: Any) -> Any:
+        """Returns a number, as an unknown if it is free."""
+        return self.programme.variable(*number) if isinstance(number, Free) else number
 
     # phases
 
     def add_phase(self, i: int) -> None:
         """Adds one phase by itself."""
-        programme, request, plan, label = self.programme, self.request, self.plan, self.names[i]
-        bearing, count = request.footfalls.phases[i], 2 * request.footfalls.intervals[i]
-        shortest = request.shortest[0 if bearing else 1]
-        duration = programme.variable(f"{label} lasts", plan.durations[i], shortest, request.longest)
-        nodes = []
-        for k in range(count + 1):
-            time = plan.begins(i) + plan.durations[i] * k / count
-            guess = plan.q(time, self.robot.nv), plan.v(time, self.robot.nv)
-            unknowns = self.room.add(programme, label, k / count, guess, bearing, plan.push)
-            nodes.append(self.mechanics.node(*unknowns))
+        programme, label, result, room = self.programme, self.labels[i], self.result, self.room
+        bearing, count = self.footfalls.phases[i], 2 * self.footfalls.intervals[i]
+        duration = programme.variable(f"{label} lasts", *room.durations[i])
+        nodes = [self.mechanics.node(*room.add(programme, i, k / count)) for k in range(count + 1)]
         for leg in bearing:
-            if i == 0 or leg not in request.footfalls.phases[i - 1]:
+            if i == 0 or leg not in self.footfalls.phases[i - 1]:
                 self.lands(leg, nodes[0])
-        self.result.phases.append(nodes)
-        self.result.durations.append(duration)
-        self.result.torques.append([self.torques(label, node, bearing) for node in nodes])
+        result.phases.append(nodes)
+        result.durations.append(duration)
+        result.torques.append([self.torques(label, node, bearing) for node in nodes])
+        after = self.footfalls.whole[(i + 1) % len(self.footfalls.whole)]
         for k, node in enumerate(nodes):
-            self.keep(label, node, bearing)
-            time = plan.begins(i) + plan.durations[i] * k / count
-            self.clear(label, node, [(leg, plan.swung(leg, time)) for leg in self.limbs if leg not in bearing])
+            for leg in bearing:
+                self.keep(label, leg, node, inside=0 < k < count, lifts=k == count and leg not in after)
+            for leg in self.limbs:
+                least = None if leg in bearing else room.height(i, leg, k / count)
+                if least is not None:
+                    over, size = node.toes[leg][0][-1], 0.1 * self.scale.length
+                    programme.require(f"clearance in {label}", over, least, scale=size, wish="m" if least else "")
         if self.swings is not None:
             self.swing(i, self.swings)
-        speed = self.unit / self.scale.time
-        for part, slope, unit in (("q", "v", self.unit), ("v", "a", speed)):
+        for part, slope, unit in (("q", "v", self.unit), ("v", "a", self.unit / self.scale.time)):
             x, f = ([getattr(node, name) for node in nodes] for name in (part, slope))
             hermite_simpson(programme, f"motion in {label}", duration, x, f, unit)
 
     def swing(self, i: int, swings: Swings) -> None:
         """Makes legs in the air follow the law."""
-        phases, nodes = self.request.footfalls.whole, self.result.phases[i]
+        phases = self.footfalls.whole
         landing = tuple(leg for leg in phases[(i + 1) % len(phases)] if leg not in phases[i])
-        air, begins, lasts = Air(self.names[i], phases[i], landing, nodes), self.plan.begins(i), self.plan.durations[i]
-        aims = {leg: self.aim(leg) for leg in self.limbs if leg not in phases[i]}
 
         def guess(s: float) -> Array:
-            given = None if self.start is None else self.start(node_name(self.names[i], s, "q"))
-            return self.plan.q(begins + s * lasts, self.robot.nv) if given is None else given
+            given = None if self.start is None else self.start(node_name(self.room.names[i], s, "q"))
+            return self.room.posture(i, s) if given is None else given
 
-        found = swings.follow(air, guess, aims)
-        self.result.evolutions.append({leg: (evolution, aims[leg]) for leg, evolution in found.items()})
+        air = Air(self.labels[i], phases[i], landing, self.result.phases[i], guess)
+        aims = {name: self.aim(name, limb) for name, limb in self.limbs.items() if name not in phases[i]}
+        self.result.evolutions.append(swings.follow(air, aims))
 
-    def aim(self, leg: str) -> Any:
+    def aim(self, leg: str, limb: Leg) -> Any:
         """Returns the angle at which a leg's adduction lands; with mirrored footfalls a right leg's is the left's."""
-        own = opposite(leg) if self.request.footfalls.mirrored and leg.endswith("right") else leg
-        if own not in self.aims:
-            most = self.request.adduction
-            self.aims[own] = self.programme.variable(f"{own} adduction lands at", 0.0, -most, most)
-        return self.aims[own] if own == leg else -self.aims[own]
+        if not isinstance(limb, LegInSpace):
+            return 0.0
+        own, aims = opposite(leg) if self.footfalls.mirrored and leg.endswith("right") else leg, self.result.aims
+        if own not in aims:
+            most = self.room.configurations[1][limb.adduction]
+            aims[own] = self.programme.variable(f"{own} adduction lands at", 0.0, -most, most)
+        if leg not in aims:
+            aims[leg] = -aims[own]
+        return aims[leg]
 
     def lands(self, leg: str, node: Node) -> None:
         """Lets a leg land: its spring is latched, and its law's constants hold from here on."""
         self.landed[leg] = node
-        law = self.request.law
-        if law is None:
+        if (support := self.support) is None:
             return
-        most = law.most
         self.result.constants[leg] = tuple(
-            self.programme.variable(constant_name(leg, name), 0.0, -most, most, 0.2 * most) for name in CONSTANTS
+            self.programme.variable(f"{leg} {part}", guess, least, most, 0.25 * most)
+            for part, (guess, least, most) in support.constants.items()
         )
-        flexion = self.limbs[leg].flexion(node.q)
-        self.programme.require(f"knee of {leg} at touchdown", flexion, law.knee_rest, law.knee_rest)
+        if self.swings is None or self.room.coarse:
+            flexion = self.limbs[leg].flexion(node.q)
+            self.programme.require(f"knee of {leg} at touchdown", flexion - support.knee_touchdown, 0.0, 0.0)
 
     def torques(self, label: str, node: Node, bearing: Bearing) -> Any:
-        """Returns the motor torques, (nv - 6,), within the joints' limits; no force acts on the torso itself."""
-        ca, programme, most = casadi(), self.programme, self.room.joints("effort", np.inf)
-        needed = node.needed + ca.DM(self.robot.model.damping) * node.v
-        programme.require(f"motion in {label}", needed[:BASE], 0.0, 0.0, scale=50.0 * self.force[:BASE])
-        u = needed[BASE:]
-        for leg in bearing:
-            limb = self.limbs[leg]
-            u[limb.knee - BASE] -= self.spring(limb, node)
-            if self.request.law is not None:
-                self.follow(label, limb, node, u)
-        if np.isfinite(most).any():
-            rows = np.flatnonzero(np.isfinite(most)).tolist()
-            programme.require(f"torques in {label}", u[rows], -most[rows], most[rows], scale=50.0 * self.scale.torque)
+        """Returns the motor torques within the joints' limits; no force acts on the torso itself."""
+        ca, programme, room = casadi(), self.programme, self.room
+        base, needed = room.base, node.needed + ca.DM(room.robot.model.damping) * node.v
+        programme.require(f"motion in {label}", needed[:base], 0.0, 0.0, scale=50.0 * self.force[:base])
+        u = needed[base:]
+        for leg, limb in self.limbs.items():
+            u[limb.knee - base] -= self.elastic(limb, node, leg in bearing)
+            if leg in bearing and self.support is not None:
+                self.follow(label, self.support, limb, node, u)
+        for joint, torque, most in zip(room.robot.coordinates[base:], ca.vertsplit(u), room.effort, strict=True):
+            if np.isfinite(most):
+                at_most(programme, f"torque of the {joint}", torque, float(most), self.scale)
+        self.result.costs.limit(u, node.v[base:])
         return u
 
-    def spring(self, limb: Leg, node: Node) -> Any:
-        """Returns the torque of a knee's spring, which pulls only beyond the angle at touchdown."""
-        if self.request.spring is None:
+    def elastic(self, limb: Leg, node: Node, bears: bool) -> Any:
+        """Returns the torque of a knee's spring: a switched one pulls only beyond the angle at touchdown."""
+        spring, side = self.result.spring, limb.side
+        if spring is None or not bears and spring.rest is None:
             return 0.0
-        deflection = limb.flexion(node.q) - limb.flexion(self.landed[limb.name].q)
-        deflection = 0.5 * (deflection + (deflection * deflection + ROUND) ** 0.5)
-        ops, side = SimpleNamespace(maximum=casadi().fmax), limb.side
-        rate = side * node.v[limb.knee]
-        return side * (self.request.spring.torque(deflection, ops) + self.request.spring.drag(rate))
+        flexion, rate = limb.flexion(node.q), side * node.v[limb.knee]
+        if spring.rest is not None:
+            return side * (spring.torque(flexion - spring.rest) + spring.drag(rate))
+        law = self.support
+        deflection = flexion - (limb.flexion(self.landed[limb.name].q) if law is None else law.knee_touchdown)
+        if self.room.passes:
+            distance = (deflection * deflection + ROUND) ** 0.5
+            preload = 0.5 * spring.preload * (1.0 + deflection / distance)
+            spring, deflection = with_fields(spring, {"preload": preload}), 0.5 * (deflection + distance)
+        return side * (spring.torque(deflection, SimpleNamespace(maximum=casadi().fmax)) + spring.drag(rate))
 
-    def follow(self, label: str, limb: Leg, node: Node, u: Any) -> None:
+    def follow(self, label: str, law: Support, limb: Leg, node: Node, u: Any) -> None:
         """Requires that torques of a leg on the ground have the form of the law."""
-        law, (hip, knee, upright) = self.request.law, self.result.constants[limb.name]
-        assert law is not None
-        total = u[limb.knee - BASE] + self.spring(limb, node)
-        off = node.q[limb.adduction] - self.landed[limb.name].q[limb.adduction]
-        held = law.adduction_stiffness * off + law.adduction_damping * node.v[limb.adduction]
-        missed = (
-            u[limb.hip - BASE] - hip,
+        base, (hip, knee, *upright) = self.room.base, self.result.constants[limb.name]
+        total = u[limb.knee - base] + self.elastic(limb, node, True)
+        missed = [
+            u[limb.hip - base] - hip,
             total + limb.side * (knee + law.stiffness * (limb.flexion(node.q) - law.knee_rest)),
-            u[limb.adduction - BASE] - upright + held,
-        )
+        ]
+        if isinstance(limb, LegInSpace):
+            i, (stiffness, damping, _) = limb.adduction, law.upright
+            held = stiffness * (node.q[i] - self.landed[limb.name].q[i]) + damping * node.v[i]
+            missed.append(u[i - base] - upright[0] + held)
         self.programme.require(f"law in {label}", casadi().vertcat(*missed), 0.0, 0.0, scale=50.0 * self.scale.torque)
 
-    def keep(self, label: str, node: Node, bearing: Bearing) -> None:
-        """Requires that feet on the ground rest, pressed into it within the friction cone."""
-        programme, scale = self.programme, self.scale
-        for leg in bearing:
-            _, _, acceleration = node.toes[leg]
-            unit = 10.0 * scale.length / scale.time**2
-            programme.require(f"motion in {label}", acceleration, 0.0, 0.0, scale=unit)
-            self.cone(f"friction in {label}", node.F[leg], 100.0 * scale.force)
-            programme.require(
-                f"normal force in {label}", node.F[leg][2], self.request.minimum_force, scale=100.0 * scale.force
-            )
+    def keep(self, label: str, leg: str, node: Node, *, inside: bool, lifts: bool) -> None:
+        """Requires that a foot on the ground rests, pressed into it within the friction cone.
 
-    def clear(self, label: str, node: Node, swinging: Sequence[tuple[str, float]]) -> None:
-        """Requires that feet in the air are above the ground, and in mid-swing at least by the clearance.
-
-        No condition holds where they land and lift off; other constraints put them on the ground there.
+        Args:
+            label: label of the phase.
+            leg: the leg.
+            node: the node.
+            inside: whether the node is inside the phase, where the law wants the knee flexed beyond its rest angle.
+            lifts: whether the leg lifts off at this node.
         """
-        for leg, gone in swinging:
-            if 1e-6 < gone < 1.0 - 1e-6:
-                height = 4.0 * gone * (1.0 - gone) * self.request.clearance
-                position, _, _ = node.toes[leg]
-                self.programme.require(f"clearance in {label}", position[2], height, scale=0.1 * self.scale.length)
+        programme, scale, law, F = self.programme, self.scale, self.support, node.F[leg]
+        programme.require(f"motion in {label}", node.toes[leg][2], 0.0, 0.0, scale=10.0 * scale.length / scale.time**2)
+        if law is not None and inside:
+            programme.require(f"knee flexed in {label}", self.limbs[leg].flexion(node.q), law.knee_rest)
+        if law is not None and law.by_force and lifts:
+            programme.require(f"no force at lift-off from {label}", F, 0.0, 0.0, scale=50.0 * scale.force)
+            return
+        self.cone(f"friction in {label}", F, 100.0 * scale.force, "N")
+        least = 0.0 if law is not None and law.by_force else self.request.minimum_force
+        programme.require(f"normal force in {label}", F[-1], least, scale=100.0 * scale.force, wish="N")
 
-    def cone(self, label: str, F: Any, unit: float) -> None:
-        """Requires that a force or impulse lies inside the friction cone."""
-        most = CONE * self.request.friction * F[2] / unit
-        self.programme.require(label, most * most - (F[0] * F[0] + F[1] * F[1]) / unit**2, 0.0)
+    def cone(self, label: str, F: Any, scale: float, unit: str) -> None:
+        """Requires that a force or impulse lies inside the friction cone: a square law for a round one."""
+        most, aside = CONE * self.request.friction * F[-1], casadi().vertsplit(F[:-1])
+        if len(aside) == 1:
+            for side in (1.0, -1.0):
+                self.programme.require(label, most + side * aside[0], 0.0, scale=scale, wish=unit)
+            return
+        left = most * most - sum(part * part for part in aside)
+        self.programme.require(label, left, 0.0, scale=scale**2, wish=f"({unit})²")
 
     # between phases
 
     def join(self, i: int) -> None:
         """Requires that a phase follows another."""
-        last, first, label = self.result.phases[i - 1][-1], self.result.phases[i][0], f"motion in {self.names[i]}"
-        before, after = (self.request.footfalls.phases[j] for j in (i - 1, i))
-        self.programme.require(label, first.q - last.q, 0.0, 0.0, scale=self.unit)
+        last, first, label = self.result.phases[i - 1][-1], self.result.phases[i][0], self.labels[i]
+        before, after = (self.footfalls.phases[j] for j in (i - 1, i))
+        self.programme.require(f"motion in {label}", first.q - last.q, 0.0, 0.0, scale=self.unit)
         for leg in before:
             if leg not in after:
-                self.lifts(f"{leg} lifts off into {self.names[i]}", self.limbs[leg], last, first.toes[leg])
+                self.lifts(f"{leg} lifts off into {label}", self.limbs[leg], last, first.toes[leg])
         self.strike(i, last, first.v, after, before)
 
     def lifts(self, label: str, limb: Leg, last: Node, toe: tuple[Any, Any, Any]) -> None:
         """Requires that a foot leaves the ground rising, and by the law with its knee back at its rest angle."""
-        unit = 10.0 * self.scale.length / self.scale.time**2
-        self.programme.require(label, toe[2][2], RISES * 0.1 * unit, scale=unit)
-        if (law := self.request.law) is not None:
+        unit = self.scale.length / self.scale.time**2
+        self.programme.require(label, toe[2][-1], self.room.rises, scale=10.0 * unit)
+        if (law := self.support) is not None and not law.by_force:
             self.programme.require(label, limb.flexion(last.q), law.knee_rest, law.knee_rest)
 
     def strike(self, i: int, before: Node, v: Any, bearing: Sequence[str], bore: Sequence[str]) -> None:
@@ -275,15 +289,16 @@ class _Writer:
             bearing: the legs on the ground after the impact.
             bore: the legs on the ground before it.
         """
-        programme, scale, label = self.programme, self.scale, f"touchdown into {self.names[i]}"
+        programme, scale, label = self.programme, self.scale, f"touchdown into {self.labels[i]}"
         landing = [leg for leg in bearing if leg not in bore]
         if not landing:
-            programme.require(f"motion in {self.names[i]}", v - before.v, 0.0, 0.0, scale=self.unit / scale.time)
+            programme.require(f"motion in {self.labels[i]}", v - before.v, 0.0, 0.0, scale=self.unit / scale.time)
             return
-        unit, speed = 10.0 * scale.force * scale.time, scale.speed
-        least, most = [-HITS, -HITS, 1e-3], [HITS, HITS, 2.0 * HITS]
+        unit, speed, aside = 10.0 * scale.force * scale.time, scale.speed, len(self.room.mechanism.lift) - 1
+        sizes = [0.0, -HITS, HITS], [1.0, 1e-3, 2.0 * HITS]  # guess and bounds, along the ground and across
+        first, least, most = ([along] * aside + [across] for along, across in zip(*sizes, strict=True))
         impulses = {
-            leg: programme.variable(impulse_name(self.names[i], leg), [0.0, 0.0, 1.0], least, most, unit=unit)
+            leg: programme.variable(impulse_name(self.room.names[i], leg), first, least, most, unit=unit)
             for leg in bearing
         }
         missed = self.mechanics.struck(before.q, v - before.v, impulses)
@@ -291,54 +306,59 @@ class _Writer:
         after = self.mechanics.moving(before.q, v)
         for leg in bearing:
             programme.require(label, after[leg][1], 0.0, 0.0, scale=speed)
-            self.cone(f"friction at {label}", impulses[leg], unit)
+            self.cone(f"friction at {label}", impulses[leg], unit, "N·s")
         for leg in landing:
             position, velocity, _ = before.toes[leg]
-            programme.require(label, position[2], 0.0, 0.0, scale=scale.length)
-            programme.require(f"approach at {label}", velocity[2], -np.inf, -FALLS * speed, scale=speed)
+            programme.require(label, position[-1], 0.0, 0.0, scale=scale.length)
+            programme.require(f"approach at {label}", velocity[-1], -np.inf, -self.room.falls, scale=speed)
 
     # the whole
 
     def close(self) -> None:
         """Requires that the last state is the first one, moved on, turned or mirrored; sets speed and objective."""
-        programme, request, scale, result = self.programme, self.request, self.scale, self.result
-        first, last, mirrored = result.phases[0][0], result.phases[-1][-1], request.footfalls.mirrored
-        period, half_turn = sum(result.durations), 0.5 * request.turn
-        advance = request.speed * period * float(np.sinc(half_turn / math.pi))
-        q = self.image(first.q)
-        q[X], q[Y], q[YAW] = advance * math.cos(half_turn), q[Y] + advance * math.sin(half_turn), q[YAW] + request.turn
+        programme, scale, result, room = self.programme, self.scale, self.result, self.room
+        first, last, mirrored, turn = result.phases[0][0], result.phases[-1][-1], self.footfalls.mirrored, room.turn
+        period, half_turn = sum(result.durations), 0.5 * (turn or 0.0)
+        speed, q = self.request.speed * float(np.sinc(half_turn / math.pi)), self.image(first.q)
         programme.require("origin", first.q[X], 0.0, 0.0, scale=scale.length)
-        if not mirrored:  # a mirrored stride is in the middle, and heads along its path, as it is
-            programme.require("origin", first.q[Y], 0.0, 0.0, scale=scale.length)
-            phases = zip(result.durations, result.phases, strict=True)
-            turned = sum(quadrature(time, [node.q[YAW] for node in nodes]) for time, nodes in phases)
-            programme.require("heading", turned - half_turn * period, 0.0, 0.0, scale=scale.time)
-        programme.require("closing", last.q - q, 0.0, 0.0, scale=self.unit)
+        if turn is not None:
+            q[Y], q[YAW] = q[Y] + speed * period * math.sin(half_turn), q[YAW] + turn
+            if not mirrored:  # a mirrored stride is in the middle, and heads along its path, as it is
+                programme.require("origin", first.q[Y], 0.0, 0.0, scale=scale.length)
+                phases = zip(result.durations, result.phases, strict=True)
+                turned = sum(quadrature(time, [node.q[YAW] for node in nodes]) for time, nodes in phases)
+                programme.require("heading", turned - half_turn * period, 0.0, 0.0, scale=scale.time)
+        programme.require("closing", last.q[X + 1 :] - q[X + 1 :], 0.0, 0.0, scale=self.unit[X + 1 :])
+        wanted = speed * math.cos(half_turn)
+        programme.require("mean speed", last.q[X] / period, wanted, wanted, scale=scale.speed, wish="m/s")
         images = {opposite(leg) if mirrored else leg: leg for leg in self.limbs}
-        bearing = tuple(leg for leg in self.limbs if images[leg] in request.footfalls.phases[0])
-        bore = request.footfalls.phases[-1]
+        bearing = tuple(leg for leg in self.limbs if images[leg] in self.footfalls.phases[0])
+        bore = self.footfalls.phases[-1]
         for leg in bore:
             if leg not in bearing:
                 self.lifts(f"{leg} lifts off as the stride ends", self.limbs[leg], last, first.toes[images[leg]])
         self.strike(0, last, self.turned(self.image(first.v)), bearing, bore)
         whole = (2.0 if mirrored else 1.0) * period
-        programme.require("duration of the stride", whole, 0.0, request.longest_stride, scale=scale.time)
-        torques = zip(result.durations, result.torques, strict=True)
-        effort = sum(quadrature(time, [casadi().dot(u, u) for u in each]) for time, each in torques)
-        unit = scale.torque**2 * scale.time / scale.length
-        programme.objective = OF_EFFORT * effort / (request.speed * period * unit)
+        programme.require("duration of the stride", whole, *room.stride, scale=scale.time, wish="s")
+        torques = [
+            (time, [(u, node.v[room.base :]) for u, node in zip(each, nodes, strict=True)])
+            for time, each, nodes in zip(result.durations, result.torques, result.phases, strict=True)
+        ]
+        programme.objective = result.costs.of(torques, room.robot.weight, self.request.speed * period)
 
     def image(self, vector: Any) -> Any:
         """Returns a vector of the first node as it is where the stride closes: mirrored if the gait is mirrored."""
-        if not self.request.footfalls.mirrored:
+        if not self.footfalls.mirrored:
             return +vector
-        seen = casadi().SX(vector)
-        for i, (of, sign) in enumerate(zip(self.mirror.of, self.mirror.signs, strict=True)):
+        seen, mirror = casadi().SX(vector), mirror_of(self.room.robot)
+        for i, (of, sign) in enumerate(zip(mirror.of, mirror.signs, strict=True)):
             seen[of] = sign * vector[i]
         return seen
 
     def turned(self, v: Any) -> Any:
         """Returns a velocity turned by the turn of a stride."""
-        cosine, sine, seen = math.cos(self.request.turn), math.sin(self.request.turn), +v
+        if not self.room.turn:
+            return v
+        cosine, sine, seen = math.cos(self.room.turn), math.sin(self.room.turn), +v
         seen[X], seen[Y] = cosine * v[X] - sine * v[Y], sine * v[X] + cosine * v[Y]
         return seen

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from spear_pin.errors import BadValue, UnknownName, require
-from spear_pin.gaits.footfalls.sequence import FOOTFALLS, Footfalls
+from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS, PAIRS, Footfalls
+from spear_pin.gaits.request import Wishes
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
@@ -113,16 +114,12 @@ class SwingLaw:
 
 @typed
 @dataclass(frozen=True)
-class FootfallRequest:
-    """Request for a gait in space. Defaults are for Q-SPEAR; for another robot see `scaled`.
+class FootfallRequest(Wishes):
+    """Request for a gait in space, within the limits of its joints. Defaults are for Q-SPEAR; see `scaled` for others.
 
     Attributes:
         footfalls: which legs are on the ground, and how many intervals of collocation each phase has.
-        speed: speed along the path, in m/s.
         turn: turn to the left in a stride, in rad, for footfalls that are not mirrored.
-        friction: coefficient of friction that forces and impulses may use.
-        minimum_force: least normal force on a foot on the ground, in N.
-        clearance: least height of a foot in the middle of its way through the air, in m.
         adduction: largest angle of the adduction joints, in rad; no other bound keeps them from their limits in the
             air.
         tilt: largest pitch and roll of the torso, in rad.
@@ -139,12 +136,10 @@ class FootfallRequest:
         True
     """
 
-    footfalls: Footfalls = FOOTFALLS["trot"]
     speed: float = 2.0
-    turn: float = 0.0
-    friction: float = 0.6
-    minimum_force: float = 20.0
     clearance: float = 0.05
+    footfalls: Footfalls = FOOTFALLS["trot"]
+    turn: float = 0.0
     adduction: float = 0.35
     tilt: float = 0.35
     shortest: tuple[float, float] = (0.03, 0.02)
@@ -181,13 +176,12 @@ class FootfallRequest:
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        require("speed", self.speed, lambda v: v > 0, "a number > 0, in m/s")
+        super().__post_init__()
+        if any(leg in PAIRS for phase in self.footfalls.phases for leg in phase):
+            raise BadValue("footfalls", self.footfalls.phases, f"phases with legs among {', '.join(LEGS)}")
         require("turn", self.turn, lambda angle: abs(angle) <= SHARPEST, f"within ±{SHARPEST:g} rad a stride")
         if self.turn and self.footfalls.mirrored:
             raise BadValue("turn", self.turn, "0 with mirrored footfalls; to turn give footfalls.unfolded")
-        require("friction", self.friction, lambda mu: mu > 0, "a number > 0")
-        for name, unit in (("minimum_force", "N"), ("clearance", "m")):
-            require(name, getattr(self, name), lambda number: number >= 0, f"a number >= 0, in {unit}")
         for name in ("adduction", "tilt"):
             require(name, getattr(self, name), lambda angle: 0 < angle < math.pi / 2, "between 0 and π/2 rad")
         if len(self.shortest) != 2 or not 0 < min(self.shortest) <= max(self.shortest) < self.longest:

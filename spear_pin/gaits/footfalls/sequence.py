@@ -9,6 +9,7 @@ from spear_pin.errors import BadValue
 from spear_pin.kinds import typed
 
 LEGS = ("posterior_left", "posterior_right", "anterior_left", "anterior_right")
+PAIRS = ("posterior", "anterior")  # in the plane
 OPPOSITE = {"left": "right", "right": "left"}
 Bearing = tuple[str, ...]
 
@@ -19,8 +20,8 @@ class Footfalls:
     """Phases of a stride, or of half a stride whose other half is its mirror image.
 
     Attributes:
-        phases: the legs on the ground in each phase, by their names in `LEGS`; () is a flight. All legs of the first
-            phase land as it begins.
+        phases: the legs on the ground in each phase, by their names in `LEGS`, in the plane in `PAIRS`; () is a flight.
+            All legs of the first phase land as it begins.
         intervals: number of intervals of collocation in each phase, at least 1.
         mirrored: whether this is half a stride, after which left and right change places.
 
@@ -42,7 +43,8 @@ class Footfalls:
         legs = f"phases with legs among {', '.join(LEGS)}"
         expected = f"{legs}; neighbours differ, and all legs of the first phase land as it begins"
         names = {name for phase in self.phases for name in phase}
-        if not names <= set(LEGS) or any(len(set(phase)) < len(phase) for phase in self.phases):
+        known = names <= {*LEGS} or names <= {*PAIRS} and not self.mirrored
+        if not known or any(len(set(phase)) < len(phase) for phase in self.phases):
             raise BadValue("Footfalls.phases", self.phases, expected)
         if len(self.intervals) != len(self.phases) or min(self.intervals, default=0) < 1:
             raise BadValue("Footfalls.intervals", self.intervals, "a whole number, at least 1, for each phase")
@@ -50,7 +52,7 @@ class Footfalls:
         alike = any(before == after for before, after in zip(whole, [*whole[1:], whole[0]], strict=True))
         if alike or not whole[0] or whole[0] & whole[-1]:
             raise BadValue("Footfalls.phases", self.phases, expected)
-        for name in LEGS:
+        for name in {name for phase in whole for name in phase}:
             if len(self.landings(name)) > 1:
                 raise BadValue("Footfalls.phases", self.phases, f"{name} to land once a stride")
 

@@ -10,9 +10,8 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.collocation import Programme, casadi
-from spear_pin.gaits.footfalls.nodes import Node
-from spear_pin.gaits.footfalls.request import SwingLaw
-from spear_pin.gaits.spatial.legs import Leg
+from spear_pin.gaits.footfalls.nodes import Node, Room, Support
+from spear_pin.gaits.spatial.legs import Leg as LegInSpace
 from spear_pin.gaits.virtual_constraints import (
     Evolution,
     Outputs,
@@ -25,7 +24,6 @@ from spear_pin.gaits.virtual_constraints import (
     value,
 )
 from spear_pin.hybrid.symmetry import X
-from spear_pin.model.scale import Scale
 
 END = {
     True: 0.98,
@@ -46,80 +44,74 @@ class Air:
         bearing: legs on the ground.
         landing: legs that land as it ends.
         nodes: nodes of the phase.
+        guess: guess of the configuration, by the fraction of the phase that has passed.
     """
 
     label: str
     bearing: tuple[str, ...]
     landing: tuple[str, ...]
     nodes: Sequence[Node]
+    guess: Callable[[float], Array]
 
 
 class Swings:
-    """Writer of the law for legs in the air."""
+    """Writer of the law for legs in the air.
 
-    def __init__(
-        self, programme: Programme, limbs: Mapping[str, Leg], law: SwingLaw, scale: Scale, knee: float
-    ) -> None:
-        self.programme, self.limbs, self.law, self.scale, self.knee = programme, limbs, law, scale, knee
+    Args:
+        programme: the programme to which it is added.
+        room: the robot's legs, and the bounds of their angles.
+        support: the law for legs on the ground, with the flexion at touchdown.
+    """
 
-    def follow(self, air: Air, guess: Callable[[float], Array], adductions: Mapping[str, Any]) -> dict[str, Evolution]:
+    def __init__(self, programme: Programme, room: Room, support: Support) -> None:
+        self.programme, self.room, self.knee, self.epsilon = programme, room, support.knee_touchdown, support.upright[2]
+        self.rate = 50.0 / room.scale.time**2
+
+    def follow(self, air: Air, adductions: Mapping[str, Any]) -> dict[str, Evolution]:
         """Makes the legs in the air follow evolutions that begin in their own state; returns the coefficients.
 
         Args:
             air: the phase.
-            guess: guess of the configuration, by the fraction of the phase that has passed.
             adductions: target angle of each leg's adduction, in rad.
         """
-        ca, programme, time = casadi(), self.programme, self.scale.time
-        bears = bool(air.bearing)
+        ca, programme, limbs = casadi(), self.programme, self.room.limbs
+        bears, first, last = bool(air.bearing), air.nodes[0], air.nodes[-1]
         share = 1.0 / max(len(air.bearing), 1)
-        phase: Variable = Sum(tuple((share, self.limbs[leg].angle) for leg in air.bearing)) if bears else ((X, 1.0),)
-        first, last = air.nodes[0], air.nodes[-1]
+        phase: Variable = Sum(tuple((share, limbs[leg].angle) for leg in air.bearing)) if bears else ((X, 1.0),)
         span = (value(phase, last.q, ca) - value(phase, first.q, ca)) / END[bears]
         if bears:
-            programme.require(f"sweep of the legs in {air.label}", span, *SWEEP)
+            label = f"sweep of the legs in {air.label}"
+            programme.require(label, span, *SWEEP)
             for node in air.nodes:
                 rate = jet(phase, node.q, node.v, ca).rate
-                programme.require(f"sweep of the legs in {air.label}", rate, -FASTEST, -SLOWEST, unit=1.0 / time)
+                programme.require(label, rate, -FASTEST, -SLOWEST, unit=1.0 / self.room.scale.time)
         found = {}
-        for name, limb in self.limbs.items():
+        for name, limb in limbs.items():
             if name in air.bearing:
                 continue
             outputs = Outputs(limb.controlled, phase, ())
-            shapes = self._shapes(air, limb, guess)
-            found[name] = begun = resume(outputs, shapes, first.q, first.v, span, ca)
+            found[name] = begun = resume(outputs, self._shapes(air, name), first.q, first.v, span, ca)
             for node in air.nodes:
                 past = 0.0 if bears or node is not last else 1.0
-                self._follow(air.label, outputs, replace(begun, past=past), node)
-                self._bring(air.label, limb, node, adductions[name])
+                missed = accelerations(outputs, replace(begun, past=past), node.q, node.v, node.a, ca)
+                if isinstance(limb, LegInSpace):
+                    i, off = limb.adduction, node.q[limb.adduction] - adductions[name]
+                    missed = [*missed, node.a[i] + (off / self.epsilon + 2.0 * node.v[i]) / self.epsilon]
+                programme.require(f"law in {air.label}", ca.vertcat(*missed), 0.0, 0.0, scale=self.rate)
         return found
 
-    def _follow(self, label: str, outputs: Outputs, begun: Evolution, node: Node) -> None:
-        """Requires ÿ = 0."""
-        unit = 1.0 / self.scale.time**2
-        for missed in accelerations(outputs, begun, node.q, node.v, node.a, casadi()):
-            self.programme.require(f"law in {label}", missed, 0.0, 0.0, scale=50.0, unit=unit)
-
-    def _bring(self, label: str, limb: Leg, node: Node, angle: Any) -> None:
-        """Requires that the adduction comes to an angle."""
-        i, epsilon = limb.adduction, self.law.adduction_epsilon
-        wanted = -((node.q[i] - angle) / epsilon + 2.0 * node.v[i]) / epsilon
-        self.programme.require(
-            f"law in {label}", node.a[i] - wanted, 0.0, 0.0, scale=50.0, unit=1.0 / self.scale.time**2
-        )
-
-    def _shapes(self, air: Air, limb: Leg, guess: Callable[[float], Array]) -> tuple[tuple[Any, ...], ...]:
+    def _shapes(self, air: Air, leg: str) -> tuple[tuple[Any, ...], ...]:
         """Returns coefficients from the third on; the last three of a leg that lands are its angles at touchdown."""
-        lands, name = limb.name in air.landing, f"{air.label}, {limb.name}"
+        limb, lands, name = self.room.limbs[leg], leg in air.landing, f"{air.label}, {leg}"
         gone = np.linspace(0.0, 1.0, SAMPLES)
-        rough = [guess(s).tolist() for s in gone]
+        rough = [air.guess(s).tolist() for s in gone]
         angles, knees = (_fitted(gone, [float(value(variable, q)) for q in rough]) for variable in limb.controlled)
         flexed = sorted((-0.2 * limb.bends, FLEXED * limb.bends))
         count = 1 if lands else FREE
         angle = [self.programme.variable(f"{name} angle {i}", angles[i], -STEEPEST, STEEPEST) for i in range(count)]
         knee = [self.programme.variable(f"{name} knee {i}", knees[i], *flexed) for i in range(count)]
         if lands:
-            angle += 3 * [self.programme.variable(f"{name} lands at", angles[-1], -STEEPEST, STEEPEST)]
+            angle += 3 * [self.programme.variable(f"{name} lands at", angles[-1], *self.room.landing)]
             knee += 3 * [limb.bends * self.knee]
         return tuple(angle), tuple(knee)
 
