@@ -10,17 +10,21 @@ import numpy as np
 import pytest
 
 from spear_pin import load, trotting
-from spear_pin.errors import BadValue, NoGait
+from spear_pin.errors import BadValue, Infeasible, NoGait
 from spear_pin.gaits.footfalls.checking import violations
 from spear_pin.gaits.footfalls.collocate import collocated
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, opposite
 from spear_pin.gaits.footfalls.trots import law_of_trot
+from spear_pin.gaits.objectives import in_its_unit
 from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Sum, errors, value
 from spear_pin.hybrid.periodic import chart, displacement, return_map
 from spear_pin.hybrid.symmetry import headed, mirror_of, turned
+from spear_pin.model.catalogue import motor
+from spear_pin.model.motor import Drive, Gearbox
+from spear_pin.model.scale import scale_in_space
 
 pytestmark = pytest.mark.extra("casadi")
 COARSE = replace(FOOTFALLS["trot"], intervals=(3, 2))
@@ -167,6 +171,49 @@ class TestLawInTheAir:
             assert value(legs[name].angle, q) == pytest.approx(last.evolutions[name].alpha[0, -1], abs=5e-3)
             assert value(legs[name].angle, v) == pytest.approx(0.0, abs=0.3)
             assert abs(q[legs[name].knee]) == pytest.approx(request.law.knee_rest, abs=1e-6)
+
+
+def largest(gait, part=slice(None)):
+    """Largest torque of some motors, of each leg in order of adduction, hip and knee."""
+    return max(np.abs(stretch.u[:, part]).max() for stretch in gait.stretches)
+
+
+@pytest.mark.slow
+class TestWishes:
+    """What a request for a bound may ask, a request in space may ask, too."""
+
+    def wished(self, robot, trot, **wishes):
+        return collocated(robot, replace(trot.request, **wishes), start=trot.solution)
+
+    def test_least_peak(self, robot, trot):
+        found = self.wished(robot, trot, objective="peak")
+        assert largest(found) < 0.5 * largest(trot)
+        assert in_its_unit(found.request, scale_in_space(robot), found.solution) == pytest.approx(largest(found))
+
+    def test_hips_spared(self, robot, trot):
+        found = self.wished(robot, trot, objective="hip")
+        hips = [sum(float((each.u[:, 1::3] ** 2).sum()) for each in gait.stretches) for gait in (found, trot)]
+        assert hips[0] < 0.5 * hips[1]
+
+    def test_hip_torque(self, robot, trot):
+        most = 0.5 * largest(trot, slice(1, None, 3))
+        assert largest(self.wished(robot, trot, hip_torque=most), slice(1, None, 3)) <= most * (1.0 + 1e-6)
+
+    def test_drives(self, robot, trot):
+        """Torques at the nodes are within the envelope by the motor's own rule."""
+        drive = Drive(motor("assumed_600w"), Gearbox(4.0, 0.9), 48.0)
+        found = self.wished(robot, trot, knee_drive=drive, hip_drive=drive)
+        for stretch in found.stretches:
+            for part in (1, 2):
+                torque, rate = stretch.u[:, part::3], stretch.v[:, 6 + part :: 3]
+                assert np.min(drive.margin(torque, rate)) > -1e-4
+
+    def test_what_is_out_of_reach_is_named(self, robot, trot):
+        with pytest.raises(Infeasible, match="mean speed.*m/s.*try speed=") as caught:
+            self.wished(robot, trot, speed=14.0)
+        assert caught.value.violation > 1.0 and caught.value.unit == "m/s"
+        with pytest.raises(Infeasible, match="duration of the stride.*longest_stride="):
+            self.wished(robot, trot, clearance=0.8)
 
 
 @pytest.mark.slow
