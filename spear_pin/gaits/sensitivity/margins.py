@@ -19,7 +19,7 @@ def margins(cycle: Derivative) -> dict[str, Measure]:
     """Returns the least margin of each armed event, by the event's name; zero where the event meets another.
 
     The margin of an event that does not happen is the least value of its guard. If the event happens, the margin is the
-    guard's value where its domain is entered. If the event happens at once, the margin is how far the guard is below
+    least value before the guard finally falls to zero. If the event happens at once, the margin is how far the guard is below
     zero there. Each margin is in the guard's unit: N for a force, m for a height, rad for an angle. If several guards
     make the same event, the least number counts. Scheduled events have no margin; guards can meet them, too.
     """
@@ -60,9 +60,11 @@ def of_motion(motion: Sequence[Stretch]) -> Iterator[tuple[str, float, Array]]:
         if np.ptp(values) <= ZERO * least:  # what is held disarms it
             continue
         first, *others = extremes_of(pieces)
+        if guard is event:  # of which the last value is zero; a largest one on the way is no margin
+            others = [other for other in others[:-1] if other[0] < first[0]]
         risen = abs(first[0]) > least  # else its own event has just put it on zero, from where it rises
         waits = guard.waits and first[0] <= 0.0  # until it has risen
-        for value, derivative in (first,) if guard is event else (first, *others):
+        for value, derivative in (first, *others):
             if (risen or abs(value) > least) and not (waits and value <= 0.0):
                 yield guard.name, value, derivative
 
