@@ -60,7 +60,8 @@ def optimize_design(
         keep: measures and the values that they keep.
         vary: as many parameters, which are solved for; by default those that the gait was solved for.
         at_most: upper bounds of measures, such as `peak_torque_knee`.
-        at_least: lower bounds, such as `margin_spring_switch`: margin of an event from happening otherwise.
+        at_least: lower bounds, such as `margin_spring_switch`: margin of an event from happening otherwise, or
+            `margin_lift_off_before_torque_switch`: the same, of motion before another event.
         largest_multiplier: upper bound of the moduli of the multipliers.
         motors: by the name of each joint, a motor or a drive. `energy` counts the heat of motors behind gears that lose
             nothing; drives give `electricity_JOINT` and `reserve_JOINT`. Gears have the robot's ratio, which may vary.

@@ -20,7 +20,7 @@ from spear_pin.hybrid.parameters import number
 from spear_pin.model.motor import Drive, Motor
 
 OnCycle = Callable[[], object]
-MARGIN = "margin_"
+MARGIN, BEFORE = "margin_", "_before_"
 OF_MOTORS = "energy|heat_.*|electricity.*|reserve_.*"
 STABILITY = ("multiplier at +1", "multiplier at -1", "multipliers in a complex pair")
 ROUNDING = 1e-5  # by which multipliers may miss their bound at an end
@@ -92,7 +92,10 @@ class Problem:
 
     def measure(self, orbit: Orbit, name: str) -> Measure | None:
         """Returns a measure of a gait, or a margin; None where there is none of that name."""
-        return orbit.margins.get(name.removeprefix(MARGIN)) if name.startswith(MARGIN) else orbit.measures.get(name)
+        if not name.startswith(MARGIN):
+            return orbit.measures.get(name)
+        event, _, other = name.removeprefix(MARGIN).partition(BEFORE)
+        return (orbit.margins_before(other) if other else orbit.margins).get(event)
 
     def named(self, orbit: Orbit) -> None:
         """Checks that a gait has the measures.

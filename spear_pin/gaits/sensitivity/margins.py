@@ -15,19 +15,28 @@ from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 ZERO = 1e-9  # relative to a guard's largest value: a guard with a smaller value begins at zero
 
 
-def margins(cycle: Derivative) -> dict[str, Measure]:
+def margins(cycle: Derivative, before: str = "") -> dict[str, Measure]:
     """Returns the least margin of each armed event, by the event's name; zero where the event meets another.
 
     The margin of an event that does not happen is the least value of its guard. If the event happens, the margin is the
-    least value before the guard finally falls to zero. If the event happens at once, the margin is how far the guard is below
-    zero there. Each margin is in the guard's unit: N for a force, m for a height, rad for an angle. If several guards
+    least value before the guard finally falls to zero. If the event happens at once, the margin is how far the guard is
+    below zero there. Each margin is in the guard's unit: N for a force, m for a height, rad for an angle. If several guards
     make the same event, the least number counts. Scheduled events have no margin; guards can meet them, too.
+
+    Args:
+        cycle: the cycle.
+        before: an event up to which motion counts. An event that happens before then has no margin left.
     """
     found = dict[str, Measure]()
     for motion in motions(cycle.stretches):
-        for name, value, derivative in of_motion(motion):
+        event, candidates = motion[-1].arc.event, [*of_motion(motion)]
+        if before and event is not None and event.name != before and long(motion):
+            candidates.append((event.name, 0.0, np.zeros(cycle.dy.shape[1])))
+        for name, value, derivative in candidates:
             if name not in found or value < found[name].value:
                 found[name] = Measure(value, derivative, "")
+        if before and event is not None and event.name == before:
+            break
     return found
 
 

@@ -123,6 +123,10 @@ class Orbit:
         """Margin of each event from happening otherwise, with derivatives by ξ and by the parameters."""
         return margins(self.cycle)
 
+    def margins_before(self, event: str) -> dict[str, Measure]:
+        """Returns the same, of motion before an event."""
+        return margins(self.cycle, event)
+
     @property
     def slides(self) -> NDArray[np.bool_]:
         """Which toes of the section slide as the cycle begins, (k,)."""

@@ -8,48 +8,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
+from spear_pin.gaits.codesign.design import Design
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch
-from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import parameter
-from spear_pin.hybrid.parameters import rebuilt as with_parts
 from spear_pin.hybrid.simulate import simulate
-from spear_pin.hybrid.trajectory import Trajectory
-from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
-from spear_pin.studies.design import energy_drawn, points_of
-from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
-from spear_pin.studies.payoff.best_hop import KEPT, TORQUE, best_hop, judged
-from spear_pin.studies.payoff.cycles import Task
-from spear_pin.studies.payoff.descent import descended
+from spear_pin.studies.hop_of_another import scaled_hopping
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
-from spear_pin.studies.payoff.grid import NONE, SWITCHED, Point
-from spear_pin.studies.payoff.leading import FOOTING, Place, led
-from spear_pin.studies.payoff.motors import PARTS, Motors
+from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
+from spear_pin.studies.payoff.hop_search import TORQUE, Task, best_hop, first_hops, led_to
+from spear_pin.studies.payoff.motors import Motors
 from spear_pin.studies.payoff.searches import Search, rebuilt
 from spear_pin.studies.payoff.study import Study, studied
 
 USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
-TOLERANCES = {MESH: (0.05, 1e-8), FINER: (0.02, 1e-9)}  # of the optimiser, in units, and of the integrator
-TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far from a brink
-FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
+TOLERANCES = {MESH: 1e-5, FINER: 1e-6}  # of the search: the relative gain that ends a descent
+# starts besides the first: of a first hop, of one whose stiffness is chosen, and of one beside a neighbour's
+COLD, FREELY, BESIDE = 12, 6, {NONE: 1, FIXED: 3, SWITCHED: 1}
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 RATES, TORQUES, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
 WORDS = Words(
@@ -91,54 +78,6 @@ def work(robot: Robot, flight_time: float) -> float:
     return robot.weight * gravity * flight_time**2 / 8.0
 
 
-def electricity(motors: Motors, system: HybridSystem, trajectory: Trajectory) -> float:
-    """Returns the energy that knee and hip draw, in J."""
-    return sum(energy_drawn(points_of(system.robot, trajectory, part), getattr(motors, part)) for part in PARTS)
-
-
-def effort(system: HybridSystem, trajectory: Trajectory) -> float:
-    """Returns ∫ Σ u² dt, in N²·m²·s."""
-    return float(np.trapezoid((trajectory.u**2).sum(axis=1), trajectory.t))
-
-
-def within(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) -> Array:
-    """Returns what remains of the limits of the joints, and of the motors' envelopes, as shares of them."""
-    robot, left = system.robot, []
-    for part in PARTS:
-        given, limits = points_of(robot, trajectory, part), robot.limits[part]
-        for values, limit in ((given.torque, limits.effort), (given.speed, limits.velocity)):
-            if 0.0 < limit < UNKNOWN:
-                left.append(1.0 - float(np.abs(values).max()) / limit)
-        angles, (least, most) = trajectory.q[:, robot.index(part)], limits.position
-        left += [gap for gap in (float(angles.min()) - least, most - float(angles.max())) if abs(gap) < UNKNOWN]
-        if motors is not None:
-            drive = getattr(motors, part)
-            left.append(float(np.min(drive.margin(given.torque, given.speed))) / drive.stall_torque)
-    return np.array(left)
-
-
-def apart(system: HybridSystem, trajectory: Trajectory) -> Array:
-    """Returns how far a hop is from the limits beyond which there is none, >= 0 where it is far enough.
-
-    With too little load a toe leaves the ground again while the knee flexes; that distance is in shares of the weight.
-    If the knee is back at its touchdown angle before the toe leaves, the spring releases there, and the toe stays on
-    the ground until the knee is straight; that distance is in rad. A toe that only touches the ground in passing has
-    no load, and a knee that has not moved.
-    """
-    stance, knee = trajectory.phase == "stance", system.robot.index("knee")
-    if not stance.any():
-        return np.array([-TREAD, -TAUT])
-    angle, flexing = trajectory.q[stance, knee], trajectory.v[stance, knee] > 0.0
-    load = float(trajectory.force[stance, 0, 1][flexing].min(initial=np.inf)) / system.robot.weight
-    taut = float(angle[-1] - angle[0]) if system.spring.rest is None else 1.0
-    return np.array([min(load, 1.0) - TREAD, taut - TAUT])
-
-
-def kept(motors: Motors | None, system: HybridSystem, trajectory: Trajectory) -> Array:
-    """Returns what a search keeps >= 0."""
-    return np.concatenate([within(motors, system, trajectory), apart(system, trajectory)])
-
-
 def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
     """Returns least and most of each chosen number.
 
@@ -165,77 +104,59 @@ def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
     return chosen | ({"stiffness": times(STIFFNESS, stiffness)} if free else {})
 
 
-def figures_of(gait: Gait, motors: Motors, samples: int = MESH) -> Figures:
+def figures_of(gait: Gait, motors: Motors, design: Design | None = None, samples: int = MESH) -> Figures:
     """Returns figures of a hop.
 
     Args:
         gait: a hop in place.
         motors: motors that drive it.
+        design: the design that found it, which says what holds it.
         samples: number of samples of each phase.
     """
     robot, flight = gait.system.robot, gait.durations["flight"]
     trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
-    friction = Sampled(robot, trajectory).largest("friction_used")
-    held = _held(gait, trajectory, motors)
-    return figures(gait, motors, trajectory, work=work(robot, flight), speed=flight, friction=friction, held=held)
+    friction, done = Sampled(robot, trajectory).largest("friction_used"), work(robot, flight)
+    held = () if design is None else _held(design, done)
+    return figures(gait, motors, trajectory, work=done, speed=flight, friction=friction, held=held)
 
 
-def _held(gait: Gait, trajectory: Trajectory, motors: Motors) -> tuple[str, ...]:
-    """Lists ends of ranges at which the law is, and limits that are fully used, in words."""
-    found = []
-    for name, (least, most) in ranges(gait.system.robot, free=False).items():
-        if getattr(gait.system.law, name) is None:  # a hip that follows the knee
-            continue
-        value, near = parameter(gait.system, name), 1e-3 * (most - least)
-        end = "least" if value - least < near else "largest" if most - value < near else ""
-        if end and not (name == "virtual_stiffness" and end == "least"):
-            found.append(f"{name.replace('_', ' ')} is the {end} allowed")
-    if within(motors, gait.system, trajectory).min() < 0.01:
-        found.append("a limit of a joint or a motor is reached")
-    return tuple(found)
+def _held(design: Design, work: float) -> tuple[str, ...]:
+    """Lists the active bounds of a design, with their prices, in words."""
+    return tuple(
+        f"{label.replace('_', ' ')} ({price / work:+.2g} of the cost for one SI unit more)"
+        for label, price in design.active.items()
+        if label != "least virtual_stiffness"
+    )
 
 
-def _from_cold(robot: Robot, point: Point, task: Task) -> Gait:
-    """Finds the best hop near one by SPEAR-II's scaled law, for some frequencies of its square wave.
+def _from_cold(robot: Robot, point: Point, task: Task) -> tuple[Gait, Design]:
+    """Finds the best hop near ones by SPEAR-II's scaled law.
 
-    The flight time of that hop is SPEAR-II's for the leg's size, or the wanted one.
+    The flight time of these is SPEAR-II's for the leg's size, or the wanted one.
 
     Raises:
         NoGait: there is no hop near any of them.
     """
-    system = scaled_hopping(robot)
     failures = []
-    for wanted in (USUAL * scale_of(robot).time, point.speed):
-        for share in FREQUENCIES:
-            law = replace(
-                system.law,
-                frequency=share * system.law.frequency,
-                hold_extension=True,
-                minimum_force=FOOTING * robot.weight,
-            )
-            try:
-                near = hop_of(with_parts(system, law=law), wanted)
-                place = Place(
-                    Point(SWITCHED, near.durations["flight"], near.system.spring.stiffness), near.system, near.state
-                )
-                return best_hop(task, led(task, place, point))
-            except NoGait as error:
-                failures.append(error)
+    for hop in first_hops(robot, (USUAL * scale_of(robot).time, point.speed)):
+        try:
+            return best_hop(task, led_to(point, SWITCHED, hop))
+        except NoGait as error:
+            failures.append(error)
     raise failures[0]
 
 
-def _down(task: Task, gait: Gait, measure: str, motors: Motors | None) -> Gait:
-    """Returns the hop at the end of the descent, if it costs less and keeps within limits."""
-    end, (least, most) = descended(gait, measure, motors, task.ranges, TAUT), task.ranges[TORQUE]
-    if not least <= parameter(end.system, TORQUE) <= most:
-        return gait
-    (before, _), (after, left) = (judged(task, each) for each in (gait, end))
-    return end if after < before and left >= KEPT else gait
-
-
-def _task(robot: Robot, point: Point, cost: Any, spare: Any, mesh: int) -> Task:
-    chosen = ranges(robot, free=point.stiffness is None)
-    return Task(point.speed, cost, spare, chosen, mesh, *TOLERANCES[mesh])
+def _task(robot: Robot, motors: Motors | None, measure: str, asked: Search) -> Task:
+    point, (mesh,) = asked.point, asked.meshes
+    return Task(
+        flight_time=point.speed,
+        measure=measure,
+        motors=motors,
+        ranges=ranges(robot, free=point.stiffness is None),
+        tolerance=TOLERANCES[mesh],
+        starts=COLD if asked.start is None else FREELY if point.stiffness is None else BESIDE[point.kind],
+        seed=int(asked.key[:8], 16),
+    )
 
 
 class Hops(Gaits):
@@ -248,21 +169,18 @@ class Hops(Gaits):
 
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
         """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
-        point, (mesh,) = asked.point, asked.meshes
-        task = _task(robot, point, partial(electricity, motors), partial(kept, motors), mesh)
+        task = _task(robot, motors, "electricity", asked)
         if asked.start is None or asked.start.gait is None:
-            gait = _from_cold(robot, point, task)
+            gait, design = _from_cold(robot, asked.point, task)
         else:
             near = rebuilt(self.kind, robot, asked.start.gait)
-            gait = best_hop(task, led(task, Place.of(asked.start.point.kind, near), point))
-        gait = _down(task, gait, "electricity", motors)
-        return gait, figures_of(gait, motors, mesh), None
+            gait, design = best_hop(task, led_to(asked.point, asked.start.point.kind, near))
+        return gait, figures_of(gait, motors, design, asked.meshes[0]), None
 
     def reference(self, robot: Robot, speed: float) -> Gait:
         """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
-        point = Point(NONE, speed)
-        task = _task(robot, point, effort, partial(kept, None), MESH)
-        return _down(task, _from_cold(robot, point, task), "effort", None)
+        asked = Search(Point(NONE, speed), None, self.meshes)
+        return _from_cold(robot, asked.point, _task(robot, None, "effort", asked))[0]
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
         """Returns default flight times for the robot's size."""
@@ -286,7 +204,7 @@ class Hops(Gaits):
         """Returns further data that tell one study from another."""
         return {
             "gait": "hop",
-            "search": "with descent",
+            "search": "descents from several starts",
             "ranges": {name: list(ends) for name, ends in ranges(robot, free=True).items()},
         }
 

@@ -147,7 +147,8 @@ def studied(
     motors = motors_for(gaits, robot, drives, bus, speeds, store, tell)
     searcher = Searcher(gaits, fitted(robot, motors), motors, store, n_jobs, tell)
     work = _Work(searcher)
-    bare = work.begin([Point(NONE, speed) for speed in gaits.first(robot, speeds)])
+    first = gaits.first(robot, speeds)
+    bare = work.begin([Point(NONE, speed) for speed in first], [Point(SWITCHED, speed, None) for speed in first])
     chosen = None
     if stiffnesses is None:
         chosen, stiffnesses = work.stiffnesses(bare)
@@ -174,6 +175,7 @@ class _Work:
 
     searcher: Searcher
     tries: dict[Point, list[SearchEnd]] = field(default_factory=dict)
+    begun: SearchEnd | None = None
 
     def search(self, searches: Sequence[Search]) -> list[SearchEnd]:
         found = self.searcher.find(searches)
@@ -194,20 +196,22 @@ class _Work:
         first = next(each for each in self.tries[finding.point] if each.figures is not None)
         return finding.cost < (1.0 - BETTER) * first.cost
 
-    def begin(self, points: Sequence[Point]) -> SearchEnd:
-        """Finds the gait of the first point that has one, from initial guesses."""
+    def begin(self, *groups: Sequence[Point]) -> SearchEnd:
+        """Finds the gait of the first point that has one, from initial guesses; groups of points follow each other."""
         words, reasons = self.searcher.gaits.words, []
-        for i in range(0, len(points), BEGUN):
-            for found in self.search([self.of(point) for point in points[i : i + BEGUN]]):
+        for points in (group[i : i + BEGUN] for group in groups for i in range(0, len(group), BEGUN)):
+            for found in self.search([self.of(point) for point in points]):
                 if found.figures is not None:
+                    self.begun = found
                     return found
                 reasons.append(f"{words.of(found.point)}: {found.reason}")
         raise SpearError(f"there is no {words.one} to begin with: {reasons[0]}")
 
     def stiffnesses(self, bare: SearchEnd) -> tuple[float | None, list[float]]:
         """Returns the stiffness that the optimiser chooses, and those around it, or around one by the robot's size."""
-        point = Point(SWITCHED, bare.point.speed, None)
-        (found,) = self.search([self.of(point, bare)])
+        point, found = Point(SWITCHED, bare.point.speed, None), bare
+        if bare.point != point:
+            (found,) = self.search([self.of(point, bare)])
         if found.figures is None:
             like = self.searcher.gaits.stiffness(self.searcher.robot)
             return None, [float(f"{step * like:.3g}") for step in STEPS]
@@ -248,6 +252,8 @@ class _Work:
         """Lists searches of a point from neighbours' best gaits, except for those that were done."""
         done = {each.key for each in self.tries.get(point, ())}
         starts = [found for near in grid.neighbours(point) if (found := self.at(near)) is not None]
+        if not starts and self.begun is not None and not any(self.at(each) for each in grid):
+            starts = [self.begun]
         return [each for start in starts if (each := self.of(point, start)).key not in done]
 
     def best(self, grid: Grid) -> tuple[dict[str, SearchEnd], float]:

@@ -1,0 +1,269 @@
+"""The hop of least cost of a point: descents by exact derivatives from many starts.
+
+A descent keeps the flight time and the limits of joints and motors. It also keeps the toe on the ground while the knee
+flexes, and the spring taut until it releases: beyond these limits hops are of another kind, and their cost jumps. So
+one descent ends in one valley; starts elsewhere lead to others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from spear_pin.errors import MissingExtra, NoGait, SpearError
+from spear_pin.gaits.codesign.design import Design
+from spear_pin.gaits.codesign.optimize_design import optimize_design
+from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.leading import Way, led
+from spear_pin.gaits.search import gait_beside
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import number, rebuilt
+from spear_pin.model.limits import UNKNOWN
+from spear_pin.model.motor import NO_MOTORS
+from spear_pin.model.robot import Robot
+from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
+from spear_pin.studies.payoff.grid import Point
+from spear_pin.studies.payoff.knee import tied, with_knee, with_values
+from spear_pin.studies.payoff.motors import PARTS, Motors
+
+TORQUE = "stance_torque"  # what is solved for the flight time
+FOOTING = 0.05  # of the weight: what the law lets rest on the toe at least while the knee flexes
+TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far a descent keeps from a toe that leaves, a spring that is slack
+LOADED, LANDED = "margin_lift_off", "margin_lift_off_before_torque_switch"  # in stance, and until the knee extends
+FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
+FIRST, SHORTEST = 0.5, 0.03  # of the way to another point: the first step, and the least
+LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
+MISSED = 1e-3  # of limits, together: a hop that misses more keeps them not
+
+
+@dataclass(frozen=True)
+class Task:
+    """What to minimise.
+
+    Attributes:
+        flight_time: wanted flight time, in s.
+        measure: measure of `optimize_design`.
+        motors: motors whose limits are kept; None: those of the file alone.
+        ranges: least and most of the stance torque, and of each chosen number of law or spring.
+        tolerance: relative gain that ends a descent.
+        starts: number of starts beside the first.
+        seed: seed of these.
+    """
+
+    flight_time: float
+    measure: str
+    motors: Motors | None
+    ranges: Mapping[str, tuple[float, float]]
+    tolerance: float
+    starts: int
+    seed: int
+
+    @property
+    def chosen(self) -> list[str]:
+        """Names of the chosen numbers."""
+        return [name for name in self.ranges if name != TORQUE]
+
+
+def best_hop(task: Task, begun: Gait) -> tuple[Gait, Design]:
+    """Finds the hop of least cost among the ends of descents from a hop and from starts around it.
+
+    Raises:
+        MissingExtra: heyoka is not installed.
+        NoGait: no descent ends in a hop within its limits.
+    """
+    found: list[tuple[Gait, Design]] = []
+    failures: list[SpearError] = []
+    for start in starts(task, begun):
+        try:
+            found.append(descended(task, start))
+        except MissingExtra:
+            raise
+        except SpearError as error:
+            failures.append(error)
+    if not found:
+        raise NoGait(f"no descent to a hop succeeds: {failures[0]}", np.inf)
+    within = [each for each in found if each[1].missed <= MISSED]
+    if not within:
+        _, nearest = min(found, key=lambda each: each[1].missed)
+        raise NoGait(f"every hop exceeds a limit; in the nearest one {_missed(nearest)}", 0.0)
+    return min(within, key=lambda each: each[1].objective)
+
+
+def _missed(design: Design) -> str:
+    """Names the bound that a design misses most, relative to the bound, with value and bound."""
+
+    def miss(label: str) -> float:
+        value, bound = design.bounds[label]
+        return (value - bound if label.endswith("at most") else bound - value) / (abs(bound) or 1.0)
+
+    worst = max(design.bounds, key=miss)
+    value, bound = design.bounds[worst]
+    return f"{worst.replace('_', ' ')} {bound:.3g} is {value:.3g}"
+
+
+def starts(task: Task, begun: Gait) -> Iterator[Gait]:
+    """Yields a hop, then hops on the ways from it to random numbers in the ranges, as far as these ways lead."""
+    yield begun
+    rng, now = np.random.default_rng(task.seed), {name: number(begun.system, name) for name in task.chosen}
+    for _ in range(task.starts):
+        share = rng.uniform()
+        aim = {name: value + share * (rng.uniform(*task.ranges[name]) - value) for name, value in now.items()}
+
+        def solve(reach: float, last: Gait, aim: Mapping[str, float] = aim) -> Gait:
+            values = {name: value + reach * (aim[name] - value) for name, value in now.items()}
+            return _hop(with_values(last.system, values), last, task.flight_time)
+
+        way = _led(solve, begun)
+        if way.done:
+            yield way.end
+
+
+def _led(solve: Callable[[float, Gait], Gait], begun: Gait) -> Way[Gait]:
+    """Leads a hop along a way, which ends as well where numbers are not valid."""
+
+    def safely(reach: float, last: Gait) -> Gait:
+        try:
+            return solve(reach, last)
+        except NoGait:
+            raise
+        except SpearError as error:
+            raise NoGait(str(error), np.inf) from None
+
+    return led(safely, begun, first=FIRST, shortest=SHORTEST)
+
+
+def _hop(system: HybridSystem, near: Gait, flight_time: float) -> Gait:
+    """Finds the hop of a system near another one, with a flight time."""
+    begun = with_values(system, {TORQUE: number(near.system, TORQUE)})
+    return gait_beside(begun, near.state, [TORQUE], {"flight_time": flight_time})
+
+
+def descended(task: Task, start: Gait) -> tuple[Gait, Design]:
+    """Leads a hop down to the minimum near it, with the task's flight time.
+
+    Hops with a fixed spring end at many cliffs, so their descent first keeps the toe loaded all through stance.
+
+    Raises:
+        MissingExtra: heyoka is not installed.
+        NoGait, NotDifferentiable: there is no way down, or no hop at its end.
+    """
+    if start.system.spring.rest is not None:
+        start, _ = _down(task, start, LOADED)
+    return _down(task, start, LANDED)
+
+
+def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, Design]:
+    """Leads a hop down; `loaded` is the margin of the toe's load that is kept."""
+    system = start.system
+    at_most, at_least = limits(system.robot, task.motors)
+    at_least[loaded] = TREAD * system.robot.weight
+    if system.spring.rest is None:
+        at_least["deflection_knee"] = TAUT
+    drives = NO_MOTORS if task.motors is None else {part: getattr(task.motors, part) for part in PARTS}
+    keep, over = {"flight_time": task.flight_time}, dict[str, tuple[float, float]]()
+    for name in task.chosen:
+        (least, most), value = task.ranges[name], number(system, name)
+        if name == "stiffness":
+            least = max(least, min(LEAST * most, value))
+        over[name] = min(least, value), max(most, value)
+    design = optimize_design(
+        replace(start, system=tied(system)),
+        task.measure,
+        over,
+        keep,
+        vary=[TORQUE],
+        at_most=at_most,
+        at_least=at_least,
+        motors=drives,
+        assuming=(),
+        tolerance=task.tolerance,
+    )
+    values = {name: number(design.gait.system, name) for name in (*over, TORQUE)}
+    return gait_beside(with_values(system, values), design.gait.state, [TORQUE], keep), design
+
+
+def limits(robot: Robot, motors: Motors | None) -> tuple[dict[str, float], dict[str, float]]:
+    """Returns upper and lower bounds of measures, by the robot's file and the motors."""
+    at_most, at_least = dict[str, float](), dict[str, float]()
+    for part in PARTS:
+        own, fastest = robot.limits[part], np.inf
+        if motors is not None:
+            drive, at_least[f"reserve_{part}"] = getattr(motors, part), 0.0
+            fastest = (drive.motor.max_speed or np.inf) / drive.gearbox.ratio
+        low, high = own.position
+        upper = {
+            "peak_torque": own.effort or np.inf,
+            "peak_speed": min(own.velocity or np.inf, fastest),
+            "greatest": high,
+        }
+        at_most |= {f"{name}_{part}": limit for name, limit in upper.items() if limit < UNKNOWN}
+        at_least |= {f"least_{part}": low} if low > -UNKNOWN else {}
+    return at_most, at_least
+
+
+def led_to(point: Point, kind: str, gait: Gait) -> Gait:
+    """Leads a hop to another point by small steps of stiffness and flight time; the kind changes without a spring.
+
+    Springs act both ways on the way, where no cycle would close with springs that release.
+
+    Args:
+        point: the point.
+        kind: kind of the hop's knee.
+        gait: the hop.
+
+    Raises:
+        NoGait: the way ends before.
+    """
+    spring, law, here = gait.system.spring, gait.system.law, gait.durations["flight"]
+    own = point.stiffness if point.stiffness is not None else spring.stiffness or law.virtual_stiffness
+    if kind != point.kind:
+        gait = _towards(gait, kind, 0.0, here)
+    gait = _towards(gait, point.kind, own, point.speed)
+    return replace(gait, system=with_knee(gait.system, point.kind, own, releases=True))
+
+
+def _towards(begun: Gait, kind: str, stiffness: float, flight_time: float) -> Gait:
+    """Leads a hop to a stiffness of a kind of knee and to a flight time.
+
+    Raises:
+        NoGait: the way ends before.
+    """
+    softest, shortest = begun.system.spring.stiffness, begun.durations["flight"]
+
+    def solve(reach: float, near: Gait) -> Gait:
+        own = softest + reach * (stiffness - softest)
+        system = with_knee(near.system, kind, own, releases=False)
+        return _hop(system, near, shortest * (flight_time / shortest) ** reach)
+
+    way = _led(solve, begun)
+    if way.failure is not None:
+        raise way.failure
+    return way.end
+
+
+def first_hops(robot: Robot, flight_times: Sequence[float]) -> Iterator[Gait]:
+    """Yields hops by SPEAR-II's scaled law, for some frequencies of its square wave and flight times.
+
+    Raises:
+        NoGait: there is none.
+    """
+    system = scaled_hopping(robot)
+    failures = []
+    for wanted in flight_times:
+        for share in FREQUENCIES:
+            law = replace(
+                system.law,
+                frequency=share * system.law.frequency,
+                hold_extension=True,
+                minimum_force=FOOTING * robot.weight,
+            )
+            try:
+                hop = hop_of(rebuilt(system, law=law), wanted)
+            except NoGait as error:
+                failures.append(error)
+                continue
+            yield hop
+    if len(failures) == len(flight_times) * len(FREQUENCIES):
+        raise failures[0]
