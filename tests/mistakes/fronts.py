@@ -101,13 +101,19 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "studies/payoff/cycles",
-        ["studies/payoff/test_hops"],
+        "studies/payoff/hop_search",
+        ["studies/payoff/test_hop_search"],
         {
-            "a chart is taken to be flat": (
-                "- self.chart.coordinates(state)",
-                "- self.units[:d] * x[:d]",
+            "a hop beyond its limits is the best": ("if each[1].missed <= MISSED]", "]"),
+            "motors do without reserve": (
+                'at_least[f"reserve_{part}"] = getattr(motors, part), 0.0',
+                "_ = getattr(motors, part), 0",
             ),
+            "springs release on the way": (
+                "near.system, kind, own, releases=False",
+                "near.system, kind, own, releases=True",
+            ),
+            "the kind changes with a spring": ("_towards(gait, kind, 0.0, here)", "gait"),
         },
     ),
     *mistakes_in(

@@ -20,8 +20,8 @@ def margins(cycle: Derivative, before: str = "") -> dict[str, Measure]:
 
     The margin of an event that does not happen is the least value of its guard. If the event happens, the margin is the
     least value before the guard finally falls to zero. If the event happens at once, the margin is how far the guard is
-    below zero there. Each margin is in the guard's unit: N for a force, m for a height, rad for an angle. If several guards
-    make the same event, the least number counts. Scheduled events have no margin; guards can meet them, too.
+    below zero there. Each margin is in the guard's unit: N for a force, m for a height, rad for an angle. If several
+    guards make the same event, the least number counts. Scheduled events have no margin; guards can meet them, too.
 
     Args:
         cycle: the cycle.
