@@ -101,6 +101,14 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "gaits/sensitivity/margins",
+        ["gaits/sensitivity/test_margins"],
+        {
+            "what an event comes near to on its way is no margin": ("others[:-1] if other[0] < first[0]]", "()]"),
+            "an event that has happened has a margin left": ("(event.name, 0.0,", "(event.name, 9e9,"),
+        },
+    ),
+    *mistakes_in(
         "studies/payoff/hop_search",
         ["studies/payoff/test_hop_search"],
         {

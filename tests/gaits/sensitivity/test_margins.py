@@ -1,9 +1,11 @@
 """Margins to another order of events: of a hop known from elsewhere, and derivatives against gaits nearby."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from spear_pin import Gait, find_gait, simulate
+from spear_pin import Gait, HoppingLaw, find_gait, hopping, simulate
 from spear_pin.gaits.sensitivity.closing import closed, led
 from spear_pin.gaits.sensitivity.margins import margins, of_motion
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
@@ -35,6 +37,37 @@ def test_margins_of_what_begins_on_zero_are_not_zero(begun):
     """Touchdown as the toe leaves, the spring as it engages, stick as the toe begins to slide."""
     assert "touchdown" not in begun.margins
     assert all(margin.value > 1e-4 for margin in begun.margins.values())
+
+
+def test_before_an_event_only_motion_up_to_it_counts(hop, begun):
+    """Against samples: the toe's load until the torque switches; after that it is less, as the toe slides off."""
+    run = simulate(hop.system, hop.state, 1, samples=500, progress=False)
+    first = (run.phase == "stance") & (run.t - run.t[0] < 0.5 / hop.system.law.frequency)
+    before = begun.margins_before("torque_switch")
+    assert before["lift_off"].value == pytest.approx(run.force[first, 0, 1].min(), rel=1e-4)
+    assert begun.margins["lift_off"].value < 0.5 * before["lift_off"].value
+    assert begun.margins_before("lift_off")["lift_off"].value == begun.margins["lift_off"].value
+    assert begun.margins_before("touchdown")["lift_off"].value == 0.0
+
+
+def test_a_toe_is_lightest_on_the_way(hop):
+    """Its load falls after touchdown and rises again; against samples."""
+    robot, spring = hop.system.robot, replace(hop.system.spring, stiffness=30.0, rest=0.8761, unilateral=False)
+    law = HoppingLaw(
+        0.8761,
+        0.8173,
+        10.1612,
+        4.0023,
+        virtual_stiffness=13.4758,
+        hold_extension=True,
+        minimum_force=0.05 * robot.weight,
+    )
+    near = np.array([0.5313684, 0.8352696, 0.83926901]), np.array([-0.81743265, 3.45428345, 5.77204953])
+    gait = find_gait(hopping(robot, law, spring), guess=near)
+    run = simulate(gait.system, gait.state, 1, samples=1000, progress=False)
+    load = run.force[(run.phase == "stance") & (run.t - run.t[0] < 0.5 / law.frequency), 0, 1]
+    found = Orbit(gait.system, gait.state, ()).margins_before("torque_switch")["lift_off"].value
+    assert found == pytest.approx(load.min(), abs=1e-5) and found < min(load[0], load[-1]) - 0.2
 
 
 def along(begun, found, name, j):
