@@ -38,7 +38,6 @@ from spear_pin.model.vectors import (
     scale,
     subtract,
     transpose,
-    vector_of,
 )
 
 
@@ -77,9 +76,9 @@ class Body:
 
     def with_numbers(self, left: Iterator[Any]) -> Body:
         """Returns the body with the next of some numbers, in the order of `numbers`."""
-        mass, moment, (xx, xy, xz, yy, yz, zz) = next(left), vector_of(islice(left, 3)), islice(left, 6)
+        mass, moment, (xx, xy, xz, yy, yz, zz) = next(left), tuple(islice(left, 3)), islice(left, 6)
         inertia = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
-        armature, placement = next(left), vector_of(islice(left, 3))
+        armature, placement = next(left), tuple(islice(left, 3))
         return replace(self, mass=mass, moment=moment, inertia=inertia, armature=armature, placement=placement)
 
 
@@ -280,8 +279,8 @@ def _hung(above: _Composite, load: _Composite, joint: _Joint) -> _Composite:
         value = plus(plus(above.inertia[i][j], inertia[i][j]), negated(shift))
         return plus(value, along) if i == j else value
 
-    first, second, third = (vector_of(entry(i, j) for j in range(3)) for i in range(3))
-    return _Composite(plus(above.mass, mass), add(above.moment, add(moment, scale(mass, arm))), (first, second, third))
+    rows = tuple(tuple(entry(i, j) for j in range(3)) for i in range(3))
+    return _Composite(plus(above.mass, mass), add(above.moment, add(moment, scale(mass, arm))), rows)
 
 
 def _inertial(body: Body, joint: _Joint) -> tuple[Vector, Vector]:
