@@ -274,9 +274,7 @@ class Assembly:
             row = self.model.joints[self.model.getJointId(name)].idx_v
             carried = _carried(robot.model, turns) | {"lowerPositionLimit": low, "upperPositionLimit": high}
             for attribute, value in carried.items():
-                numbers = np.array(getattr(self.model, attribute))
-                numbers[row] = value
-                setattr(self.model, attribute, numbers)
+                getattr(self.model, attribute)[row] = value
 
 
 def _carried(model: pin.Model, turns: Sequence[Turn]) -> dict[str, float]:

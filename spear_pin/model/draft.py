@@ -127,19 +127,16 @@ def of_mjcf(mjcf: Mjcf, base: Base | None) -> Draft:
     check_memory(mjcf.path, model.njoints - 1, model.nv)
     model.gravity.linear = np.array(mjcf.gravity)
     _forget_gears(model)
-    armature, damping = np.zeros(model.nv), np.zeros(model.nv)
     for name, rubbing in mjcf.rubbing.items():
         joint = model.joints[model.getJointId(name)]
         rows = slice(joint.idx_v, joint.idx_v + joint.nv)
-        armature[rows], damping[rows] = rubbing.armature or 0.0, rubbing.damping
-    model.armature, model.damping = armature, damping
-    effort = np.array(model.upperEffortLimit)
-    gears = {}
+        model.armature[rows], model.damping[rows] = rubbing.armature or 0.0, rubbing.damping
+    gears, effort = {}, model.upperEffortLimit
     for drive in mjcf.drives:
         row = model.joints[model.getJointId(drive.joint)].idx_v
         gears[drive.joint] = Gear(drive.gear, armature=mjcf.rubbing[drive.joint].armature)
         effort[row] = min(effort[row], drive.effort)
-    model.upperEffortLimit, model.lowerEffortLimit = effort, -effort
+    model.lowerEffortLimit = -effort
     for frame in model.frames:
         if frame.type == POINT and frame.name in mjcf.inside:
             frame.type = INSIDE

@@ -58,12 +58,10 @@ def with_motors(
                 raise BadValue("motors", joint, f"joints of one degree of freedom: {listed(valid) or 'none'}")
             raise UnknownName("joint", joint, valid)
     actuated = tuple(joint for joint in valid if joint in wanted)
-    ratios, rotors = model.rotorGearRatio.copy(), model.rotorInertia.copy()
     for joint in actuated:
         row = model.joints[model.getJointId(joint)].idx_v
-        if not ratios[row]:  # no source gives a ratio
-            ratios[row], rotors[row] = 1.0, model.armature[row]
-    model.rotorGearRatio, model.rotorInertia = ratios, rotors
+        if not model.rotorGearRatio[row]:  # no source gives a ratio
+            model.rotorGearRatio[row], model.rotorInertia[row] = 1.0, model.armature[row]
     return model, actuated
 
 
@@ -100,9 +98,7 @@ def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.
             raise BadFile(path, f"{problem}: {REMEDY}")
         if not repair:
             raise BadFile(path, f"{problem}: {REMEDY} (repair=True mends it)")
-        armature = model.armature.copy()
-        armature[model.joints[model.getJointId(joint)].idx_v] += MENDED
-        model.armature = armature
+        model.armature[model.joints[model.getJointId(joint)].idx_v] += MENDED
         where = "" if repr(joint) in problem else f" on joint {joint!r}"
         notes.append(f"{problem}: mended by an armature of {MENDED:g} kg·m² (kg, if it slides){where}")
     return model, notes

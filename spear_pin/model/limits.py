@@ -53,7 +53,7 @@ def order_limits(model: pin.Model) -> list[str]:
     Returns:
         a line for each such joint, and for each joint whose limits leave it no room and are therefore ignored.
     """
-    lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
+    lower, upper = model.lowerPositionLimit, model.upperPositionLimit
     notes = []
     for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
         place = joint.idx_q
@@ -70,7 +70,6 @@ def order_limits(model: pin.Model) -> list[str]:
         elif joint.nv == joint.nq == 1 and lower[place] == upper[place] != 0.0:
             both = f"{lower[place]:g} and {upper[place]:g}"
             notes.append(f"joint {name!r} has the limits {both}, which leave it no room: it is not limited")
-    model.lowerPositionLimit, model.upperPositionLimit = lower, upper
     return notes
 
 

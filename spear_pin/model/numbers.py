@@ -129,9 +129,8 @@ def _set(model: pin.Model, joint: int, what: str, value: float, before: float) -
         lever[AXES.index(what[-1])] = value
         model.inertias[joint] = pin.Inertia(body.mass, turn.T @ lever, body.inertia)
     else:
-        numbers = (model.armature if what == "armature" else model.damping).copy()
+        numbers = model.armature if what == "armature" else model.damping
         numbers[row] = value
-        setattr(model, "armature" if what == "armature" else "damping", numbers)
 
 
 def _set_inertia(model: pin.Model, joint: int, what: str, name: str, value: float) -> None:
