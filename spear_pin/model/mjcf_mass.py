@@ -21,14 +21,13 @@ GROUPS = "0 5"  # least and most, of the geoms whose mass counts
 SHORTEST = 1e-14  # m, from end to end
 
 
-def add_mass(writing: Writing, body: Any, to: Any, inherited: str | None) -> None:
+def add_mass(writing: Writing, body: Any, to: Any) -> None:
     """Writes the inertial or the geoms that give a body its mass.
 
     Args:
         writing: state.
         body: body in the file.
         to: the body that is written.
-        inherited: class of what is on it.
 
     Raises:
         BadFile: an inertia is incomplete or none that a body can have, or a geom has no size, or no such one.
@@ -36,29 +35,28 @@ def add_mass(writing: Writing, body: Any, to: Any, inherited: str | None) -> Non
     inertials, from_geoms = body.findall("inertial"), writing.compiler.get("inertiafromgeom", "auto")
     if len(inertials) > 1:
         raise writing.fault(inertials[1], f"body {to.get('name')!r} has {len(inertials)} <inertial>; one is valid")
-    geoms = [] if from_geoms == "false" else _weighed(writing, body, inherited)
-    if inertials and not (from_geoms == "true" and any(_weighs(writing, geom, inherited) for geom in geoms)):
+    geoms = [] if from_geoms == "false" else _weighed(writing, body)
+    if inertials and not (from_geoms == "true" and any(_weighs(writing, geom) for geom in geoms)):
         _add_inertial(writing, body, inertials[0], to)
     else:
         for geom in geoms:
-            _add_geom(writing, geom, to, inherited)
+            _add_geom(writing, geom, to)
 
 
-def _weighed(writing: Writing, body: Any, inherited: str | None) -> list[Any]:
+def _weighed(writing: Writing, body: Any) -> list[Any]:
     """Returns the geoms of a body that are in the groups of which the compiler counts the mass."""
     said = {"inertiagrouprange": GROUPS, **writing.compiler}
     least, most = counted(writing, writing.root, said, "inertiagrouprange")
-    geoms = body.findall("geom")
     return [
         geom
-        for geom in geoms
-        if least <= counted(writing, geom, {"group": "0", **writing.defaults.of(geom, inherited)}, "group")[0] <= most
+        for geom in body.findall("geom")
+        if least <= counted(writing, geom, {"group": "0", **writing.defaults.of(geom)}, "group")[0] <= most
     ]
 
 
-def _weighs(writing: Writing, geom: Any, inherited: str | None) -> bool:
+def _weighs(writing: Writing, geom: Any) -> bool:
     """Tells whether a geom has mass; MuJoCo keeps the `<inertial>` of a body where none has."""
-    said = writing.defaults.of(geom, inherited)
+    said = writing.defaults.of(geom)
     numbers = [values(writing.path, geom, said[each])[0] for each in ("mass", "density") if each in said]
     return said.get("type") != "plane" and (not numbers or numbers[0] > 0)
 
@@ -107,8 +105,8 @@ def _possible(writing: Writing, inertial: Any, name: str, moments: tuple[float, 
     return tuple(map(float, matrix[(0, 1, 2, 0, 0, 1), (0, 1, 2, 1, 2, 2)]))[: len(moments)]
 
 
-def _add_geom(writing: Writing, geom: Any, to: Any, inherited: str | None) -> None:
-    said, name = writing.defaults.of(geom, inherited), called(geom)
+def _add_geom(writing: Writing, geom: Any, to: Any) -> None:
+    said, name = writing.defaults.of(geom), called(geom)
     kind = said.get("type", "mesh" if "mesh" in said else "sphere")
     if kind not in (*SIZES, *MASSLESS):
         valid = ", ".join((*SIZES, *MASSLESS))

@@ -12,18 +12,17 @@ from spear_pin.model.mjcf_writing import PLACE, Writing, copy, counted
 ENDS = ("sphere",)  # types of geoms of which the middle is where a limb may end
 
 
-def add_point(writing: Writing, element: Any, body: Any, inherited: str | None, alone: bool) -> None:
+def add_point(writing: Writing, element: Any, body: Any, alone: bool) -> None:
     """Writes a site, the middle of a geom, or the farther end of a geom that leads from one point to another.
 
     Args:
         writing: state; geoms that are no ends of limbs are noted in it.
         element: a site or a geom.
         body: body that is written.
-        inherited: class of what is on the body.
         alone: whether no body hangs on this one, so that a limb ends here; a geom without a name is then called
             after the body.
     """
-    said, name = writing.defaults.of(element, inherited), element.get("name")
+    said, name = writing.defaults.of(element), element.get("name")
     kind = said.get("type", "sphere")
     ends = element.tag == "geom" and (kind in ENDS or "fromto" in said)
     if "mesh" in said or not (name or (ends and alone)):

@@ -25,7 +25,7 @@ from spear_pin.model.mjcf_mass import add_mass
 from spear_pin.model.mjcf_motors import LIMITED, MOVABLE, DrivenJoint, either_way, is_limited, read_drives
 from spear_pin.model.mjcf_points import add_point
 from spear_pin.model.mjcf_rotations import angle_unit
-from spear_pin.model.mjcf_sections import MAIN, Defaults, include, read_defaults, section, settings
+from spear_pin.model.mjcf_sections import MAIN, Defaults, include, inherit_classes, read_defaults, section, settings
 from spear_pin.model.mjcf_unread import tell_unread
 from spear_pin.model.mjcf_writing import (
     PLACE,
@@ -112,6 +112,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
             that MuJoCo refuses.
     """
     include(path, root)
+    inherit_classes(root)
     compiler, defaults = settings(root, "compiler"), read_defaults(path, root)
     if compiler.get("coordinate") == "global":
         raise BadFile(path, 'has global coordinates: let MuJoCo 2.3.3 or older save it with coordinate="local"')
@@ -128,7 +129,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     trunk = _based(writing, body, base)
     if trunk.find("joint") is None and trunk.find("freejoint") is None:  # of such a one Pinocchio ignores the place
         world = etree.SubElement(world, "body", name=writing.name(WORLD))
-    _add_body(writing, trunk, world, None)
+    _add_body(writing, trunk, world)
     autolimits = is_true(compiler.get("autolimits"), True)
     drives = read_drives(path, root, defaults, writing.joints, writing.jointed, autolimits)
     option = settings(root, "option")
@@ -138,7 +139,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     if any(flag.get("gravity") == "disable" for flag in section(root, "option")):
         gravity = (0.0, 0.0, 0.0)
     postures = read_keyframes(path, root, {name: places[at] for name, at in writing.elements.items() if at in places})
-    tell_unread(writing, root, body, others, drives)
+    tell_unread(writing, root, others, drives)
     notes = [*filter(None, [writing.unread.line]), *notes_on(writing.faults, "body", repair)]
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
@@ -227,13 +228,13 @@ def _based(writing: Writing, body: Any, base: Base | None) -> Any:
 
 def _floats(writing: Writing, body: Any) -> bool:
     return body.find("freejoint") is not None or any(
-        writing.defaults.of(joint, body.get("childclass")).get("type") == "free" for joint in body.findall("joint")
+        writing.defaults.of(joint).get("type") == "free" for joint in body.findall("joint")
     )
 
 
-def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -> None:
-    """Writes a body and its contents into another; `inherited` is the class of the surrounding body."""
-    path, inherited = writing.path, body.get("childclass") or inherited
+def _add_body(writing: Writing, body: Any, parent: Any) -> None:
+    """Writes a body and its contents into another."""
+    path = writing.path
     writing.bodies += 1
     if writing.bodies > MAX_LINKS:
         raise BadFile(path, f"has more than {MAX_LINKS} bodies")
@@ -249,23 +250,23 @@ def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -
         if len(inner):  # one joint a body
             inner.set("name", writing.name(f"{name}_{len(writing.joints)}"))
             inner = etree.SubElement(inner, "body")
-        _add_joint(writing, child, inner, name, inherited)
+        _add_joint(writing, child, inner, name)
     inner.set("name", name)  # what all its joints move
-    add_mass(writing, body, inner, inherited)
-    writing.geoms += [(name, writing.defaults.of(geom, inherited)) for geom in body.findall("geom")]
+    add_mass(writing, body, inner)
+    writing.geoms += [(name, writing.defaults.of(geom)) for geom in body.findall("geom")]
     alone = body.find("body") is None
     for child in children:
         if child.tag in UNREAD:
             raise fault(path, child, f"body {name!r} has a <{child.tag}>, which is not read: {REMEDY}")
         if child.tag in ("site", "geom"):
-            add_point(writing, child, inner, inherited, alone=alone)
+            add_point(writing, child, inner, alone=alone)
         elif child.tag == "body":
-            _add_body(writing, child, inner, inherited)
+            _add_body(writing, child, inner)
 
 
-def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: str | None) -> None:
+def _add_joint(writing: Writing, joint: Any, body: Any, owner: str) -> None:
     path = writing.path
-    said = writing.defaults.of(joint, inherited) if joint.tag == "joint" else {"type": "free"}
+    said = writing.defaults.of(joint) if joint.tag == "joint" else {"type": "free"}
     kind = said.get("type", "hinge")
     if kind not in JOINT_TYPES:
         raise writing.fault(joint, f"{called(joint)} has the type {kind!r}; valid: {', '.join(JOINT_TYPES)}")

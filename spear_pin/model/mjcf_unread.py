@@ -16,25 +16,20 @@ from spear_pin.model.unread import find_unread
 LEAN = 1e-9  # half of the angle, in rad, by which level ground may lean
 
 
-def tell_unread(writing: Writing, root: Any, body: Any, others: list[Any], drives: Drives) -> None:
+def tell_unread(writing: Writing, root: Any, others: list[Any], drives: Drives) -> None:
     """Adds unused data to `writing.unread`.
 
     Args:
         writing: state.
         root: element of the file.
-        body: the robot's first one.
-        others: bodies beside it.
+        others: bodies beside the robot.
         drives: its actuators.
     """
     unread, defaults = writing.unread, writing.defaults
-    classes: dict[Any, str | None] = {}
-    for element in body.iter("body"):
-        above = classes.get(element.getparent())
-        classes[element] = element.get("childclass") or above
 
     def said(element: Any) -> dict[str, str]:
         plain = element.getparent() in (None, root) or element.tag == "body"  # of which there are no classes
-        attributes = dict(element.attrib) if plain else defaults.of(element, classes.get(element.getparent()))
+        attributes = dict(element.attrib) if plain else defaults.of(element)
         return without_effect(element.tag, attributes)
 
     ground = [geom for geom in section(root, "worldbody") if geom.tag == "geom" and not _level(writing, said(geom))]
