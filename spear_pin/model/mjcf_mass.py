@@ -57,7 +57,7 @@ def _weighed(writing: Writing, body: Any) -> list[Any]:
 def _weighs(writing: Writing, geom: Any) -> bool:
     """Tells whether a geom has mass; MuJoCo keeps the `<inertial>` of a body where none has."""
     said = writing.defaults.of(geom)
-    numbers = [values(writing.path, geom, said[each])[0] for each in ("mass", "density") if each in said]
+    numbers = [values(writing, geom, said[each])[0] for each in ("mass", "density") if each in said]
     return said.get("type") != "plane" and (not numbers or numbers[0] > 0)
 
 
@@ -118,13 +118,13 @@ def _add_geom(writing: Writing, geom: Any, to: Any) -> None:
         _check_size(writing, geom, said, kind, name)
         copied = etree.SubElement(to, "geom", type=kind)
         copy(writing, geom, copied, said, (*placed, "size", "mass", "density"))
-    elif kind != "plane" and values(writing.path, geom, said.get("mass", "1"))[0] > 0:
+    elif kind != "plane" and values(writing, geom, said.get("mass", "1"))[0] > 0:
         writing.unread.lose("mass of a mesh", to.get("name"))
 
 
 def _check_size(writing: Writing, geom: Any, said: Mapping[str, str], kind: str, name: str) -> None:
     least = SIZES[kind][0 if "fromto" in said else 1]
-    sizes = values(writing.path, geom, said["size"]) if said.get("size", "").strip() else ()
+    sizes = values(writing, geom, said["size"]) if said.get("size", "").strip() else ()
     if not least <= len(sizes) <= MOST_SIZES or min(sizes[:least]) <= 0:
         expected = f"{least} number{'s' * (least > 1)} > 0, in m, for a {kind}"
         raise writing.fault(geom, f"{name} has the size {said.get('size', '')!r}; expected {expected}")

@@ -18,11 +18,11 @@ import numpy as np
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import called, fault, parse_limit
+from spear_pin.model.elements import called, fault
 from spear_pin.model.inertial import notes_on
 from spear_pin.model.mjcf_keyframes import places_of, read_keyframes
 from spear_pin.model.mjcf_mass import add_mass
-from spear_pin.model.mjcf_motors import LIMITED, MOVABLE, DrivenJoint, either_way, is_limited, read_drives
+from spear_pin.model.mjcf_motors import LIMITED, MOVABLE, DrivenJoint, either_way, ends_of, is_limited, read_drives
 from spear_pin.model.mjcf_points import add_point
 from spear_pin.model.mjcf_rotations import angle_unit
 from spear_pin.model.mjcf_sections import MAIN, Defaults, include, inherit_classes, read_defaults, section, settings
@@ -35,7 +35,7 @@ from spear_pin.model.mjcf_writing import (
     at_least_zero,
     copy,
     counted,
-    is_true,
+    read_rubbing,
     values,
 )
 from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
@@ -130,10 +130,9 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     if trunk.find("joint") is None and trunk.find("freejoint") is None:  # of such a one Pinocchio ignores the place
         world = etree.SubElement(world, "body", name=writing.name(WORLD))
     _add_body(writing, trunk, world)
-    autolimits = is_true(compiler.get("autolimits"), True)
-    drives = read_drives(path, root, defaults, writing.joints, writing.jointed, autolimits)
+    drives = read_drives(writing)
     option = settings(root, "option")
-    gravity = values(path, root, option.get("gravity", "0 0 -9.81"))
+    gravity = values(writing, root, option.get("gravity", "0 0 -9.81"))
     if len(gravity) != 3:
         raise BadFile(path, f"has a gravity of {len(gravity)} numbers; expected 3")
     if any(flag.get("gravity") == "disable" for flag in section(root, "option")):
@@ -144,7 +143,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
     look = Look(tuple(writing.geoms), _assets(root, defaults), compiler)
-    rubbing = {name: _together(own, drives.rubbing.get(name)) for name, own in writing.rubbing.items()}
+    rubbing = {name: own.joined(drives.rubbing.get(name, Rubbing())) for name, own in writing.rubbing.items()}
     return Mjcf(
         path,
         name,
@@ -158,14 +157,6 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
         look,
         frozenset(writing.inside),
     )
-
-
-def _together(own: Rubbing, driven: Rubbing | None) -> Rubbing:
-    """Adds armature and damping of a joint and of its actuators."""
-    if driven is None:
-        return own
-    armatures = [each for each in (own.armature, driven.armature) if each is not None]
-    return Rubbing(sum(armatures) if armatures else None, own.damping + driven.damping)
 
 
 def _assets(root: Any, defaults: Defaults) -> dict[tuple[str, str], Mapping[str, str]]:
@@ -265,54 +256,44 @@ def _add_body(writing: Writing, body: Any, parent: Any) -> None:
 
 
 def _add_joint(writing: Writing, joint: Any, body: Any, owner: str) -> None:
-    path = writing.path
     said = writing.defaults.of(joint) if joint.tag == "joint" else {"type": "free"}
     kind = said.get("type", "hinge")
     if kind not in JOINT_TYPES:
         raise writing.fault(joint, f"{called(joint)} has the type {kind!r}; valid: {', '.join(JOINT_TYPES)}")
     name = joint.get("name") or writing.name(BASE if kind == "free" else f"{owner}_joint", joint=True)
     writing.joints[name], writing.elements[name] = kind, joint
-    armature, damping, frictionloss = (
-        at_least_zero(writing, joint, said, each, f"joint {name!r}") for each in ("armature", "damping", "frictionloss")
-    )
-    writing.rubbing[name] = Rubbing(armature if "armature" in said else None, damping)
+    writing.rubbing[name] = read_rubbing(writing, joint, said, f"joint {name!r}")
+    frictionloss = at_least_zero(writing, joint, said, "frictionloss", f"joint {name!r}")
     if kind == "free":
         etree.SubElement(body, "freejoint", name=name)
         return
     copied = etree.SubElement(body, "joint", name=name, type=kind)
-    autolimits = is_true(writing.compiler.get("autolimits"), True)
     copy(writing, joint, copied, said, JOINT)
     if kind in MOVABLE and np.linalg.norm(counted(writing, joint, {"axis": "0 0 1", **said}, "axis")) < SHORTEST:
         raise writing.fault(joint, f"joint {name!r} has the axis {said['axis']!r}; expected a direction")
-    limited = {name: is_limited(path, joint, said, name, autolimits) for name in RANGES}
+    limited = {name: is_limited(writing, joint, said, name) for name in RANGES}
+    low, high = ends_of(writing, joint, {"range": "0 0", **said}, "range")
     if limited["range"] and kind in MOVABLE:
         unit = 1.0 if kind == "slide" else angle_unit(writing.compiler)
-        ref, *_ = values(path, joint, said.get("ref", "0"))
-        ends = [unit * (end - ref) for end in _ends(writing, joint, said, "range")]
+        ref, *_ = values(writing, joint, said.get("ref", "0"))
+        ends = [unit * (end - ref) for end in (low, high)]
         copied.set("range", " ".join(repr(min(max(end, -MOST), MOST)) for end in ends))
     elif limited["range"]:
         writing.unread.lose("range", name, "<joint>")
     if limited["actuatorfrcrange"]:
-        force, told = either_way(_ends(writing, joint, said, "actuatorfrcrange"))
+        force, told = either_way(ends_of(writing, joint, said, "actuatorfrcrange"))
         copied.set("actuatorfrcrange", " ".join(repr(min(max(end, -MOST), MOST)) for end in (-force, force)))
         if told:
             writing.unread.lose(f"{told} of actuatorfrcrange", name)
-    low, high = _ends(writing, joint, {"range": "0 0", **said}, "range")
     if said.get("limited") == "true" and low >= high:
         problem = f"joint {name!r} is limited, but has the range {said.get('range', '')!r}"
         raise writing.fault(joint, f"{problem}; expected two angles, or lengths, the lower one first")
     for limits, acts in limited.items():
         copied.set(LIMITED[limits], "true" if acts else "false")
     for what, numbers in (
-        ("damping that is not viscous", values(path, joint, said.get("damping", "0"))[1:]),
+        ("damping that is not viscous", values(writing, joint, said.get("damping", "0"))[1:]),
         ("frictionloss", [frictionloss]),
-        ("ref (q is MuJoCo's qpos less ref)", values(path, joint, said.get("ref", "0"))),
+        ("ref (q is MuJoCo's qpos less ref)", values(writing, joint, said.get("ref", "0"))),
     ):
         if any(numbers):
             writing.unread.lose(what, name)
-
-
-def _ends(writing: Writing, joint: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
-    """Returns the two ends of a range, infinite where they mean that there is no limit."""
-    ends = tuple(parse_limit(writing.path, joint, part) for part in said[attribute].split())
-    return ends if len(ends) == 2 else counted(writing, joint, said, attribute)

@@ -52,10 +52,10 @@ def _level(writing: Writing, said: Mapping[str, str]) -> bool:
     """Tells whether a geom of the world is ground at height zero, or touches nothing."""
     if said.get("contype") == said.get("conaffinity") == "0":
         return True
-    place = values(writing.path, None, said.get("pos", "0 0 0"))
+    place = values(writing, None, said.get("pos", "0 0 0"))
     turned = etree.Element("geom")
     copy(writing, etree.Element("geom", dict(said)), turned, said, TURNS)
-    w, x, y, z = values(writing.path, None, turned.get("quat", "1 0 0 0"))
+    w, x, y, z = values(writing, None, turned.get("quat", "1 0 0 0"))
     flat = not any(turned.get(each) for each in TURNS if each != "quat") and abs(x) + abs(y) < 1e-9 * max(
         abs(w), abs(z)
     )

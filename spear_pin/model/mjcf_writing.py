@@ -31,8 +31,15 @@ SHORTEST = 1e-14  # of directions and quaternions: MuJoCo refuses shorter ones
 class Rubbing(NamedTuple):
     """Armature of a joint, in kg·m², None where nothing says it, and its damping, in N·m·s/rad."""
 
-    armature: float | None
-    damping: float
+    armature: float | None = None
+    damping: float = 0.0
+
+    def joined(self, other: Rubbing, square: float = 1.0) -> Rubbing:
+        """Returns the sum of this and another, which acts through a gear whose square is given."""
+        armature = self.armature
+        if other.armature is not None:
+            armature = (armature or 0.0) + square * other.armature
+        return Rubbing(armature, self.damping + square * other.damping)
 
 
 @dataclass
@@ -72,6 +79,11 @@ class Writing:
     geoms: list[tuple[str, Mapping[str, str]]] = field(default_factory=list)
     inside: set[str] = field(default_factory=set)
     bodies: int = 0
+
+    @property
+    def autolimits(self) -> bool:
+        """Tells whether a range alone limits."""
+        return self.compiler.get("autolimits", "auto") in ("auto", "true")
 
     def name(self, wanted: str, joint: bool = False) -> str:
         """Returns a name that no other body, or joint, has."""
@@ -134,11 +146,17 @@ def _quaternion(writing: Writing, notation: str, values: Sequence[float]) -> tup
 
 def counted(writing: Writing, element: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
     """Returns the numbers of an attribute, as many as it has to have."""
-    numbers = values(writing.path, element, said[attribute])
+    numbers = values(writing, element, said[attribute])
     if len(numbers) != COUNTS.get(attribute, len(numbers)):
         what = f"{attribute} of {called(element)} is {said[attribute]!r}"
         raise writing.fault(element, f"{what}; expected {COUNTS[attribute]} numbers")
     return numbers
+
+
+def read_rubbing(writing: Writing, element: Any, said: Mapping[str, str], name: str) -> Rubbing:
+    """Returns the armature and the damping of a joint or an actuator; for the arguments see `at_least_zero`."""
+    armature, damping = (at_least_zero(writing, element, said, each, name) for each in ("armature", "damping"))
+    return Rubbing(armature if "armature" in said else None, damping)
 
 
 def at_least_zero(writing: Writing, element: Any, said: Mapping[str, str], attribute: str, name: str) -> float:
@@ -154,17 +172,12 @@ def at_least_zero(writing: Writing, element: Any, said: Mapping[str, str], attri
     Raises:
         BadFile: the number is negative, or the text is no number.
     """
-    value = values(writing.path, element, said.get(attribute, "0"))[0]
+    value = values(writing, element, said.get(attribute, "0"))[0]
     if value < 0:
         raise writing.fault(element, f"{name} has the {attribute} {value:g}; expected a number >= 0")
     return value
 
 
-def values(path: Path, element: Any, text: str) -> tuple[float, ...]:
+def values(writing: Writing, element: Any, text: str) -> tuple[float, ...]:
     """Returns the numbers of an attribute, one at least."""
-    return tuple(parse_number(path, element, part) for part in text.split() or [""])
-
-
-def is_true(text: str | None, otherwise: bool) -> bool:
-    """Tells whether a switch is on; a switch that is not given, or "auto", takes the value `otherwise`."""
-    return otherwise if text in (None, "auto") else text == "true"
+    return tuple(parse_number(writing.path, element, part) for part in text.split() or [""])
