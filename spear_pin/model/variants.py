@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from math import copysign
 from numbers import Real
 from types import MappingProxyType
@@ -20,9 +19,9 @@ from spear_pin.kinds import typed
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.fitting import hold
-from spear_pin.model.loading import load
 from spear_pin.model.recut import LIKE, recut
 from spear_pin.model.robot import Robot
+from spear_pin.model.scale import shipped
 
 FULL = ("q_spear_full",)
 QUADRUPEDS = ("q_spear", *FULL)
@@ -152,7 +151,7 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     cut = robot.cut
     base: Literal["chain"] | None = "chain" if robot.coordinates[: len(CHAIN)] == CHAIN else None
     if cut is None:
-        model = _shipped(str(robot.source), base).copy()
+        model = shipped(str(robot.source), base).model.copy()
     else:
         model = recut(cut.kind, cut.robot, cut.legs, cut.body).model
     motors = None if cut is None else {joint: len(turns) for joint, turns in cut.angles.items()}
@@ -162,12 +161,6 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
         else:
             _set_gears(model, name, value, motors)
     return hold(model, robot.locked)
-
-
-@cache
-def _shipped(source: str, base: Literal["chain"] | None) -> pin.Model:
-    """Returns the model of a shipped robot, whose file is read once."""
-    return load(source, base=base).model
 
 
 def _change(model: pin.Model, name: str, value: float) -> None:
