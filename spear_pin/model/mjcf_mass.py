@@ -10,7 +10,7 @@ from lxml import etree
 
 from spear_pin.model.elements import called
 from spear_pin.model.inertial import fault_of, nearest
-from spear_pin.model.mjcf_writing import PLACE, TURNS, Writing, at_least_zero, copy, counted, values
+from spear_pin.model.mjcf_writing import PLACE, TURNS, Writing
 
 MOMENTS = ("diaginertia", "fullinertia")
 # how many sizes a geom whose mass is read has, between its ends and alone
@@ -46,18 +46,18 @@ def add_mass(writing: Writing, body: Any, to: Any) -> None:
 def _weighed(writing: Writing, body: Any) -> list[Any]:
     """Returns the geoms of a body that are in the groups of which the compiler counts the mass."""
     said = {"inertiagrouprange": GROUPS, **writing.compiler}
-    least, most = counted(writing, writing.root, said, "inertiagrouprange")
+    least, most = writing.counted(writing.root, said, "inertiagrouprange")
     return [
         geom
         for geom in body.findall("geom")
-        if least <= counted(writing, geom, {"group": "0", **writing.defaults.of(geom)}, "group")[0] <= most
+        if least <= writing.counted(geom, {"group": "0", **writing.defaults.of(geom)}, "group")[0] <= most
     ]
 
 
 def _weighs(writing: Writing, geom: Any) -> bool:
     """Tells whether a geom has mass; MuJoCo keeps the `<inertial>` of a body where none has."""
     said = writing.defaults.of(geom)
-    numbers = [values(writing, geom, said[each])[0] for each in ("mass", "density") if each in said]
+    numbers = [writing.values(geom, said[each])[0] for each in ("mass", "density") if each in said]
     return said.get("type") != "plane" and (not numbers or numbers[0] > 0)
 
 
@@ -66,7 +66,7 @@ def _add_inertial(writing: Writing, body: Any, inertial: Any, to: Any) -> None:
     for attribute in ("pos", "mass"):
         if not said.get(attribute, "").strip():
             raise writing.fault(inertial, f"the <inertial> of {name} has no {attribute}")
-    if counted(writing, inertial, said, "mass")[0] < 0:
+    if writing.counted(inertial, said, "mass")[0] < 0:
         raise writing.fault(inertial, f"{name} has the mass {said['mass']!r}; expected a number >= 0")
     moments = [each for each in MOMENTS if each in said]
     turns = [each for each in TURNS if each in said]
@@ -77,9 +77,9 @@ def _add_inertial(writing: Writing, body: Any, inertial: Any, to: Any) -> None:
         expected = "diaginertia or fullinertia, without which what moves is a point"
         raise writing.fault(inertial, f"the <inertial> of {name} has no inertia; expected {expected}")
     copied = etree.SubElement(to, "inertial")
-    copy(writing, inertial, copied, said, (*PLACE, "mass"))
+    writing.copy(inertial, copied, said, (*PLACE, "mass"))
     kind = moments[0] if moments else "diaginertia"
-    numbers = counted(writing, inertial, said, kind) if moments else (0.0, 0.0, 0.0)
+    numbers = writing.counted(inertial, said, kind) if moments else (0.0, 0.0, 0.0)
     copied.set(kind, " ".join(map(repr, _possible(writing, inertial, to.get("name"), numbers))))
 
 
@@ -112,24 +112,24 @@ def _add_geom(writing: Writing, geom: Any, to: Any) -> None:
         valid = ", ".join((*SIZES, *MASSLESS))
         raise writing.fault(geom, f"{name} has the type {kind!r}; valid: {valid}")
     for attribute in ("mass", "density"):
-        at_least_zero(writing, geom, said, attribute, name)
+        writing.at_least_zero(geom, said, attribute, name)
     if kind in SIZES and "mesh" not in said:
         placed = ("fromto",) if "fromto" in said else PLACE  # of both, MuJoCo heeds the former
         _check_size(writing, geom, said, kind, name)
         copied = etree.SubElement(to, "geom", type=kind)
-        copy(writing, geom, copied, said, (*placed, "size", "mass", "density"))
-    elif kind != "plane" and values(writing, geom, said.get("mass", "1"))[0] > 0:
+        writing.copy(geom, copied, said, (*placed, "size", "mass", "density"))
+    elif kind != "plane" and writing.values(geom, said.get("mass", "1"))[0] > 0:
         writing.unread.lose("mass of a mesh", to.get("name"))
 
 
 def _check_size(writing: Writing, geom: Any, said: Mapping[str, str], kind: str, name: str) -> None:
     least = SIZES[kind][0 if "fromto" in said else 1]
-    sizes = values(writing, geom, said["size"]) if said.get("size", "").strip() else ()
+    sizes = writing.values(geom, said["size"]) if said.get("size", "").strip() else ()
     if not least <= len(sizes) <= MOST_SIZES or min(sizes[:least]) <= 0:
         expected = f"{least} number{'s' * (least > 1)} > 0, in m, for a {kind}"
         raise writing.fault(geom, f"{name} has the size {said.get('size', '')!r}; expected {expected}")
     if "fromto" in said:
-        ends = np.reshape(counted(writing, geom, said, "fromto"), (2, 3))
+        ends = np.reshape(writing.counted(geom, said, "fromto"), (2, 3))
         if kind == "sphere" or np.linalg.norm(ends[1] - ends[0]) < SHORTEST:
             expected = "two points apart, and no sphere"
             raise writing.fault(geom, f"{name} has the fromto {said['fromto']!r}; expected {expected}")

@@ -9,7 +9,7 @@ from typing import Any
 
 from spear_pin.model.elements import called, parse_limit
 from spear_pin.model.mjcf_sections import section
-from spear_pin.model.mjcf_writing import Rubbing, Writing, read_rubbing, values
+from spear_pin.model.mjcf_writing import Rubbing, Writing
 
 LIMITED = {  # attributes that say whether a range limits
     **{"range": "limited", "actuatorfrcrange": "actuatorfrclimited"},
@@ -77,13 +77,13 @@ def read_drives(writing: Writing) -> Drives:
         if joint is not None and joint not in writing.jointed:
             problem = f"<{element.tag}> acts on the joint {joint!r}, which is not there"
             raise writing.fault(element, f"{problem}; valid: {', '.join(writing.joints) or 'none'}")
-        gear = values(writing, element, said["gear"])[0] if "gear" in said else None
+        gear = writing.values(element, said["gear"])[0] if "gear" in said else None
         square = 1.0 if gear is None else gear * gear
         movable = writing.joints.get(joint or "") in MOVABLE
         if joint is not None and movable:
-            own = read_rubbing(writing, element, said, called(element))
+            own = writing.read_rubbing(element, said, called(element))
             rubbing[joint] = rubbing.get(joint, Rubbing()).joined(own, square)
-            if any(values(writing, element, said.get("damping", "0"))[1:]):
+            if any(writing.values(element, said.get("damping", "0"))[1:]):
                 damped.append(joint)
         if not movable or joint in found or gear == 0.0:
             others.append(element.get("name") or _described(element, said))
@@ -164,5 +164,5 @@ def _gain(writing: Writing, element: Any, said: Mapping[str, str]) -> float | No
         "none",
     }
     if element.tag == "general" and plain:
-        return abs(values(writing, element, said.get("gainprm", "1"))[0])
+        return abs(writing.values(element, said.get("gainprm", "1"))[0])
     return None

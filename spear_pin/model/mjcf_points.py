@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from spear_pin.model.mjcf_writing import PLACE, Writing, copy, counted
+from spear_pin.model.mjcf_writing import PLACE, Writing
 
 ENDS = ("sphere",)  # types of geoms of which the middle is where a limb may end
 
@@ -33,10 +33,10 @@ def add_point(writing: Writing, element: Any, body: Any, alone: bool) -> None:
         name = writing.name(name or f"{body.get('name')}_geom")
     point = etree.SubElement(body, "site", name=name)
     if "fromto" in said:
-        one, other = np.reshape(counted(writing, element, said, "fromto"), (2, 3))
+        one, other = np.reshape(writing.counted(element, said, "fromto"), (2, 3))
         farther = one if np.linalg.norm(one) > np.linalg.norm(other) else other
         point.set("pos", " ".join(repr(float(number)) for number in farther))
         return
-    copy(writing, element, point, said, PLACE)
+    writing.copy(element, point, said, PLACE)
     if element.tag == "geom" and not ends:
         writing.inside.add(name)

@@ -27,17 +27,7 @@ from spear_pin.model.mjcf_points import add_point
 from spear_pin.model.mjcf_rotations import angle_unit
 from spear_pin.model.mjcf_sections import MAIN, Defaults, include, inherit_classes, read_defaults, section, settings
 from spear_pin.model.mjcf_unread import tell_unread
-from spear_pin.model.mjcf_writing import (
-    PLACE,
-    SHORTEST,
-    Rubbing,
-    Writing,
-    at_least_zero,
-    copy,
-    counted,
-    read_rubbing,
-    values,
-)
+from spear_pin.model.mjcf_writing import PLACE, SHORTEST, Rubbing, Writing
 from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
 
 JOINTS = ("joint", "freejoint")
@@ -132,13 +122,13 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     _add_body(writing, trunk, world)
     drives = read_drives(writing)
     option = settings(root, "option")
-    gravity = values(writing, root, option.get("gravity", "0 0 -9.81"))
+    gravity = writing.values(root, option.get("gravity", "0 0 -9.81"))
     if len(gravity) != 3:
         raise BadFile(path, f"has a gravity of {len(gravity)} numbers; expected 3")
     if any(flag.get("gravity") == "disable" for flag in section(root, "option")):
         gravity = (0.0, 0.0, 0.0)
     postures = read_keyframes(path, root, {name: places[at] for name, at in writing.elements.items() if at in places})
-    tell_unread(writing, root, others, drives)
+    tell_unread(writing, others, drives)
     notes = [*filter(None, [writing.unread.line]), *notes_on(writing.faults, "body", repair)]
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
@@ -233,7 +223,7 @@ def _add_body(writing: Writing, body: Any, parent: Any) -> None:
     children = list(body.iterchildren(etree.Element))
     inner = etree.SubElement(parent, "body")
     floats = _floats(writing, body)
-    copy(writing, body, etree.Element("body") if floats else inner, body.attrib, PLACE)  # of what floats it is in q
+    writing.copy(body, etree.Element("body") if floats else inner, body.attrib, PLACE)  # of what floats it is in q
     if floats and (writing.bodies > 1 or sum(child.tag in JOINTS for child in children) > 1):
         expected = "one on the first body alone, without another joint"
         raise writing.fault(body, f"body {name!r} has a free joint; expected {expected}")
@@ -262,20 +252,20 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str) -> None:
         raise writing.fault(joint, f"{called(joint)} has the type {kind!r}; valid: {', '.join(JOINT_TYPES)}")
     name = joint.get("name") or writing.name(BASE if kind == "free" else f"{owner}_joint", joint=True)
     writing.joints[name], writing.elements[name] = kind, joint
-    writing.rubbing[name] = read_rubbing(writing, joint, said, f"joint {name!r}")
-    frictionloss = at_least_zero(writing, joint, said, "frictionloss", f"joint {name!r}")
+    writing.rubbing[name] = writing.read_rubbing(joint, said, f"joint {name!r}")
+    frictionloss = writing.at_least_zero(joint, said, "frictionloss", f"joint {name!r}")
     if kind == "free":
         etree.SubElement(body, "freejoint", name=name)
         return
     copied = etree.SubElement(body, "joint", name=name, type=kind)
-    copy(writing, joint, copied, said, JOINT)
-    if kind in MOVABLE and np.linalg.norm(counted(writing, joint, {"axis": "0 0 1", **said}, "axis")) < SHORTEST:
+    writing.copy(joint, copied, said, JOINT)
+    if kind in MOVABLE and np.linalg.norm(writing.counted(joint, {"axis": "0 0 1", **said}, "axis")) < SHORTEST:
         raise writing.fault(joint, f"joint {name!r} has the axis {said['axis']!r}; expected a direction")
     limited = {name: is_limited(writing, joint, said, name) for name in RANGES}
     low, high = ends_of(writing, joint, {"range": "0 0", **said}, "range")
     if limited["range"] and kind in MOVABLE:
         unit = 1.0 if kind == "slide" else angle_unit(writing.compiler)
-        ref, *_ = values(writing, joint, said.get("ref", "0"))
+        ref, *_ = writing.values(joint, said.get("ref", "0"))
         ends = [unit * (end - ref) for end in (low, high)]
         copied.set("range", " ".join(repr(min(max(end, -MOST), MOST)) for end in ends))
     elif limited["range"]:
@@ -291,9 +281,9 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str) -> None:
     for limits, acts in limited.items():
         copied.set(LIMITED[limits], "true" if acts else "false")
     for what, numbers in (
-        ("damping that is not viscous", values(writing, joint, said.get("damping", "0"))[1:]),
+        ("damping that is not viscous", writing.values(joint, said.get("damping", "0"))[1:]),
         ("frictionloss", [frictionloss]),
-        ("ref (q is MuJoCo's qpos less ref)", values(writing, joint, said.get("ref", "0"))),
+        ("ref (q is MuJoCo's qpos less ref)", writing.values(joint, said.get("ref", "0"))),
     ):
         if any(numbers):
             writing.unread.lose(what, name)

@@ -10,26 +10,25 @@ from lxml import etree
 from spear_pin.model.mjcf_grammar import MJCF, without_effect
 from spear_pin.model.mjcf_motors import Drives
 from spear_pin.model.mjcf_sections import section
-from spear_pin.model.mjcf_writing import TURNS, Writing, copy, values
+from spear_pin.model.mjcf_writing import TURNS, Writing
 from spear_pin.model.unread import find_unread
 
 LEAN = 1e-9  # half of the angle, in rad, by which level ground may lean
 
 
-def tell_unread(writing: Writing, root: Any, others: list[Any], drives: Drives) -> None:
+def tell_unread(writing: Writing, others: list[Any], drives: Drives) -> None:
     """Adds unused data to `writing.unread`.
 
     Args:
         writing: state.
-        root: element of the file.
         others: bodies beside the robot.
         drives: its actuators.
     """
-    unread, defaults = writing.unread, writing.defaults
+    unread, root = writing.unread, writing.root
 
     def said(element: Any) -> dict[str, str]:
         plain = element.getparent() in (None, root) or element.tag == "body"  # of which there are no classes
-        attributes = dict(element.attrib) if plain else defaults.of(element)
+        attributes = dict(element.attrib) if plain else writing.defaults.of(element)
         return without_effect(element.tag, attributes)
 
     ground = [geom for geom in section(root, "worldbody") if geom.tag == "geom" and not _level(writing, said(geom))]
@@ -52,11 +51,10 @@ def _level(writing: Writing, said: Mapping[str, str]) -> bool:
     """Tells whether a geom of the world is ground at height zero, or touches nothing."""
     if said.get("contype") == said.get("conaffinity") == "0":
         return True
-    place = values(writing, None, said.get("pos", "0 0 0"))
+    place = writing.values(None, said.get("pos", "0 0 0"))
     turned = etree.Element("geom")
-    copy(writing, etree.Element("geom", dict(said)), turned, said, TURNS)
-    w, x, y, z = values(writing, None, turned.get("quat", "1 0 0 0"))
-    flat = not any(turned.get(each) for each in TURNS if each != "quat") and abs(x) + abs(y) < 1e-9 * max(
-        abs(w), abs(z)
-    )
+    writing.copy(etree.Element("geom", dict(said)), turned, said, TURNS)
+    w, x, y, z = writing.values(None, turned.get("quat", "1 0 0 0"))
+    upright = abs(x) + abs(y) < LEAN * max(abs(w), abs(z))
+    flat = upright and not any(turned.get(each) for each in TURNS if each != "quat")
     return said.get("type") == "plane" and len(place) == 3 and place[2] == 0.0 and flat
