@@ -12,16 +12,7 @@ from spear_pin.model.tree import Tree
 
 
 class NamedLeg(NamedTuple):
-    """A leg by names; lengths, signs and zeros are the model's.
-
-    Attributes:
-        name: name of the leg.
-        hip: joint that turns the thigh in the sagittal plane.
-        knee: joint that turns the shank in the sagittal plane.
-        toe: frame at the leg's end.
-        abduction: joint above the hip that swings the leg out of the plane; None if there is none.
-        side: +1 if the knee's own angle grows as it flexes, -1 if it falls; 0 to find it.
-    """
+    """A leg by the names of its joints and its toe, see `Leg`, and its side, 0 to find it; the rest is the model's."""
 
     name: str
     hip: str
