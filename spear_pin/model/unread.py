@@ -29,7 +29,8 @@ class Grammar:
     """The data that are read in a format, and those that never change a motion.
 
     Attributes:
-        read: attributes that are read of an element, by its path from the root, such as "robot/joint/limit".
+        read: names of attributes that are read of an element, in one text, by its path from the root, such as
+            "robot/joint/limit".
         nested: tags of elements that may be in one of the same tag, as a body in a body; they have the same path.
         kinds: tags of elements whose name tells of what kind they are, not which one.
         single: paths of elements of which a parent has one; a second one is not read.
@@ -38,7 +39,7 @@ class Grammar:
         usual: texts of attributes and of elements that change nothing, by the last part of the path and the attribute.
     """
 
-    read: Mapping[str, frozenset[str]]
+    read: Mapping[str, str]
     nested: frozenset[str] = NOTHING
     kinds: frozenset[str] = NOTHING
     single: frozenset[str] = NOTHING
@@ -124,8 +125,9 @@ def find_unread(
         tag = path.rpartition("/")[2]
         if "/" in path and tag not in grammar.kinds:  # the robot's own name tells nothing
             owner = _name(element) or owner or _name(element, JOINED)
+        read = grammar.read[path].split()
         for name, value in said(element).items():
-            ordinary = name in grammar.read[path] or name in grammar.still or _annotates(name)
+            ordinary = name in read or name in grammar.still or _annotates(name)
             if not ordinary and grammar.unusual(f"{tag}@{name}", value):
                 into.lose(_shown(name, element), owner, f"<{tag}>")
         seen: set[str] = set()
