@@ -111,7 +111,8 @@ def to_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
         >>> to_chain(free, pin.neutral(free.model), [0.0] * 18).q.shape
         (18,)
     """
-    _check_floating(robot)
+    if robot.nq == robot.nv or robot.model.joints[1].shortname() != FREE:
+        raise BadValue("robot", robot, 'one with a floating base in front of all other joints, load(..., base="free")')
     robot.bias(q, v)  # checks both
     q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
     base = _angles(q)
@@ -148,11 +149,6 @@ def from_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
     quaternion = pin.Quaternion(turned).coeffs()
     linear, angular = turned.T @ v[:3], _rates(q[4], q[5]) @ v[3:n]
     return State(np.concatenate([q[:3], quaternion, q[n:]]), np.concatenate([linear, angular, v[n:]]))
-
-
-def _check_floating(robot: Robot) -> None:
-    if robot.nq == robot.nv or robot.model.joints[1].shortname() != FREE:
-        raise BadValue("robot", robot, 'one with a floating base in front of all other joints, load(..., base="free")')
 
 
 def _turn(yaw: float, pitch: float, roll: float) -> Array:

@@ -18,7 +18,7 @@ from spear_pin.model.gears import Gear
 from spear_pin.model.memory import check_memory
 from spear_pin.model.mjcf_reading import Mjcf
 from spear_pin.model.srdf_reading import read_srdf
-from spear_pin.model.urdf import BASE, WORLD, Base, Urdf
+from spear_pin.model.urdf import BASE, WORLD, Base, Urdf, untaken
 
 MODEL = "pinocchio.Model"  # the source of what was built elsewhere
 FLOATING = "JointModelFreeFlyer"
@@ -192,9 +192,7 @@ def fixed_trunk(model: pin.Model, root: str, base: Base | None) -> list[str]:
 
 def _on_floating_joint(model: pin.Model) -> pin.Model:
     """Returns the model with its universe on a floating joint."""
-    name = BASE
-    while model.existJointName(name):
-        name += "_"
+    name = untaken(BASE, list(model.names))
     made, origin = pin.Model(), pin.SE3(np.eye(3), np.zeros(3))
     made.name, made.gravity = model.name, model.gravity
     frame = made.addJointFrame(made.addJoint(0, pin.JointModelFreeFlyer(), origin, name))

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, BadValue, UnknownName, listed
+from spear_pin.model.frames import joint_id
 
 FLOATING = 6  # velocities of a floating joint
 SINGULAR = 1e-12  # least eigenvalue of a mass matrix whose diagonal is 1
@@ -28,11 +29,7 @@ def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
     Raises:
         UnknownName: there is no such joint; the text lists the valid ones.
     """
-    names = list(model.names)[1:]
-    for joint in joints:
-        if joint not in names:
-            raise UnknownName("joint", joint, names)
-    ids = [model.getJointId(joint) for joint in joints]
+    ids = [joint_id(model, joint) for joint in joints]
     return pin.buildReducedModel(model, ids, pin.neutral(model)) if ids else model
 
 

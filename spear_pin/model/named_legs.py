@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from spear_pin.errors import BadValue, UnknownName
-from spear_pin.model.frames import frame_id
+from spear_pin.errors import BadValue
+from spear_pin.model.frames import frame_id, joint_id
 from spear_pin.model.legs import Leg, leg_along, side_of
 from spear_pin.model.tree import Tree
 
@@ -37,13 +37,10 @@ def leg_of(model: Any, names: NamedLeg) -> Leg:
     """
     if isinstance(names.side, bool) or names.side not in (-1, 0, 1):
         raise BadValue(f"side of {names.name}", names.side, "+1 or -1")
-    tree, joints = Tree(model), list(model.names)[1:]
+    tree = Tree(model)
     given = [name for name in (names.abduction, names.hip, names.knee) if name is not None]
-    for name in given:
-        if name not in joints:
-            raise UnknownName("joint", name, joints)
+    ids = [joint_id(model, name) for name in given]
     chain = tree.chain(int(model.frames[frame_id(model, names.toe)].parentJoint))
-    ids = [int(model.getJointId(name)) for name in given]
     if [joint for joint in chain if joint in ids] != ids or len(set(ids)) < len(ids):
         above = ", ".join(str(model.names[joint]) for joint in chain)
         expected = f"joints that follow each other to {names.toe!r}, below {above or 'none'}"

@@ -94,7 +94,7 @@ def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
     for name, value in values.items():
         if name not in known:
             raise UnknownName("number of the robot", name, known)
-        joint, _, what = _parts(robot, name)
+        joint, what = _parts(robot, name)
         if not np.isfinite(value) or ((what in POSITIVE or not what) and not value > 0.0):
             raise BadValue(
                 name, value, f"a finite number{'' if what.startswith('com') else ' > 0'}, in {known[name].unit}"
@@ -114,13 +114,13 @@ def _unit(what: str, turns: bool) -> str:
     return unit if turns or what not in ("armature", "viscous") else unit.replace("·m²", "").replace("·rad", "")
 
 
-def _parts(robot: Robot, name: str) -> tuple[str, str, str]:
-    """Splits a name into the joint, the next part, and the quantity, which is empty for a length."""
+def _parts(robot: Robot, name: str) -> tuple[str, str]:
+    """Splits a name into joint and quantity, which are empty for a length."""
     for joint in robot.coordinates:
         what = name.removeprefix(f"{joint}_")
         if what in UNITS and what != name:
-            return joint, name, what
-    return "", name, ""
+            return joint, what
+    return "", ""
 
 
 def _set(model: pin.Model, joint: int, what: str, value: float, before: float) -> None:

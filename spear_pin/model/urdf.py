@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -171,8 +171,8 @@ def _dynamics(path: Path, root: Any, trunk: str, base: Base | None, repair: bool
         _copy_joint(path, joint, "fixed" if fixed else joint.get("type"), etree.SubElement(robot, "joint"), i)
     if base == "free" and floating is None:
         links, joints = ([each.get("name") for each in root.findall(tag)] for tag in ("link", "joint"))
-        world = etree.SubElement(robot, "link", name=_untaken(WORLD, links))
-        joint = etree.SubElement(robot, "joint", name=f"0000:{_untaken(BASE, joints)}", type="floating")
+        world = etree.SubElement(robot, "link", name=untaken(WORLD, links))
+        joint = etree.SubElement(robot, "joint", name=f"0000:{untaken(BASE, joints)}", type="floating")
         etree.SubElement(joint, "parent", link=world.get("name"))
         etree.SubElement(joint, "child", link=trunk)
     return str(etree.tostring(robot, encoding="unicode")), notes_on(faults, "link", repair)
@@ -226,7 +226,8 @@ def _floating(root: Any, trunk: str) -> str | None:
     return None
 
 
-def _untaken(name: str, taken: list[str]) -> str:
+def untaken(name: str, taken: Collection[str]) -> str:
+    """Returns a name that is not taken, by underscores after it if need be."""
     while name in taken:
         name += "_"
     return name
