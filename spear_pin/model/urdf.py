@@ -18,7 +18,7 @@ from typing import Any, Literal
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import MAX_NUMBER, child, limit, number, numbers, parse
+from spear_pin.model.elements import MAX_NUMBER, child, number, numbers, parse
 from spear_pin.model.gears import Gear
 from spear_pin.model.inertial import Fault, copy_inertial, notes_on
 from spear_pin.model.origins import copy_origin, turn_quaternions
@@ -205,7 +205,7 @@ def _copy(path: Path, element: Any, copy: Any, **attributes: str | None) -> None
     for name, default in attributes.items():
         if default is None and len((element.get(name) or "").split()) != 1:
             numbers(path, element, name, 1)  # which says what is wrong
-        value = (limit if name in LIMITS else number)(path, element, name, default)
+        value = number(path, element, name, default, limit=name in LIMITS)
         if value == UNLIMITED and name in ("effort", "velocity"):
             value = math.inf
         if value < 0 and name in NOT_NEGATIVE:
