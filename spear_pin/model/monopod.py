@@ -89,11 +89,9 @@ def _body(source: Source, robot: Robot, leg: Leg, body: str | float) -> float:
 
 def _assembled(name: str, robot: Robot, mass: float, limb: Limb) -> Assembly:
     built = Assembly(name, robot.model.gravity)
-    nothing = pin.Inertia.Zero()
-    carriage = built.add("boom_x", AHEAD, 0, (0.0, 0.0), "carriage", nothing)
-    point = pin.Inertia(mass, np.zeros(3), np.zeros((3, 3)))
-    boom = built.add("boom_z", UP, carriage, (0.0, 0.0), "boom", point)
-    built.add_leg("", boom, (0.0, 0.0), limb)
+    carriage = built.add("boom_x", AHEAD, 0, "carriage")
+    boom = built.add("boom_z", UP, carriage, "boom", pin.Inertia(mass, np.zeros(3), np.zeros((3, 3))))
+    built.add_leg("", boom, limb)
     return built
 
 

@@ -196,13 +196,12 @@ def _origin(robot: Robot, source: Source) -> Array:
 
 def _assembled(name: str, robot: Robot, trunk: pin.Inertia, origin: Array, pairs: Sequence[Pair]) -> Assembly:
     built = Assembly(name, robot.model.gravity)
-    nothing = pin.Inertia.Zero()
-    ahead = built.add("torso_x", AHEAD, 0, (0.0, 0.0), "torso_carriage_x", nothing)
-    up = built.add("torso_z", UP, ahead, (0.0, 0.0), "torso_carriage_z", nothing)
-    torso = built.add("pitch", PITCH, up, (0.0, 0.0), "torso", flat(trunk))
+    ahead = built.add("torso_x", AHEAD, 0, "torso_carriage_x")
+    up = built.add("torso_z", UP, ahead, "torso_carriage_z")
+    torso = built.add("pitch", PITCH, up, "torso", flat(trunk))
     for end, pair in zip(ENDS, pairs, strict=True):
         x, _, z = pair.hip - origin
-        built.add_leg(f"{end}_", torso, (x, z), pair.limb)
+        built.add_leg(f"{end}_", torso, pair.limb, (x, z))
     return built
 
 
