@@ -40,11 +40,11 @@ class Series:
 
     span: tuple[float, float]
     coefficients: Array
-    orders: Array = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        """Numbers the polynomials."""
-        object.__setattr__(self, "orders", np.arange(self.coefficients.shape[1], dtype=float))
+    @cached_property
+    def orders(self) -> Array:
+        """Numbers of the polynomials."""
+        return np.arange(self.coefficients.shape[1], dtype=float)
 
     def __call__(self, angle: ArrayLike) -> Array:
         """Returns the values of the functions, (functions,) or (functions, n); beyond the span those at its end."""
