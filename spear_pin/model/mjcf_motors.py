@@ -9,7 +9,7 @@ from typing import Any
 
 from spear_pin.model.elements import called, parse_limit
 from spear_pin.model.mjcf_sections import section
-from spear_pin.model.mjcf_writing import Rubbing, Writing
+from spear_pin.model.mjcf_writing import Writing
 
 LIMITED = {  # attributes that say whether a range limits
     **{"range": "limited", "actuatorfrcrange": "actuatorfrclimited"},
@@ -41,36 +41,26 @@ class Drives:
 
     Attributes:
         motors: actuators that are motors of joints.
-        rubbing: armature and damping that the actuators add to joints, by joint.
-        others: names of those that are no motors.
-        damped: joints with damping of an actuator that is not viscous.
-        uneven: unused parts of ranges that differ by direction, in words, with their joints.
-        laws: tags of the motors that are more than a torque, such as "position", by joint.
-        elements: elements of the other actuators, and of those with a law.
+        unread: data that are not used, in words, with the names of joints or actuators.
+        elements: elements of the actuators that are no motors, and of those that are more than a torque.
     """
 
     motors: tuple[DrivenJoint, ...]
-    rubbing: Mapping[str, Rubbing]
-    others: tuple[str, ...]
-    damped: tuple[str, ...]
-    uneven: tuple[tuple[str, str], ...]
-    laws: Mapping[str, str]
+    unread: tuple[tuple[str, str], ...]
     elements: tuple[Any, ...]
 
 
 def read_drives(writing: Writing) -> Drives:
-    """Reads the actuators; their armature and damping act at the joint times the square of the gear.
+    """Reads the actuators.
 
     Args:
-        writing: state, with the robot's joints.
+        writing: state, with the robot's joints, to which armature and damping are added, times the square of the gear.
 
     Raises:
         BadFile: an actuator acts on a joint that is not there, or its numbers are too many or too few, or negative.
     """
     found: dict[str, DrivenJoint] = {}
-    rubbing: dict[str, Rubbing] = {}
-    laws: dict[str, str] = {}
-    others, damped, elements, uneven = [], [], [], []
+    laws, uneven, others, damped, elements = [], [], [], [], []
     for element in section(writing.root, "actuator"):
         said = writing.defaults.of(element)
         joint = said.get("joint", said.get("jointinparent"))
@@ -82,20 +72,21 @@ def read_drives(writing: Writing) -> Drives:
         movable = writing.joints.get(joint or "") in MOVABLE
         if joint is not None and movable:
             own = writing.read_rubbing(element, said, called(element))
-            rubbing[joint] = rubbing.get(joint, Rubbing()).joined(own, square)
+            writing.rubbing[joint] = writing.rubbing[joint].joined(own, square)
             if any(writing.values(element, said.get("damping", "0"))[1:]):
-                damped.append(joint)
+                damped.append(("damping that is not viscous", joint))
         if not movable or joint in found or gear == 0.0:
-            others.append(element.get("name") or _described(element, said))
+            name = element.get("name") or _described(element, said)
+            others.append(("actuators other than one for each joint", name))
             elements.append(element)
         else:
             largest, told = _largest(writing, element, said)
             uneven += [(what, str(joint)) for what in told]
             found[str(joint)] = DrivenJoint(str(joint), gear, (1.0 if gear is None else abs(gear)) * largest)
             if element.tag not in TORQUES:
-                laws[str(joint)] = element.tag
+                laws.append((f"the control law of <{element.tag}>", str(joint)))
                 elements.append(element)
-    return Drives(tuple(found.values()), rubbing, tuple(others), tuple(damped), tuple(uneven), laws, tuple(elements))
+    return Drives(tuple(found.values()), (*laws, *uneven, *others, *damped), tuple(elements))
 
 
 def is_limited(writing: Writing, element: Any, said: Mapping[str, str], name: str) -> bool:

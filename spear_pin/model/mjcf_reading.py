@@ -133,7 +133,6 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
     look = Look(tuple(writing.geoms), _assets(root, defaults), compiler)
-    rubbing = {name: own.joined(drives.rubbing.get(name, Rubbing())) for name, own in writing.rubbing.items()}
     return Mjcf(
         path,
         name,
@@ -141,7 +140,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
         text,
         gravity,
         drives.motors,
-        rubbing,
+        writing.rubbing,
         postures,
         tuple(notes),
         look,

@@ -33,18 +33,12 @@ def tell_unread(writing: Writing, others: list[Any], drives: Drives) -> None:
 
     ground = [geom for geom in section(root, "worldbody") if geom.tag == "geom" and not _level(writing, said(geom))]
     find_unread(root, MJCF, unread, said, (*others, *drives.elements, *ground))
-    for joint, tag in drives.laws.items():
-        unread.lose(f"the control law of <{tag}>", joint)
-    for what, joint in drives.uneven:
-        unread.lose(what, joint)
-    for what, names in (
-        ("the bodies beside it", [other.get("name") or "nameless" for other in others]),
-        ("the ground's shape", [geom.get("name") or f"a {said(geom).get('type', 'sphere')}" for geom in ground]),
-        ("actuators other than one for each joint", drives.others),
-        ("damping that is not viscous", drives.damped),
+    for what, name in (
+        *(("the bodies beside it", other.get("name") or "nameless") for other in others),
+        *(("the ground's shape", geom.get("name") or f"a {said(geom).get('type', 'sphere')}") for geom in ground),
+        *drives.unread,
     ):
-        for name in names:
-            unread.lose(what, name)
+        unread.lose(what, name)
 
 
 def _level(writing: Writing, said: Mapping[str, str]) -> bool:
