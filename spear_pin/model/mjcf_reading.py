@@ -8,7 +8,6 @@ joint each, and no meshes. MuJoCo need not be installed.
 from __future__ import annotations
 
 import sys
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -28,7 +27,7 @@ from spear_pin.model.mjcf_rotations import angle_unit
 from spear_pin.model.mjcf_sections import MAIN, Defaults, include, inherit_classes, read_defaults, section, settings
 from spear_pin.model.mjcf_unread import tell_unread
 from spear_pin.model.mjcf_writing import PLACE, SHORTEST, Rubbing, Writing
-from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
+from spear_pin.model.urdf import BASE, MAX_LINKS, WORLD, Base, check_names
 
 JOINTS = ("joint", "freejoint")
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
@@ -162,14 +161,9 @@ def _names(root: Any, *tags: str) -> set[str]:
 
 
 def _check_names(path: Path, root: Any, body: Any, defaults: Defaults) -> None:
-    """Refuses names that occur twice or that Pinocchio uses for the world, and classes that do not exist."""
+    """Refuses names that no body or joint may have, see `check_names`, and classes that do not exist."""
     for tags in (("body",), JOINTS):
-        named = [each for each in body.iter(*tags) if each.get("name")]
-        for name, count in Counter(each.get("name") for each in named).items():
-            if count > 1:
-                raise BadFile(path, f"{tags[0]} {name!r} is defined {count} times; give each its own name")
-            if name == UNIVERSE and tags == JOINTS:
-                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world; rename it")
+        check_names(path, tags[0], [name for each in body.iter(*tags) if (name := each.get("name"))])
     for element in (*body.iter(etree.Element), *section(root, "actuator")):
         for attribute in ("class", "childclass"):
             if element.get(attribute, MAIN) not in defaults.classes:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -18,7 +18,7 @@ from typing import Any, Literal
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import MAX_NUMBER, child, number, numbers, parse
+from spear_pin.model.elements import MAX_NUMBER, child, fault, number, numbers, parse
 from spear_pin.model.gears import Gear
 from spear_pin.model.inertial import Fault, copy_inertial, notes_on
 from spear_pin.model.origins import copy_origin, turn_quaternions
@@ -160,11 +160,10 @@ def _dynamics(path: Path, root: Any, trunk: str, base: Base | None, repair: bool
         copy = etree.SubElement(robot, "link", name=link.get("name"))
         inertials = link.findall("inertial")
         if len(inertials) > 1:
-            problem = f"link {link.get('name')!r} has {len(inertials)} <inertial>; one is valid"
-            raise BadFile(path, problem, inertials[1].sourceline)
-        fault = copy_inertial(path, inertials[0], copy, repair) if inertials else None
-        if fault is not None:
-            faults[link.get("name")] = fault
+            raise fault(path, inertials[1], f"link {link.get('name')!r} has {len(inertials)} <inertial>; one is valid")
+        found = copy_inertial(path, inertials[0], copy, repair) if inertials else None
+        if found is not None:
+            faults[link.get("name")] = found
     floating = _floating(root, trunk)
     for i, joint in enumerate(root.findall("joint")):
         fixed = base == "fixed" and joint.get("name") == floating
@@ -245,18 +244,23 @@ def _outward(root: Any, trunk: str) -> Iterator[Any]:
         frontier = [joint.find("child").get("link") for joint in joints]
 
 
+def check_names(path: Path, kind: str, names: Iterable[str]) -> None:
+    """Refuses names that occur twice, and for joints the name that Pinocchio uses for the world."""
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise BadFile(path, f"{kind} {name!r} is defined {count} times; give each its own name")
+        if name == UNIVERSE and kind == "joint":
+            raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world; rename it")
+
+
 def _check_tree(path: Path, root: Any) -> str:
     """Checks that links and joints form a tree; returns the name of the root link."""
     links = [link.get("name") for link in root.findall("link")]
     joints = root.findall("joint")
     for kind, names in (("link", links), ("joint", [joint.get("name") for joint in joints])):
-        for name, count in Counter(names).items():
-            if name is None:
-                raise BadFile(path, f"a <{kind}> has no name")
-            if count > 1:
-                raise BadFile(path, f"{kind} {name!r} is defined {count} times; give each its own name")
-            if name == UNIVERSE and kind == "joint":
-                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world; rename it")
+        if None in names:
+            raise BadFile(path, f"a <{kind}> has no name")
+        check_names(path, kind, names)
     parents: dict[str, str] = {}
     for joint in joints:
         name, line = joint.get("name"), joint.sourceline
