@@ -113,7 +113,7 @@ class Mechanism(ABC):
         raise NotImplementedError
 
     def position(self, frame: str, q: Sequence[Any], ops: Any) -> tuple[Any, ...]:
-        """Returns the position of any frame of the robot's model, in m.
+        """Returns the position of any frame of the robot's model, x, in space y, and z, in m.
 
         Raises:
             UnknownName: there is no such frame.
