@@ -158,9 +158,8 @@ def _turn(yaw: float, pitch: float, roll: float) -> Array:
 
 def _rates(pitch: float, roll: float) -> Array:
     """Returns the matrix from rates of yaw, pitch and roll to the base's angular velocity in its axes, (3, 3)."""
-    nod, lean = pin.utils.rotate("y", -pitch), pin.utils.rotate("x", roll)
-    columns = (lean.T @ nod.T @ (0.0, 0.0, 1.0), lean.T @ (0.0, -1.0, 0.0), np.array((1.0, 0.0, 0.0)))
-    return np.column_stack(columns)
+    jacobian = pin.rpy.computeRpyJacobian(np.array((roll, -pitch, 0.0)), pin.ReferenceFrame.LOCAL)
+    return np.asarray(jacobian[:, ::-1] * (1.0, -1.0, 1.0))
 
 
 def _angles(q: Array) -> Array:

@@ -304,8 +304,6 @@ def _body(robot: Robot, joint: int) -> Body:
     motion = np.reshape(pin.Data(model).joints[joint].S, (6, -1))
     if motion[:3].any() == motion[3:].any():
         raise BadValue("robot", robot, f"one whose {model.names[joint]} turns or slides")
-    lever = inertia.lever
-    about = inertia.inertia + inertia.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
     return Body(
         parent=int(model.parents[joint]) - 1,
         turned=matrix_of(place.rotation),
@@ -313,7 +311,7 @@ def _body(robot: Robot, joint: int) -> Body:
         axis=floats_of(motion[3:, 0] if motion[3:].any() else motion[:3, 0]),
         turns=bool(motion[3:].any()),
         mass=float(inertia.mass),
-        moment=floats_of(inertia.mass * lever),
-        inertia=matrix_of(about),
+        moment=floats_of(inertia.mass * inertia.lever),
+        inertia=matrix_of(inertia.matrix()[3:, 3:]),
         armature=float(model.armature[row]),
     )
