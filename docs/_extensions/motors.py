@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import groupby
-from operator import attrgetter
 from typing import Any
 
 from docutils import nodes
@@ -13,14 +11,14 @@ from sphinx.application import Sphinx
 from spear_pin.model import catalogue
 
 
-def entries() -> dict[str, list[catalogue.Row]]:
+def entries() -> dict[str, catalogue.Entry]:
     """Return the numbers of each motor and gearbox by its name."""
-    return {name: [*rows] for name, rows in groupby(catalogue.rows(), attrgetter("name"))}
+    return {**catalogue.MOTORS, **catalogue.GEARBOXES}
 
 
-def cells(row: catalogue.Row) -> tuple[list[nodes.Node], ...]:
+def cells(name: str, number: catalogue.Quantity) -> tuple[list[nodes.Node], ...]:
     """Return the cells of a number: quantity, value, unit, source and verification."""
-    return code(row.quantity), *map(inline, (f"{row.value:.4g}", row.unit, row.source, row.verification))
+    return code(name), *map(inline, (f"{number.value:.4g}", number.unit, number.source, number.verification))
 
 
 class Motors(Made):
@@ -29,13 +27,13 @@ class Motors(Made):
     def run(self) -> list[nodes.Node]:
         """Make the sections."""
         self.note(catalogue)
-        return [self.entry(name, rows) for name, rows in entries().items()]
+        return [self.entry(name, entry) for name, entry in entries().items()]
 
-    def entry(self, name: str, rows: list[catalogue.Row]) -> nodes.section:
+    def entry(self, name: str, entry: catalogue.Entry) -> nodes.section:
         """Make the section of a motor or gearbox."""
         made = self.section(code(name), name)
         heads = ("Quantity", "Value", "Unit", "Source", "Verification")
-        made += table(heads, map(cells, rows), (20, 12, 10, 40, 18))
+        made += table(heads, (cells(*each) for each in entry.items()), (20, 12, 10, 40, 18))
         return made
 
 

@@ -20,7 +20,7 @@ from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-from spear_pin.model.scale import only_leg, scale_of, spear_ii, touchdown_inertia
+from spear_pin.model.scale import only_leg, scale_of, shipped, touchdown_inertia
 from spear_pin.model.spring import Spring
 
 LONGEST, FALLING = 5.0, 0.8  # s, m/s: a phase of SPEAR-II, and how fast it lands in a guess
@@ -125,7 +125,7 @@ class HoppingLaw:
         """
         law = cls()
         scale, inertia = scale_of(robot), touchdown_inertia(robot, law.knee_touchdown)
-        heavier = inertia / touchdown_inertia(spear_ii(), law.knee_touchdown)
+        heavier = inertia / touchdown_inertia(shipped("spear_ii"), law.knee_touchdown)
         gains = np.array([law.hip_gain, law.knee_gain]) * heavier / scale.time**2
         dampings = np.array([law.hip_damping, law.knee_damping]) * heavier / scale.time
         if damping_ratio is not None:

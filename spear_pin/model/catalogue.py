@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from math import pi
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, get_args
 
 from spear_pin.errors import UnknownName, require
 from spear_pin.kinds import typed
@@ -37,17 +38,6 @@ class Quantity:
         verification: how far to trust the number.
     """
 
-    value: float
-    unit: str
-    source: str
-    verification: Verification
-
-
-class Row(NamedTuple):
-    """One number of the catalogue."""
-
-    name: str
-    quantity: str
     value: float
     unit: str
     source: str
@@ -102,30 +92,29 @@ def gearbox(name: str) -> Gearbox:
     return Gearbox(**{field: quantity.value for field, quantity in GEARBOXES[name].items()})
 
 
-def rows() -> list[Row]:
-    """Returns every number of the catalogue, motors first."""
-    return [
-        Row(name, field, quantity.value, quantity.unit, quantity.source, quantity.verification)
-        for name, entry in {**MOTORS, **GEARBOXES}.items()
-        for field, quantity in entry.items()
-    ]
-
-
 def _given(verification: Verification, source: str, **values: float) -> Entry:
     return {field: Quantity(value, UNITS[field], source, verification) for field, value in values.items()}
+
+
+_stated = partial(_given, "source document")
+_second = partial(_given, "secondary source")
+_recalled = partial(_given, "recollection")
+_assumption = partial(_given, "assumption")
 
 
 def _assumed(base: str, power: float) -> Entry:
     """Returns an entry for a scaled motor."""
     larger = scaled(motor(base), power)
     source = f"{base} scaled to {power:g} W as equal motors on one shaft"
-    return _given("assumption", source, **{field: getattr(larger, field) for field in MOTORS[base]})
+    return _assumption(source, **{field: getattr(larger, field) for field in MOTORS[base]})
 
 
 _MAXON = "maxon catalogue, from memory"
 _FAULHABER = "Faulhaber data sheet of 2012"
 _MAXON_2006 = "maxon catalogue of April 2006, p. 197, as transcribed in a public repository"
 _OF_TWO = "agrees with 66.2 A at the start on that page; 0.343 Ω in another repository"
+_NOTES = "set-up notes in a public repository"
+_DESIGN = "controller design in a public repository"
 _HOPPY = "simulator of HOPPY, arXiv 2010.14580"
 _MUPS = "repository of SurGE, arXiv 2606.21866, at the joint"
 _ODRI = "actuator of a public project for open legged robots"
@@ -133,64 +122,51 @@ _SAME_HEAT = "that of the 24 V winding: equal heat in equal copper"
 
 MOTORS: dict[str, Entry] = {
     "spear_ii_knee": {
-        **_given("source document", "K_v of (4.8); fits the 48 V winding, not named there", torque_constant=0.115),
-        **_given("source document", "Section 2.4: EC-60 Flat 100W", rated_power=100.0),
+        **_stated("K_v of (4.8); fits the 48 V winding, not named there", torque_constant=0.115),
+        **_stated("Section 2.4: EC-60 Flat 100W", rated_power=100.0),
         **_given("computed", "Table 2.4: 0.027 kg·m² at the joint / 15²", rotor_inertia=0.027 / 15**2),
-        **_given("assumption", "that of ec_60_flat_100w_48v", resistance=1.1, inductance=0.86e-3, nominal_torque=0.227),
+        **_assumption("that of ec_60_flat_100w_48v", resistance=1.1, inductance=0.86e-3, nominal_torque=0.227),
     },
     "ec_60_flat_100w_24v": {
-        **_given("secondary source", "set-up notes in a public repository", torque_constant=0.0534),
-        **_given("secondary source", "set-up notes in a public repository", nominal_voltage=24.0, rated_power=100.0),
-        **_given("recollection", _MAXON, resistance=0.307, inductance=0.188e-3, rotor_inertia=1210 * G_CM2),
-        **_given("recollection", _MAXON, nominal_torque=0.227, no_load_current=0.49, mass=0.470),
+        **_second(_NOTES, torque_constant=0.0534, nominal_voltage=24.0, rated_power=100.0),
+        **_recalled(_MAXON, resistance=0.307, inductance=0.188e-3, rotor_inertia=1210 * G_CM2),
+        **_recalled(_MAXON, nominal_torque=0.227, no_load_current=0.49, mass=0.470),
     },
     "ec_60_flat_100w_48v": {
-        **_given("recollection", _MAXON, torque_constant=0.114, resistance=1.1, inductance=0.86e-3),
-        **_given("recollection", _MAXON, rotor_inertia=1210 * G_CM2, mass=0.470, nominal_voltage=48.0),
-        **_given("recollection", _MAXON, rated_power=100.0),
-        **_given("assumption", _SAME_HEAT, nominal_torque=0.227),
+        **_recalled(_MAXON, torque_constant=0.114, resistance=1.1, inductance=0.86e-3),
+        **_recalled(_MAXON, rotor_inertia=1210 * G_CM2, mass=0.470, nominal_voltage=48.0, rated_power=100.0),
+        **_assumption(_SAME_HEAT, nominal_torque=0.227),
     },
     "ec_60_flat_150w": {
-        **_given("secondary source", "a thesis quoted in a public repository", nominal_torque=0.401, mass=0.350),
-        **_given("secondary source", "a thesis quoted in a public repository", nominal_voltage=24.0, rated_power=150.0),
-        **_given("secondary source", "a public repository", nominal_current=7.25),
+        **_second("a thesis quoted in a public repository", nominal_torque=0.401, mass=0.350),
+        **_second("a thesis quoted in a public repository", nominal_voltage=24.0, rated_power=150.0),
+        **_second("a public repository", nominal_current=7.25),
     },
     "ec_60_flat_200w": {
-        **_given("secondary source", "a public repository, as EC 60 flat ventilated 48 V", rotor_inertia=832 * G_CM2),
-        **_given("secondary source", "a public repository", rated_power=200.0),
+        **_second("a public repository, as EC 60 flat ventilated 48 V", rotor_inertia=832 * G_CM2),
+        **_second("a public repository", rated_power=200.0),
     },
     "ec_90_flat_90w_24v": {
-        **_given("secondary source", _MAXON_2006, torque_constant=0.0705, inductance=0.264e-3),
-        **_given("secondary source", f"{_MAXON_2006}; {_OF_TWO}", resistance=0.363),
-        **_given(
-            "secondary source", _MAXON_2006, rotor_inertia=3060 * G_CM2, nominal_torque=0.387, nominal_current=5.39
-        ),
-        **_given("secondary source", _MAXON_2006, no_load_current=0.539, nominal_voltage=24.0, rated_power=90.0),
-        **_given("secondary source", "the same page, in another public repository", mass=0.648),
+        **_second(_MAXON_2006, torque_constant=0.0705, inductance=0.264e-3),
+        **_second(f"{_MAXON_2006}; {_OF_TWO}", resistance=0.363),
+        **_second(_MAXON_2006, rotor_inertia=3060 * G_CM2, nominal_torque=0.387, nominal_current=5.39),
+        **_second(_MAXON_2006, no_load_current=0.539, nominal_voltage=24.0, rated_power=90.0),
+        **_second("the same page, in another public repository", mass=0.648),
     },
     "ec_90_flat_90w_48v": {
-        **_given("secondary source", _MAXON_2006, torque_constant=0.217, resistance=2.3, inductance=2.5e-3),
-        **_given(
-            "secondary source", _MAXON_2006, rotor_inertia=3060 * G_CM2, nominal_torque=0.494, nominal_current=2.12
-        ),
-        **_given("secondary source", _MAXON_2006, no_load_current=0.13, nominal_voltage=48.0, rated_power=90.0),
-        **_given("secondary source", "the same page, in another public repository", mass=0.648),
+        **_second(_MAXON_2006, torque_constant=0.217, resistance=2.3, inductance=2.5e-3),
+        **_second(_MAXON_2006, rotor_inertia=3060 * G_CM2, nominal_torque=0.494, nominal_current=2.12),
+        **_second(_MAXON_2006, no_load_current=0.13, nominal_voltage=48.0, rated_power=90.0),
+        **_second("the same page, in another public repository", mass=0.648),
     },
     "ec_90_flat_260w": {
-        **_given(
-            "secondary source", "controller design in a public repository", torque_constant=0.231, resistance=0.844
-        ),
-        **_given("secondary source", "controller design in a public repository", inductance=1.07e-3),
-        **_given("secondary source", "controller design in a public repository", rotor_inertia=5060 * G_CM2),
-        **_given("secondary source", "controller design in a public repository", rated_power=260.0),
-        **_given("secondary source", "amplifier set-up of an EC 90 flat in a public repository", nominal_current=4.06),
-        **_given("recollection", _MAXON, mass=1.0),
-        **_given("assumption", "not stated with the other numbers", nominal_voltage=48.0),
+        **_second(_DESIGN, torque_constant=0.231, resistance=0.844, inductance=1.07e-3),
+        **_second(_DESIGN, rotor_inertia=5060 * G_CM2, rated_power=260.0),
+        **_second("amplifier set-up of an EC 90 flat in a public repository", nominal_current=4.06),
+        **_recalled(_MAXON, mass=1.0),
+        **_assumption("not stated with the other numbers", nominal_voltage=48.0),
     },
-    "ec_i_52_ht": {
-        **_given("secondary source", "a public repository", rotor_inertia=264 * G_CM2, nominal_torque=0.627),
-        **_given("secondary source", "a public repository", nominal_voltage=48.0),
-    },
+    "ec_i_52_ht": _second("a public repository", rotor_inertia=264 * G_CM2, nominal_torque=0.627, nominal_voltage=48.0),
     "faulhaber_3863h024cr": {
         **_given("datasheet seen", _FAULHABER, torque_constant=0.0398, resistance=0.64, inductance=180e-6),
         **_given("datasheet seen", _FAULHABER, rotor_inertia=120 * G_CM2, nominal_torque=0.157, no_load_current=0.168),
@@ -202,30 +178,29 @@ MOTORS: dict[str, Entry] = {
     },
     "mups_v2_joint": _given("published", _MUPS, torque_constant=0.945, resistance=0.17),
     "antigravity_4004_300kv": {
-        **_given("secondary source", _ODRI, torque_constant=0.025, mass=0.053),
-        **_given("secondary source", f"{_ODRI}: 3/2 of 0.2326 Ω and 0.14 mH a phase", resistance=0.349),
-        **_given("secondary source", f"{_ODRI}: 3/2 of 0.2326 Ω and 0.14 mH a phase", inductance=0.21e-3),
-        **_given("secondary source", "robot descriptions of the same project", rotor_inertia=4.5e-6),
-        **_given("assumption", "heat of 9 W; 12 A are for moments", nominal_current=5.0),
-        **_given("assumption", "5 A at 24 V", nominal_voltage=24.0, rated_power=120.0),
+        **_second(_ODRI, torque_constant=0.025, mass=0.053),
+        **_second(f"{_ODRI}: 3/2 of 0.2326 Ω and 0.14 mH a phase", resistance=0.349, inductance=0.21e-3),
+        **_second("robot descriptions of the same project", rotor_inertia=4.5e-6),
+        **_assumption("heat of 9 W; 12 A are for moments", nominal_current=5.0),
+        **_assumption("5 A at 24 V", nominal_voltage=24.0, rated_power=120.0),
     },
 }
 MOTORS["assumed_600w"] = _assumed("ec_90_flat_260w", 600.0)
 
 _GEARS = "maxon catalogue of GP 52 C, from memory"
-_ONE_STAGE = _given("recollection", _GEARS, efficiency=0.91, max_torque=4.0)
-_TWO_STAGES = _given("recollection", _GEARS, efficiency=0.83, max_torque=15.0)
-_THREE_STAGES = _given("recollection", _GEARS, efficiency=0.75, max_torque=30.0)
+_ONE_STAGE = _recalled(_GEARS, efficiency=0.91, max_torque=4.0)
+_TWO_STAGES = _recalled(_GEARS, efficiency=0.83, max_torque=15.0)
+_THREE_STAGES = _recalled(_GEARS, efficiency=0.75, max_torque=30.0)
 
 GEARBOXES: dict[str, Entry] = {
-    "spear_ii_knee_gear": {**_given("source document", "Table 2.4", ratio=15.0), **_TWO_STAGES},
-    "gp_52_c_4": {**_given("secondary source", "a public repository", ratio=4.3), **_ONE_STAGE},
+    "spear_ii_knee_gear": {**_stated("Table 2.4", ratio=15.0), **_TWO_STAGES},
+    "gp_52_c_4": {**_second("a public repository", ratio=4.3), **_ONE_STAGE},
     "gp_52_c_12": {
-        **_given("secondary source", "a public repository, as 223083", ratio=12.0, inertia=17.6 * G_CM2),
+        **_second("a public repository, as 223083", ratio=12.0, inertia=17.6 * G_CM2),
         **_TWO_STAGES,
     },
-    "gp_52_c_15": {**_given("recollection", _GEARS, ratio=91 / 6), **_TWO_STAGES},
-    "gp_52_c_19": {**_given("secondary source", "a public repository", ratio=18.8), **_TWO_STAGES},
-    "gp_52_c_66": {**_given("recollection", _GEARS, ratio=1183 / 18), **_THREE_STAGES},
-    "gp_52_c_81": {**_given("secondary source", "a public repository", ratio=81.4), **_THREE_STAGES},
+    "gp_52_c_15": {**_recalled(_GEARS, ratio=91 / 6), **_TWO_STAGES},
+    "gp_52_c_19": {**_second("a public repository", ratio=18.8), **_TWO_STAGES},
+    "gp_52_c_66": {**_recalled(_GEARS, ratio=1183 / 18), **_THREE_STAGES},
+    "gp_52_c_81": {**_second("a public repository", ratio=81.4), **_THREE_STAGES},
 }

@@ -111,7 +111,8 @@ def to_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
         >>> to_chain(free, pin.neutral(free.model), [0.0] * 18).q.shape
         (18,)
     """
-    _check_floating(robot)
+    if robot.nq == robot.nv or robot.model.joints[1].shortname() != FREE:
+        raise BadValue("robot", robot, 'one with a floating base in front of all other joints, load(..., base="free")')
     robot.bias(q, v)  # checks both
     q, v = np.asarray(q, dtype=float), np.asarray(v, dtype=float)
     base = _angles(q)
@@ -150,11 +151,6 @@ def from_chain(robot: Robot, q: ArrayLike, v: ArrayLike) -> State:
     return State(np.concatenate([q[:3], quaternion, q[n:]]), np.concatenate([linear, angular, v[n:]]))
 
 
-def _check_floating(robot: Robot) -> None:
-    if robot.nq == robot.nv or robot.model.joints[1].shortname() != FREE:
-        raise BadValue("robot", robot, 'one with a floating base in front of all other joints, load(..., base="free")')
-
-
 def _turn(yaw: float, pitch: float, roll: float) -> Array:
     """Returns the base's axes in the world, (3, 3)."""
     return np.asarray(pin.utils.rotate("z", yaw) @ pin.utils.rotate("y", -pitch) @ pin.utils.rotate("x", roll))
@@ -162,9 +158,8 @@ def _turn(yaw: float, pitch: float, roll: float) -> Array:
 
 def _rates(pitch: float, roll: float) -> Array:
     """Returns the matrix from rates of yaw, pitch and roll to the base's angular velocity in its axes, (3, 3)."""
-    nod, lean = pin.utils.rotate("y", -pitch), pin.utils.rotate("x", roll)
-    columns = (lean.T @ nod.T @ (0.0, 0.0, 1.0), lean.T @ (0.0, -1.0, 0.0), np.array((1.0, 0.0, 0.0)))
-    return np.column_stack(columns)
+    jacobian = pin.rpy.computeRpyJacobian(np.array((roll, -pitch, 0.0)), pin.ReferenceFrame.LOCAL)
+    return np.asarray(jacobian[:, ::-1] * (1.0, -1.0, 1.0))
 
 
 def _angles(q: Array) -> Array:

@@ -27,7 +27,7 @@ AHEAD, UP, PITCH, FLEX = (
 )
 """Joints of the plane: two that slide, one that turns the nose up or a knee forward, one that flexes a knee."""
 ROUNDING = 1e-8  # in SI units: amounts that differ by less are alike
-STAY = pin.SE3(np.eye(3), np.zeros(3))
+STAY, NOTHING, ORIGIN = pin.SE3(np.eye(3), np.zeros(3)), pin.Inertia.Zero(), (0.0, 0.0)
 
 
 class Amount(NamedTuple):
@@ -237,8 +237,10 @@ class Assembly:
         self.model = pin.Model()
         self.model.name, self.model.gravity = name, gravity
 
-    def add(self, name: str, kind: Any, parent: int, place: Sequence[float], link: str, body: pin.Inertia) -> int:
-        """Adds a joint and the link that it moves; returns the joint's number."""
+    def add(
+        self, name: str, kind: Any, parent: int, link: str, body: pin.Inertia = NOTHING, place: Sequence[float] = ORIGIN
+    ) -> int:
+        """Adds a joint, at x and z in its parent in m, and the link that it moves; returns the joint's number."""
         placement = pin.SE3(np.eye(3), np.array([place[0], 0.0, place[1]]))
         joint = int(self.model.addJoint(parent, kind, placement, name))
         self.model.appendBodyToJoint(joint, body, STAY)
@@ -246,11 +248,11 @@ class Assembly:
         self.model.addBodyFrame(link, joint, STAY, -1)
         return joint
 
-    def add_leg(self, prefix: str, parent: int, place: Sequence[float], limb: Limb) -> None:
+    def add_leg(self, prefix: str, parent: int, limb: Limb, place: Sequence[float] = ORIGIN) -> None:
         """Adds hip, knee and toe, with a prefix to their names."""
         thigh, shank = limb.lengths
-        hip = self.add(f"{prefix}hip", PITCH, parent, place, f"{prefix}thigh", flat(limb.thigh))
-        knee = self.add(f"{prefix}knee", FLEX, hip, (0.0, -thigh), f"{prefix}shank", flat(limb.shank))
+        hip = self.add(f"{prefix}hip", PITCH, parent, f"{prefix}thigh", flat(limb.thigh), place)
+        knee = self.add(f"{prefix}knee", FLEX, hip, f"{prefix}shank", flat(limb.shank), (0.0, -thigh))
         self.model.addBodyFrame(f"{prefix}toe", knee, pin.SE3(np.eye(3), np.array([0.0, 0.0, -shank])), -1)
 
     def carry(self, robot: Any, angles: Mapping[str, Sequence[Turn]]) -> None:
@@ -274,9 +276,7 @@ class Assembly:
             row = self.model.joints[self.model.getJointId(name)].idx_v
             carried = _carried(robot.model, turns) | {"lowerPositionLimit": low, "upperPositionLimit": high}
             for attribute, value in carried.items():
-                numbers = np.array(getattr(self.model, attribute))
-                numbers[row] = value
-                setattr(self.model, attribute, numbers)
+                getattr(self.model, attribute)[row] = value
 
 
 def _carried(model: pin.Model, turns: Sequence[Turn]) -> dict[str, float]:

@@ -7,6 +7,8 @@ azimuth ψ about the post they are s = (-sin ψ, cos ψ, 0) and z. s turns with 
     d/dt (s·u) = s·u̇ - ψ̇ (r·u),  r = (cos ψ, sin ψ, 0).
 
 A sticking toe keeps the ψ at which it landed.
+
+Arguments `data` have the kinematics at a state, including velocities if a toe's acceleration is needed.
 """
 
 from __future__ import annotations
@@ -14,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import hypot
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -23,26 +25,6 @@ from spear_pin.arrays import Array
 from spear_pin.model.scalars import dot, times
 
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-
-
-class Directions(Protocol):
-    """Components of vectors in the world along the directions of contact, the vertical one last.
-
-    `data` has the kinematics at a state, including velocities if a toe's acceleration is needed.
-    """
-
-    @property
-    def dimension(self) -> int:
-        """Number of directions, 2 or 3."""
-
-    def along(self, model: pin.Model, data: pin.Data, frame: int, vectors: Array) -> Array:
-        """Returns the components at a frame of vectors in the world, (3, ...)."""
-
-    def accelerated(self, model: pin.Model, data: pin.Data, frame: int, acceleration: Array) -> Array:
-        """Returns the rate of a frame's velocity components from its acceleration in the world, (3,), in m/s²."""
-
-    def world(self, components: Array, places: Callable[[], Array]) -> Array:
-        """Returns vectors in the world, (..., 3), from components; `places`, (..., 3), is called only if needed."""
 
 
 @dataclass(frozen=True)
@@ -56,15 +38,15 @@ class Axes:
     dimension: int
 
     def along(self, model: pin.Model, data: pin.Data, frame: int, vectors: Array) -> Array:
-        """Returns the rows of the vectors."""
+        """Returns the components at a frame of vectors in the world, (3, ...)."""
         return vectors[0 : 3 : 4 - self.dimension]
 
     def accelerated(self, model: pin.Model, data: pin.Data, frame: int, acceleration: Array) -> Array:
-        """Returns the rows of the acceleration."""
+        """Returns the rate of a frame's velocity components from its acceleration in the world, (3,), in m/s²."""
         return acceleration[0 : 3 : 4 - self.dimension]
 
     def world(self, components: Array, places: Callable[[], Array]) -> Array:
-        """Returns the components, with zero along y if there are two."""
+        """Returns vectors in the world, (..., 3), from components; `places`, (..., 3), is called only if needed."""
         return components if components.shape[-1] == 3 else np.insert(components, 1, 0.0, axis=-1)
 
 
@@ -126,3 +108,7 @@ class Round:
         place = pin.updateFramePlacement(model, data, frame).translation
         x, y = float(place[0]) - self.post[0], float(place[1]) - self.post[1]
         return x, y, hypot(x, y)
+
+
+Directions = Axes | Round
+"""Components of vectors in the world along the directions of contact, the vertical one last."""

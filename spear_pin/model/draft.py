@@ -18,7 +18,7 @@ from spear_pin.model.gears import Gear
 from spear_pin.model.memory import check_memory
 from spear_pin.model.mjcf_reading import Mjcf
 from spear_pin.model.srdf_reading import read_srdf
-from spear_pin.model.urdf import BASE, WORLD, Base, Urdf
+from spear_pin.model.urdf import BASE, WORLD, Base, Urdf, untaken
 
 MODEL = "pinocchio.Model"  # the source of what was built elsewhere
 FLOATING = "JointModelFreeFlyer"
@@ -127,19 +127,16 @@ def of_mjcf(mjcf: Mjcf, base: Base | None) -> Draft:
     check_memory(mjcf.path, model.njoints - 1, model.nv)
     model.gravity.linear = np.array(mjcf.gravity)
     _forget_gears(model)
-    armature, damping = np.zeros(model.nv), np.zeros(model.nv)
     for name, rubbing in mjcf.rubbing.items():
         joint = model.joints[model.getJointId(name)]
         rows = slice(joint.idx_v, joint.idx_v + joint.nv)
-        armature[rows], damping[rows] = rubbing.armature or 0.0, rubbing.damping
-    model.armature, model.damping = armature, damping
-    effort = np.array(model.upperEffortLimit)
-    gears = {}
+        model.armature[rows], model.damping[rows] = rubbing.armature or 0.0, rubbing.damping
+    gears, effort = {}, model.upperEffortLimit
     for drive in mjcf.drives:
         row = model.joints[model.getJointId(drive.joint)].idx_v
         gears[drive.joint] = Gear(drive.gear, armature=mjcf.rubbing[drive.joint].armature)
         effort[row] = min(effort[row], drive.effort)
-    model.upperEffortLimit, model.lowerEffortLimit = effort, -effort
+    model.lowerEffortLimit = -effort
     for frame in model.frames:
         if frame.type == POINT and frame.name in mjcf.inside:
             frame.type = INSIDE
@@ -195,9 +192,7 @@ def fixed_trunk(model: pin.Model, root: str, base: Base | None) -> list[str]:
 
 def _on_floating_joint(model: pin.Model) -> pin.Model:
     """Returns the model with its universe on a floating joint."""
-    name = BASE
-    while model.existJointName(name):
-        name += "_"
+    name = untaken(BASE, list(model.names))
     made, origin = pin.Model(), pin.SE3(np.eye(3), np.zeros(3))
     made.name, made.gravity = model.name, model.gravity
     frame = made.addJointFrame(made.addJoint(0, pin.JointModelFreeFlyer(), origin, name))

@@ -112,9 +112,9 @@ def child(path: Path, element: Any, tag: str) -> Any:
     return found
 
 
-def number(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
-    """Returns an attribute that is one number."""
-    return parse_number(path, element, _said(path, element, attribute, default))
+def number(path: Path, element: Any, attribute: str, default: str | None = None, limit: bool = False) -> float:
+    """Returns an attribute that is one number, or a limit, see `parse_limit`."""
+    return (parse_limit if limit else parse_number)(path, element, _said(path, element, attribute, default))
 
 
 def numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]:
@@ -124,11 +124,6 @@ def numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]
         what = f"{attribute} of {called(element)} is {_said(path, element, attribute)!r}"
         raise fault(path, element, f"{what}; expected {count} number{'s' * (count > 1)}")
     return values
-
-
-def limit(path: Path, element: Any, attribute: str, default: str | None = None) -> float:
-    """Returns an attribute that is a limit; infinite where it is larger than any limit, see `parse_limit`."""
-    return parse_limit(path, element, _said(path, element, attribute, default))
 
 
 def parse_limit(path: Path, element: Any, text: str | None) -> float:

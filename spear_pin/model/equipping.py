@@ -13,6 +13,7 @@ import pinocchio as pin
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.model.catalogue import motor
 from spear_pin.model.fitting import drivable, hold
+from spear_pin.model.frames import joint_id
 from spear_pin.model.gears import Gear
 from spear_pin.model.legs import Leg, find_legs, named_leg
 from spear_pin.model.motor import Gearbox
@@ -84,9 +85,7 @@ def _post(said: Sidecar, path: Path, model: pin.Model) -> tuple[float, float] | 
     if said.post is None:
         return None
     with blaming(path, "post"):
-        if said.post not in (names := list(model.names)[1:]):
-            raise UnknownName("joint", said.post, names)
-        tree, joint = Tree(model), int(model.getJointId(said.post))
+        tree, joint = Tree(model), joint_id(model, said.post)
         if tree.chain(joint) != [joint] or not tree.yaws(joint):
             raise BadValue("joint", said.post, "a joint on the world, which turns about a vertical axis")
     x, y, _ = model.jointPlacements[joint].translation.tolist()

@@ -10,6 +10,7 @@ import pinocchio as pin
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, BadValue, UnknownName, listed
+from spear_pin.model.frames import joint_id
 
 FLOATING = 6  # velocities of a floating joint
 SINGULAR = 1e-12  # least eigenvalue of a mass matrix whose diagonal is 1
@@ -28,11 +29,7 @@ def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
     Raises:
         UnknownName: there is no such joint; the text lists the valid ones.
     """
-    names = list(model.names)[1:]
-    for joint in joints:
-        if joint not in names:
-            raise UnknownName("joint", joint, names)
-    ids = [model.getJointId(joint) for joint in joints]
+    ids = [joint_id(model, joint) for joint in joints]
     return pin.buildReducedModel(model, ids, pin.neutral(model)) if ids else model
 
 
@@ -58,12 +55,10 @@ def with_motors(
                 raise BadValue("motors", joint, f"joints of one degree of freedom: {listed(valid) or 'none'}")
             raise UnknownName("joint", joint, valid)
     actuated = tuple(joint for joint in valid if joint in wanted)
-    ratios, rotors = model.rotorGearRatio.copy(), model.rotorInertia.copy()
     for joint in actuated:
         row = model.joints[model.getJointId(joint)].idx_v
-        if not ratios[row]:  # no source gives a ratio
-            ratios[row], rotors[row] = 1.0, model.armature[row]
-    model.rotorGearRatio, model.rotorInertia = ratios, rotors
+        if not model.rotorGearRatio[row]:  # no source gives a ratio
+            model.rotorGearRatio[row], model.rotorInertia[row] = 1.0, model.armature[row]
     return model, actuated
 
 
@@ -100,9 +95,7 @@ def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.
             raise BadFile(path, f"{problem}: {REMEDY}")
         if not repair:
             raise BadFile(path, f"{problem}: {REMEDY} (repair=True mends it)")
-        armature = model.armature.copy()
-        armature[model.joints[model.getJointId(joint)].idx_v] += MENDED
-        model.armature = armature
+        model.armature[model.joints[model.getJointId(joint)].idx_v] += MENDED
         where = "" if repr(joint) in problem else f" on joint {joint!r}"
         notes.append(f"{problem}: mended by an armature of {MENDED:g} kg·m² (kg, if it slides){where}")
     return model, notes

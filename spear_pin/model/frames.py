@@ -1,4 +1,4 @@
-"""Frames of a model by their names."""
+"""Frames and joints of a model by their names."""
 
 from __future__ import annotations
 
@@ -25,3 +25,15 @@ def frame_id(model: pin.Model, frame: str) -> int:
             if 0 < index < model.nframes:  # 0 is the world, Pinocchio's "universe"
                 return index
     raise UnknownName("frame", frame, [name for name in names if name != "universe"])
+
+
+def joint_id(model: pin.Model, joint: str, kind: str = "joint") -> int:
+    """Returns the number of a joint; `kind` is what errors call it.
+
+    Raises:
+        UnknownName: there is no such joint; the text lists the valid ones.
+    """
+    names = list(model.names)
+    if joint not in names[1:]:  # the first is the world, Pinocchio's "universe"
+        raise UnknownName(kind, joint, names[1:])
+    return names.index(joint)

@@ -52,16 +52,14 @@ def set_gears(model: pin.Model, gears: Mapping[str, Gear]) -> list[str]:
     Returns:
         the assumptions about gears, a line each.
     """
-    armature, ratios, rotors = model.armature.copy(), model.rotorGearRatio.copy(), model.rotorInertia.copy()
     guessed = []
     for joint, gear in gears.items():
-        row, reflected = model.joints[model.getJointId(joint)].idx_v, gear.reflected
+        row, reflected = model.joints[model.getJointId(joint)].idx_v, gear.reflected or 0.0
         if gear.rotor and gear.ratio is None and gear.armature is None:
             guessed.append(joint)
-        armature[row] = reflected or 0.0
-        ratios[row] = gear.ratio or 0.0
-        rotors[row] = (reflected or 0.0) / gear.ratio**2 if gear.ratio and gear.rotor is None else gear.rotor or 0.0
-    model.armature, model.rotorGearRatio, model.rotorInertia = armature, ratios, rotors
+        model.armature[row] = reflected
+        model.rotorGearRatio[row] = gear.ratio or 0.0
+        model.rotorInertia[row] = reflected / gear.ratio**2 if gear.ratio and gear.rotor is None else gear.rotor or 0.0
     if not guessed:
         return []
     joints = ", ".join(map(repr, guessed))

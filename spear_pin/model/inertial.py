@@ -80,8 +80,7 @@ def copy_inertial(path: Path, inertial: Any, link: Any, repair: bool) -> Fault |
     matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     fault = fault_of(matrix)
     if fault is not None and repair:
-        rows, columns = (0, 0, 0, 1, 1, 2), (0, 1, 2, 1, 2, 2)
-        moments = dict(zip(MOMENTS, map(float, nearest(matrix)[rows, columns]), strict=True))
+        moments = dict(zip(MOMENTS, nearest(matrix)[np.triu_indices(3)].tolist(), strict=True))
     elif fault is not None and not fault.possible:
         problem = f"link {name!r} has an inertia {fault.problem}, {fault.by} (repair=True mends it)"
         raise BadFile(path, problem, element.sourceline)

@@ -21,7 +21,7 @@ import pinocchio as pin
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.kinds import typed
-from spear_pin.model.frames import frame_id
+from spear_pin.model.frames import frame_id, joint_id
 from spear_pin.model.limits import limits_of
 from spear_pin.model.tree import SHORTEST, Tree
 
@@ -228,8 +228,7 @@ def named_leg(model: pin.Model, legs: Sequence[Leg], leg: str | Leg) -> Leg:
     """
     if isinstance(leg, Leg):
         for joint in (leg.hip, leg.knee):
-            if not model.existJointName(joint):
-                raise UnknownName(f"joint of leg {leg.name!r}", joint, list(model.names)[1:])
+            joint_id(model, joint, f"joint of leg {leg.name!r}")
         frame_id(model, leg.toe)
         return leg
     for each in legs:

@@ -53,24 +53,23 @@ def order_limits(model: pin.Model) -> list[str]:
     Returns:
         a line for each such joint, and for each joint whose limits leave it no room and are therefore ignored.
     """
-    lower, upper = model.lowerPositionLimit.copy(), model.upperPositionLimit.copy()
+    lower, upper = model.lowerPositionLimit, model.upperPositionLimit
     notes = []
     for name, joint in list(zip(model.names, model.joints, strict=True))[1:]:
         place = joint.idx_q
-        if joint.nv == joint.nq == 1:
-            for side, ends, none in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
-                if _open(ends[place]) == -none:
-                    notes.append(f"joint {name!r} has the {side} limit {-none:g}: it has none on that side")
-                    ends[place] = none
-        if joint.nv == joint.nq == 1 and lower[place] > upper[place]:
-            notes.append(
-                f"joint {name!r} has the lower limit {lower[place]:g} above the upper one, {upper[place]:g}: exchanged"
-            )
+        if not joint.nv == joint.nq == 1:
+            continue
+        for side, ends, none in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
+            if _open(ends[place]) == -none:
+                notes.append(f"joint {name!r} has the {side} limit {-none:g}: it has none on that side")
+                ends[place] = none
+        if lower[place] > upper[place]:
+            both = f"the lower limit {lower[place]:g} above the upper one, {upper[place]:g}"
+            notes.append(f"joint {name!r} has {both}: exchanged")
             lower[place], upper[place] = upper[place], lower[place]
-        elif joint.nv == joint.nq == 1 and lower[place] == upper[place] != 0.0:
+        elif lower[place] == upper[place] != 0.0:
             both = f"{lower[place]:g} and {upper[place]:g}"
             notes.append(f"joint {name!r} has the limits {both}, which leave it no room: it is not limited")
-    model.lowerPositionLimit, model.upperPositionLimit = lower, upper
     return notes
 
 

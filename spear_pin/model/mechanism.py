@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from itertools import islice
 from operator import add, mul
 from typing import Any, NamedTuple, Self
 
+from spear_pin.errors import UnknownName
 from spear_pin.model.directions import Round
+from spear_pin.model.robot import Robot
 
 NO_FORCES: Mapping[str, Sequence[Any]] = {}
 
@@ -65,6 +67,12 @@ class Terms:
 class Mechanism(ABC):
     """Bodies on joints of one coordinate each, whose numbers and states may be scalars of any kind.
 
+    Args:
+        robot: the robot.
+        bodies: its bodies.
+        lift: acceleration of the ground.
+        places: of each frame of the robot's model its place on its body, in m.
+
     Attributes:
         coordinates: names of the coordinates.
         nv: number of coordinates.
@@ -75,29 +83,49 @@ class Mechanism(ABC):
         circle: directions of contact, if it goes round a post.
     """
 
-    coordinates: tuple[str, ...]
-    nv: int
-    bodies: tuple[Any, ...]
-    frames: dict[str, tuple[int, Any]]
-    toes: dict[str, tuple[int, Any]]
-    lift: Any
     circle: Round | None = None
+
+    def __init__(self, robot: Robot, bodies: Iterable[Any], lift: Any, places: Iterable[Any]) -> None:
+        self.coordinates, self.nv = robot.coordinates, robot.nv
+        self.bodies, self.lift = tuple(bodies), lift
+        self.frames: dict[str, tuple[int, Any]] = {}
+        for frame, place in zip(robot.model.frames, places, strict=True):
+            # of several of a name the first, as Pinocchio finds it
+            self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, place))
+        self.toes = {toe: self.frames[toe] for toe in robot.toes}
 
     @abstractmethod
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
-        """Returns the equations of motion at (q, v), (3.16); `ops` has `sin` and `cos` for their scalars."""
+        """Returns the equations of motion at (q, v), (3.16).
+
+        Args:
+            q: nv scalars.
+            v: nv scalars.
+            ops: has `sin` and `cos` for them.
+        """
 
     @abstractmethod
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
-        """Returns the kinematics of the toes alone."""
+        """Returns the kinematics of the toes alone, for the arguments of `terms`."""
 
-    @abstractmethod
+    def _joints(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Sequence[Any]:
+        """Returns the motion of each body, then that of the world, of which the number is -1."""
+        raise NotImplementedError
+
     def position(self, frame: str, q: Sequence[Any], ops: Any) -> tuple[Any, ...]:
-        """Returns the position of any frame of the robot's model, in m.
+        """Returns the position of any frame of the robot's model, x, in space y, and z, in m.
 
         Raises:
             UnknownName: there is no such frame.
         """
+        return self._place(self._joints(q, [0.0] * self.nv, ops), frame)
+
+    def _place(self, joints: Sequence[Any], frame: str) -> tuple[Any, ...]:
+        if frame not in self.frames:
+            raise UnknownName("frame", frame, self.frames)
+        i, offset = self.frames[frame]
+        place: tuple[Any, ...] = joints[i].at(offset)
+        return place
 
     def forces(
         self,

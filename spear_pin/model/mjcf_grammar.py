@@ -17,41 +17,34 @@ CONTACT = ("condim", "friction", "solref", "solimp", "margin", "gap", "adhesion"
 SERVO = tuple("kp kv ki dampratio timeconst gaintype gainprm biastype biasprm dyntype dynprm".split())
 SMALL = 1e-9  # kg, kg·m²: bounds of inertias that only keep them from being zero
 
-
-def _table(attributes: Mapping[str, str]) -> dict[str, frozenset[str]]:
-    return {path: frozenset(names.split()) for path, names in attributes.items()}
-
-
 MJCF = Grammar(
-    read=_table(
-        {
-            "mujoco": "model",
-            "mujoco/compiler": "angle autolimits balanceinertia coordinate eulerseq inertiafromgeom inertiagrouprange",
-            "mujoco/option": "gravity",
-            "mujoco/option/flag": "gravity",
-            "mujoco/worldbody": "",
-            "mujoco/worldbody/geom": f"type size fromto {TURNED}",
-            "mujoco/worldbody/site": f"type size fromto {TURNED}",
-            BODY: TURNED,
-            f"{BODY}/inertial": f"mass diaginertia fullinertia {TURNED}",
-            f"{BODY}/joint": (
-                "type axis pos range limited armature damping actuatorfrcrange actuatorfrclimited "
-                "ref springref frictionloss"  # the first is told in words of its own, the last where it is not zero
-            ),
-            f"{BODY}/freejoint": "",
-            f"{BODY}/geom": f"type size fromto mass density {TURNED}",
-            f"{BODY}/site": f"type size fromto {TURNED}",
-            "mujoco/equality": "",
-            "mujoco/tendon": "",
-            "mujoco/contact": "",
-            "mujoco/deformable": "",
-            "mujoco/extension": "",
-            "mujoco/actuator": "",
-            **{f"mujoco/actuator/{tag}": DRIVEN for tag in TORQUES},
-            "mujoco/keyframe": "",
-            "mujoco/keyframe/key": "qpos qvel act ctrl time mpos mquat",
-        }
-    ),
+    read={
+        "mujoco": "model",
+        "mujoco/compiler": "angle autolimits balanceinertia coordinate eulerseq inertiafromgeom inertiagrouprange",
+        "mujoco/option": "gravity",
+        "mujoco/option/flag": "gravity",
+        "mujoco/worldbody": "",
+        "mujoco/worldbody/geom": f"type size fromto {TURNED}",
+        "mujoco/worldbody/site": f"type size fromto {TURNED}",
+        BODY: TURNED,
+        f"{BODY}/inertial": f"mass diaginertia fullinertia {TURNED}",
+        f"{BODY}/joint": (
+            "type axis pos range limited armature damping actuatorfrcrange actuatorfrclimited "
+            "ref springref frictionloss"  # the first is told in words of its own, the last where it is not zero
+        ),
+        f"{BODY}/freejoint": "",
+        f"{BODY}/geom": f"type size fromto mass density {TURNED}",
+        f"{BODY}/site": f"type size fromto {TURNED}",
+        "mujoco/equality": "",
+        "mujoco/tendon": "",
+        "mujoco/contact": "",
+        "mujoco/deformable": "",
+        "mujoco/extension": "",
+        "mujoco/actuator": "",
+        **{f"mujoco/actuator/{tag}": DRIVEN for tag in TORQUES},
+        "mujoco/keyframe": "",
+        "mujoco/keyframe/key": "qpos qvel act ctrl time mpos mquat",
+    },
     nested=frozenset(("body",)),
     single=frozenset((f"{BODY}/inertial",)),
     idle=frozenset("light camera visual statistic size custom asset sensor default skin exclude lengthrange".split()),

@@ -30,21 +30,13 @@ def places_of(world: Iterable[Any], defaults: Defaults) -> dict[Any, Place]:
     """
     found: dict[Any, tuple[int, float]] = {}
 
-    def visit(body: Any, inherited: str | None) -> None:
-        inherited = body.get("childclass") or inherited
+    for body in (body for each in world for body in each.iter("body")):
         for joint in body.iterchildren("joint", "freejoint"):
-            said = defaults.of(joint, inherited) if joint.tag == "joint" else {"type": "free"}
-            zero = said.get("ref", "0")
+            said = defaults.of(joint) if joint.tag == "joint" else {"type": "free"}
             try:
-                found[joint] = SIZES.get(said.get("type", "hinge"), 1), float(zero)
+                found[joint] = SIZES.get(said.get("type", "hinge"), 1), float(said.get("ref", "0"))
             except ValueError:  # which reading the joint refuses
                 found[joint] = 1, 0.0
-        for child in body.iterchildren("body"):
-            visit(child, inherited)
-
-    for body in world:
-        if body.tag == "body":
-            visit(body, None)
     total, begin, places = sum(size for size, _ in found.values()), 0, {}
     for joint, (size, zero) in found.items():
         places[joint] = Place(begin, size, total, zero if size == 1 else 0.0)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
-from pathlib import Path
 from typing import Any
 
-from spear_pin.model.elements import called, fault, parse_limit, parse_number
-from spear_pin.model.mjcf_sections import Defaults, section
-from spear_pin.model.mjcf_writing import Rubbing
+from spear_pin.model.elements import called, parse_limit
+from spear_pin.model.mjcf_sections import section
+from spear_pin.model.mjcf_writing import Writing
 
 LIMITED = {  # attributes that say whether a range limits
     **{"range": "limited", "actuatorfrcrange": "actuatorfrclimited"},
@@ -42,89 +41,80 @@ class Drives:
 
     Attributes:
         motors: actuators that are motors of joints.
-        rubbing: armature and damping that the actuators add to joints, by joint.
-        others: names of those that are no motors.
-        damped: joints with damping of an actuator that is not viscous.
-        uneven: unused parts of ranges that differ by direction, in words, with their joints.
-        laws: tags of the motors that are more than a torque, such as "position", by joint.
-        elements: elements of the other actuators, and of those with a law.
+        unread: data that are not used, in words, with the names of joints or actuators.
+        elements: elements of the actuators that are no motors, and of those that are more than a torque.
     """
 
     motors: tuple[DrivenJoint, ...]
-    rubbing: Mapping[str, Rubbing]
-    others: tuple[str, ...]
-    damped: tuple[str, ...]
-    uneven: tuple[tuple[str, str], ...]
-    laws: Mapping[str, str]
+    unread: tuple[tuple[str, str], ...]
     elements: tuple[Any, ...]
 
 
-def read_drives(
-    path: Path, root: Any, defaults: Defaults, joints: Mapping[str, str], named: Collection[str], autolimits: bool
-) -> Drives:
-    """Reads the actuators; their armature and damping act at the joint times the square of the gear.
+def read_drives(writing: Writing) -> Drives:
+    """Reads the actuators.
 
     Args:
-        path: path of the file.
-        root: root element of the file.
-        defaults: defaults of the file.
-        joints: types of the robot's joints, by name.
-        named: names of all joints of the file.
-        autolimits: whether a range alone limits.
+        writing: state, with the robot's joints, to which armature and damping are added, times the square of the gear.
 
     Raises:
         BadFile: an actuator acts on a joint that is not there, or its numbers are too many or too few, or negative.
     """
     found: dict[str, DrivenJoint] = {}
-    rubbing: dict[str, Rubbing] = {}
-    laws: dict[str, str] = {}
-    others, damped, elements, uneven = [], [], [], []
-    for element in section(root, "actuator"):
-        said = defaults.of(element)
+    laws, uneven, others, damped, elements = [], [], [], [], []
+    for element in section(writing.root, "actuator"):
+        said = writing.defaults.of(element)
         joint = said.get("joint", said.get("jointinparent"))
-        if joint is not None and joint not in named:
+        if joint is not None and joint not in writing.jointed:
             problem = f"<{element.tag}> acts on the joint {joint!r}, which is not there"
-            raise fault(path, element, f"{problem}; valid: {', '.join(joints) or 'none'}")
-        gear = _values(path, element, said["gear"])[0] if "gear" in said else None
+            raise writing.fault(element, f"{problem}; valid: {', '.join(writing.joints) or 'none'}")
+        gear = writing.values(element, said["gear"])[0] if "gear" in said else None
         square = 1.0 if gear is None else gear * gear
-        movable = joints.get(joint or "") in MOVABLE
+        movable = writing.joints.get(joint or "") in MOVABLE
         if joint is not None and movable:
-            had, own = rubbing.get(joint, Rubbing(None, 0.0)), _rubbing(path, element, said)
-            armatures = [each for each in (had.armature, own.armature and square * own.armature) if each is not None]
-            rubbing[joint] = Rubbing(sum(armatures) if armatures else None, had.damping + square * own.damping)
-            if any(_values(path, element, said.get("damping", "0"))[1:]):
-                damped.append(joint)
+            own = writing.read_rubbing(element, said, called(element))
+            writing.rubbing[joint] = writing.rubbing[joint].joined(own, square)
+            if any(writing.values(element, said.get("damping", "0"))[1:]):
+                damped.append(("damping that is not viscous", joint))
         if not movable or joint in found or gear == 0.0:
-            others.append(element.get("name") or _described(element, said))
+            name = element.get("name") or _described(element, said)
+            others.append(("actuators other than one for each joint", name))
             elements.append(element)
         else:
-            largest, told = _largest(path, element, said, autolimits)
+            largest, told = _largest(writing, element, said)
             uneven += [(what, str(joint)) for what in told]
             found[str(joint)] = DrivenJoint(str(joint), gear, (1.0 if gear is None else abs(gear)) * largest)
             if element.tag not in TORQUES:
-                laws[str(joint)] = element.tag
+                laws.append((f"the control law of <{element.tag}>", str(joint)))
                 elements.append(element)
-    return Drives(tuple(found.values()), rubbing, tuple(others), tuple(damped), tuple(uneven), laws, tuple(elements))
+    return Drives(tuple(found.values()), (*laws, *uneven, *others, *damped), tuple(elements))
 
 
-def is_limited(path: Path, element: Any, said: Mapping[str, str], name: str, autolimits: bool) -> bool:
+def is_limited(writing: Writing, element: Any, said: Mapping[str, str], name: str) -> bool:
     """Tells whether a range limits.
 
     Args:
-        path: of the file.
+        writing: state.
         element: element that has the range.
         said: attributes of the element, with those of its class.
         name: name of the range, a key of `LIMITED`.
-        autolimits: whether a range alone limits.
 
     Raises:
         BadFile: there is a range and nothing says whether it limits, which MuJoCo refuses.
     """
     limited, text = said.get(LIMITED[name], "auto"), said.get(name, "")
-    if limited == "auto" and not autolimits and any(parse_limit(path, element, part) for part in text.split()):
+    silent = limited == "auto" and not writing.autolimits
+    if silent and any(parse_limit(writing.path, element, part) for part in text.split()):
         problem = f'{called(element)} has the {name} {text!r}, and no {LIMITED[name]} beside autolimits="false"'
-        raise fault(path, element, f'{problem}; expected {LIMITED[name]}="true" or "false"')
-    return name in said and limited in ("true", "auto" if autolimits else "true")
+        raise writing.fault(element, f'{problem}; expected {LIMITED[name]}="true" or "false"')
+    return name in said and not silent and limited in ("true", "auto")
+
+
+def ends_of(writing: Writing, element: Any, said: Mapping[str, str], name: str) -> tuple[float, float]:
+    """Returns the ends of a range, infinite where they mean that there is no limit."""
+    ends = [parse_limit(writing.path, element, part) for part in said[name].split()]
+    if len(ends) != 2:
+        raise writing.fault(element, f"{name} of {called(element)} is {said[name]!r}; expected 2 numbers")
+    return ends[0], ends[1]
 
 
 def either_way(ends: Sequence[float]) -> tuple[float, str | None]:
@@ -144,34 +134,19 @@ def _described(element: Any, said: Mapping[str, str]) -> str:
     return f"{element.tag} of {next((said[each] for each in ACTED_ON if each in said), 'nothing')}"
 
 
-def _rubbing(path: Path, element: Any, said: Mapping[str, str]) -> Rubbing:
-    """Returns armature and damping of an actuator, before its gear."""
-    numbers = {
-        name: _values(path, element, said[name])[0] if name in said else None for name in ("armature", "damping")
-    }
-    for name, value in numbers.items():
-        if value is not None and value < 0:
-            raise fault(path, element, f"<{element.tag}> has the {name} {value:g}; expected a number >= 0")
-    return Rubbing(numbers["armature"], numbers["damping"] or 0.0)
-
-
-def _largest(path: Path, element: Any, said: Mapping[str, str], autolimits: bool) -> tuple[float, list[str]]:
+def _largest(writing: Writing, element: Any, said: Mapping[str, str]) -> tuple[float, list[str]]:
     """Returns an actuator's largest force in either direction, before its gear, and the unused parts of its ranges."""
-    gain = _gain(path, element, said)
+    gain = _gain(writing, element, said)
     limits, uneven = [inf], []
     for name, factor in (("forcerange", 1.0), ("ctrlrange", gain)):
-        if is_limited(path, element, said, name, autolimits) and factor is not None:
-            ends = [parse_limit(path, element, part) for part in said[name].split()]
-            if len(ends) != 2:
-                problem = f"{name} of <{element.tag}> is {said[name]!r}; expected 2 numbers"
-                raise fault(path, element, problem)
-            force, told = either_way(ends)
+        if is_limited(writing, element, said, name) and factor is not None:
+            force, told = either_way(ends_of(writing, element, said, name))
             limits.append(factor * force)
             uneven += [f"{told} of {name}"] if told else []
     return min(limits), uneven
 
 
-def _gain(path: Path, element: Any, said: Mapping[str, str]) -> float | None:
+def _gain(writing: Writing, element: Any, said: Mapping[str, str]) -> float | None:
     """Returns the force for each unit of the control; None if the control is no force."""
     if element.tag == "motor":
         return 1.0
@@ -180,9 +155,5 @@ def _gain(path: Path, element: Any, said: Mapping[str, str]) -> float | None:
         "none",
     }
     if element.tag == "general" and plain:
-        return abs(_values(path, element, said.get("gainprm", "1"))[0])
+        return abs(writing.values(element, said.get("gainprm", "1"))[0])
     return None
-
-
-def _values(path: Path, element: Any, text: str) -> list[float]:
-    return [parse_number(path, element, part) for part in text.split() or [""]]

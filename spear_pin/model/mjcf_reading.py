@@ -8,7 +8,6 @@ joint each, and no meshes. MuJoCo need not be installed.
 from __future__ import annotations
 
 import sys
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -18,27 +17,17 @@ import numpy as np
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import called, fault, parse_limit
+from spear_pin.model.elements import called, fault
 from spear_pin.model.inertial import notes_on
 from spear_pin.model.mjcf_keyframes import places_of, read_keyframes
 from spear_pin.model.mjcf_mass import add_mass
-from spear_pin.model.mjcf_motors import LIMITED, MOVABLE, DrivenJoint, either_way, is_limited, read_drives
+from spear_pin.model.mjcf_motors import LIMITED, MOVABLE, DrivenJoint, either_way, ends_of, is_limited, read_drives
 from spear_pin.model.mjcf_points import add_point
 from spear_pin.model.mjcf_rotations import angle_unit
-from spear_pin.model.mjcf_sections import MAIN, Defaults, include, read_defaults, section, settings
+from spear_pin.model.mjcf_sections import MAIN, Defaults, include, inherit_classes, read_defaults, section, settings
 from spear_pin.model.mjcf_unread import tell_unread
-from spear_pin.model.mjcf_writing import (
-    PLACE,
-    SHORTEST,
-    Rubbing,
-    Writing,
-    at_least_zero,
-    copy,
-    counted,
-    is_true,
-    values,
-)
-from spear_pin.model.urdf import BASE, MAX_LINKS, UNIVERSE, WORLD, Base
+from spear_pin.model.mjcf_writing import PLACE, SHORTEST, Rubbing, Writing
+from spear_pin.model.urdf import BASE, MAX_LINKS, WORLD, Base, check_names
 
 JOINTS = ("joint", "freejoint")
 JOINT_TYPES = ("free", "ball", "slide", "hinge")
@@ -112,6 +101,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
             that MuJoCo refuses.
     """
     include(path, root)
+    inherit_classes(root)
     compiler, defaults = settings(root, "compiler"), read_defaults(path, root)
     if compiler.get("coordinate") == "global":
         raise BadFile(path, 'has global coordinates: let MuJoCo 2.3.3 or older save it with coordinate="local"')
@@ -128,22 +118,20 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     trunk = _based(writing, body, base)
     if trunk.find("joint") is None and trunk.find("freejoint") is None:  # of such a one Pinocchio ignores the place
         world = etree.SubElement(world, "body", name=writing.name(WORLD))
-    _add_body(writing, trunk, world, None)
-    autolimits = is_true(compiler.get("autolimits"), True)
-    drives = read_drives(path, root, defaults, writing.joints, writing.jointed, autolimits)
+    _add_body(writing, trunk, world)
+    drives = read_drives(writing)
     option = settings(root, "option")
-    gravity = values(path, root, option.get("gravity", "0 0 -9.81"))
+    gravity = writing.values(root, option.get("gravity", "0 0 -9.81"))
     if len(gravity) != 3:
         raise BadFile(path, f"has a gravity of {len(gravity)} numbers; expected 3")
     if any(flag.get("gravity") == "disable" for flag in section(root, "option")):
         gravity = (0.0, 0.0, 0.0)
     postures = read_keyframes(path, root, {name: places[at] for name, at in writing.elements.items() if at in places})
-    tell_unread(writing, root, body, others, drives)
+    tell_unread(writing, others, drives)
     notes = [*filter(None, [writing.unread.line]), *notes_on(writing.faults, "body", repair)]
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
     look = Look(tuple(writing.geoms), _assets(root, defaults), compiler)
-    rubbing = {name: _together(own, drives.rubbing.get(name)) for name, own in writing.rubbing.items()}
     return Mjcf(
         path,
         name,
@@ -151,20 +139,12 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
         text,
         gravity,
         drives.motors,
-        rubbing,
+        writing.rubbing,
         postures,
         tuple(notes),
         look,
         frozenset(writing.inside),
     )
-
-
-def _together(own: Rubbing, driven: Rubbing | None) -> Rubbing:
-    """Adds armature and damping of a joint and of its actuators."""
-    if driven is None:
-        return own
-    armatures = [each for each in (own.armature, driven.armature) if each is not None]
-    return Rubbing(sum(armatures) if armatures else None, own.damping + driven.damping)
 
 
 def _assets(root: Any, defaults: Defaults) -> dict[tuple[str, str], Mapping[str, str]]:
@@ -181,14 +161,9 @@ def _names(root: Any, *tags: str) -> set[str]:
 
 
 def _check_names(path: Path, root: Any, body: Any, defaults: Defaults) -> None:
-    """Refuses names that occur twice or that Pinocchio uses for the world, and classes that do not exist."""
+    """Refuses names that no body or joint may have, see `check_names`, and classes that do not exist."""
     for tags in (("body",), JOINTS):
-        named = [each for each in body.iter(*tags) if each.get("name")]
-        for name, count in Counter(each.get("name") for each in named).items():
-            if count > 1:
-                raise BadFile(path, f"{tags[0]} {name!r} is defined {count} times; give each its own name")
-            if name == UNIVERSE and tags == JOINTS:
-                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world; rename it")
+        check_names(path, tags[0], [name for each in body.iter(*tags) if (name := each.get("name"))])
     for element in (*body.iter(etree.Element), *section(root, "actuator")):
         for attribute in ("class", "childclass"):
             if element.get(attribute, MAIN) not in defaults.classes:
@@ -227,13 +202,13 @@ def _based(writing: Writing, body: Any, base: Base | None) -> Any:
 
 def _floats(writing: Writing, body: Any) -> bool:
     return body.find("freejoint") is not None or any(
-        writing.defaults.of(joint, body.get("childclass")).get("type") == "free" for joint in body.findall("joint")
+        writing.defaults.of(joint).get("type") == "free" for joint in body.findall("joint")
     )
 
 
-def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -> None:
-    """Writes a body and its contents into another; `inherited` is the class of the surrounding body."""
-    path, inherited = writing.path, body.get("childclass") or inherited
+def _add_body(writing: Writing, body: Any, parent: Any) -> None:
+    """Writes a body and its contents into another."""
+    path = writing.path
     writing.bodies += 1
     if writing.bodies > MAX_LINKS:
         raise BadFile(path, f"has more than {MAX_LINKS} bodies")
@@ -241,7 +216,7 @@ def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -
     children = list(body.iterchildren(etree.Element))
     inner = etree.SubElement(parent, "body")
     floats = _floats(writing, body)
-    copy(writing, body, etree.Element("body") if floats else inner, body.attrib, PLACE)  # of what floats it is in q
+    writing.copy(body, etree.Element("body") if floats else inner, body.attrib, PLACE)  # of what floats it is in q
     if floats and (writing.bodies > 1 or sum(child.tag in JOINTS for child in children) > 1):
         expected = "one on the first body alone, without another joint"
         raise writing.fault(body, f"body {name!r} has a free joint; expected {expected}")
@@ -249,69 +224,59 @@ def _add_body(writing: Writing, body: Any, parent: Any, inherited: str | None) -
         if len(inner):  # one joint a body
             inner.set("name", writing.name(f"{name}_{len(writing.joints)}"))
             inner = etree.SubElement(inner, "body")
-        _add_joint(writing, child, inner, name, inherited)
+        _add_joint(writing, child, inner, name)
     inner.set("name", name)  # what all its joints move
-    add_mass(writing, body, inner, inherited)
-    writing.geoms += [(name, writing.defaults.of(geom, inherited)) for geom in body.findall("geom")]
+    add_mass(writing, body, inner)
+    writing.geoms += [(name, writing.defaults.of(geom)) for geom in body.findall("geom")]
     alone = body.find("body") is None
     for child in children:
         if child.tag in UNREAD:
             raise fault(path, child, f"body {name!r} has a <{child.tag}>, which is not read: {REMEDY}")
         if child.tag in ("site", "geom"):
-            add_point(writing, child, inner, inherited, alone=alone)
+            add_point(writing, child, inner, alone=alone)
         elif child.tag == "body":
-            _add_body(writing, child, inner, inherited)
+            _add_body(writing, child, inner)
 
 
-def _add_joint(writing: Writing, joint: Any, body: Any, owner: str, inherited: str | None) -> None:
-    path = writing.path
-    said = writing.defaults.of(joint, inherited) if joint.tag == "joint" else {"type": "free"}
+def _add_joint(writing: Writing, joint: Any, body: Any, owner: str) -> None:
+    said = writing.defaults.of(joint) if joint.tag == "joint" else {"type": "free"}
     kind = said.get("type", "hinge")
     if kind not in JOINT_TYPES:
         raise writing.fault(joint, f"{called(joint)} has the type {kind!r}; valid: {', '.join(JOINT_TYPES)}")
     name = joint.get("name") or writing.name(BASE if kind == "free" else f"{owner}_joint", joint=True)
     writing.joints[name], writing.elements[name] = kind, joint
-    armature, damping, frictionloss = (
-        at_least_zero(writing, joint, said, each, f"joint {name!r}") for each in ("armature", "damping", "frictionloss")
-    )
-    writing.rubbing[name] = Rubbing(armature if "armature" in said else None, damping)
+    writing.rubbing[name] = writing.read_rubbing(joint, said, f"joint {name!r}")
+    frictionloss = writing.at_least_zero(joint, said, "frictionloss", f"joint {name!r}")
     if kind == "free":
         etree.SubElement(body, "freejoint", name=name)
         return
     copied = etree.SubElement(body, "joint", name=name, type=kind)
-    autolimits = is_true(writing.compiler.get("autolimits"), True)
-    copy(writing, joint, copied, said, JOINT)
-    if kind in MOVABLE and np.linalg.norm(counted(writing, joint, {"axis": "0 0 1", **said}, "axis")) < SHORTEST:
+    writing.copy(joint, copied, said, JOINT)
+    if kind in MOVABLE and np.linalg.norm(writing.counted(joint, {"axis": "0 0 1", **said}, "axis")) < SHORTEST:
         raise writing.fault(joint, f"joint {name!r} has the axis {said['axis']!r}; expected a direction")
-    limited = {name: is_limited(path, joint, said, name, autolimits) for name in RANGES}
+    limited = {name: is_limited(writing, joint, said, name) for name in RANGES}
+    low, high = ends_of(writing, joint, {"range": "0 0", **said}, "range")
     if limited["range"] and kind in MOVABLE:
         unit = 1.0 if kind == "slide" else angle_unit(writing.compiler)
-        ref, *_ = values(path, joint, said.get("ref", "0"))
-        ends = [unit * (end - ref) for end in _ends(writing, joint, said, "range")]
+        ref, *_ = writing.values(joint, said.get("ref", "0"))
+        ends = [unit * (end - ref) for end in (low, high)]
         copied.set("range", " ".join(repr(min(max(end, -MOST), MOST)) for end in ends))
     elif limited["range"]:
         writing.unread.lose("range", name, "<joint>")
     if limited["actuatorfrcrange"]:
-        force, told = either_way(_ends(writing, joint, said, "actuatorfrcrange"))
+        force, told = either_way(ends_of(writing, joint, said, "actuatorfrcrange"))
         copied.set("actuatorfrcrange", " ".join(repr(min(max(end, -MOST), MOST)) for end in (-force, force)))
         if told:
             writing.unread.lose(f"{told} of actuatorfrcrange", name)
-    low, high = _ends(writing, joint, {"range": "0 0", **said}, "range")
     if said.get("limited") == "true" and low >= high:
         problem = f"joint {name!r} is limited, but has the range {said.get('range', '')!r}"
         raise writing.fault(joint, f"{problem}; expected two angles, or lengths, the lower one first")
     for limits, acts in limited.items():
         copied.set(LIMITED[limits], "true" if acts else "false")
     for what, numbers in (
-        ("damping that is not viscous", values(path, joint, said.get("damping", "0"))[1:]),
+        ("damping that is not viscous", writing.values(joint, said.get("damping", "0"))[1:]),
         ("frictionloss", [frictionloss]),
-        ("ref (q is MuJoCo's qpos less ref)", values(path, joint, said.get("ref", "0"))),
+        ("ref (q is MuJoCo's qpos less ref)", writing.values(joint, said.get("ref", "0"))),
     ):
         if any(numbers):
             writing.unread.lose(what, name)
-
-
-def _ends(writing: Writing, joint: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
-    """Returns the two ends of a range, infinite where they mean that there is no limit."""
-    ends = tuple(parse_limit(writing.path, joint, part) for part in said[attribute].split())
-    return ends if len(ends) == 2 else counted(writing, joint, said, attribute)

@@ -71,6 +71,15 @@ def _depth(root: Any) -> int:
     return deepest
 
 
+def inherit_classes(root: Any) -> None:
+    """Gives the class of a body to all that is in it and names none."""
+    for body in root.iter("body"):
+        inherited = body.get("childclass")
+        for element in body.iterchildren(etree.Element) if inherited else ():
+            attribute = "childclass" if element.tag == "body" else "class"
+            element.set(attribute, element.get(attribute) or inherited)
+
+
 def section(root: Any, tag: str) -> list[Any]:
     """Returns the children of all sections of that tag."""
     return [child for part in root.findall(tag) for child in part.iterchildren(etree.Element)]
@@ -91,14 +100,9 @@ class Defaults:
 
     classes: Mapping[str, Mapping[str, Attributes]]
 
-    def of(self, element: Any, inherited: str | None = None) -> dict[str, str]:
-        """Returns the attributes of an element, its own and those of its class.
-
-        Args:
-            element: the element.
-            inherited: class of the body that it is in, where it names none.
-        """
-        templates = self.classes.get(element.get("class") or inherited or MAIN, {})
+    def of(self, element: Any) -> dict[str, str]:
+        """Returns the attributes of an element, its own and those of its class."""
+        templates = self.classes.get(element.get("class") or MAIN, {})
         return {**templates.get(_kind(element.tag), NOTHING), **element.attrib}
 
 

@@ -10,58 +10,45 @@ from lxml import etree
 from spear_pin.model.mjcf_grammar import MJCF, without_effect
 from spear_pin.model.mjcf_motors import Drives
 from spear_pin.model.mjcf_sections import section
-from spear_pin.model.mjcf_writing import TURNS, Writing, copy, values
+from spear_pin.model.mjcf_writing import TURNS, Writing
 from spear_pin.model.unread import find_unread
 
 LEAN = 1e-9  # half of the angle, in rad, by which level ground may lean
 
 
-def tell_unread(writing: Writing, root: Any, body: Any, others: list[Any], drives: Drives) -> None:
+def tell_unread(writing: Writing, others: list[Any], drives: Drives) -> None:
     """Adds unused data to `writing.unread`.
 
     Args:
         writing: state.
-        root: element of the file.
-        body: the robot's first one.
-        others: bodies beside it.
+        others: bodies beside the robot.
         drives: its actuators.
     """
-    unread, defaults = writing.unread, writing.defaults
-    classes: dict[Any, str | None] = {}
-    for element in body.iter("body"):
-        above = classes.get(element.getparent())
-        classes[element] = element.get("childclass") or above
+    unread, root = writing.unread, writing.root
 
     def said(element: Any) -> dict[str, str]:
         plain = element.getparent() in (None, root) or element.tag == "body"  # of which there are no classes
-        attributes = dict(element.attrib) if plain else defaults.of(element, classes.get(element.getparent()))
+        attributes = dict(element.attrib) if plain else writing.defaults.of(element)
         return without_effect(element.tag, attributes)
 
     ground = [geom for geom in section(root, "worldbody") if geom.tag == "geom" and not _level(writing, said(geom))]
     find_unread(root, MJCF, unread, said, (*others, *drives.elements, *ground))
-    for joint, tag in drives.laws.items():
-        unread.lose(f"the control law of <{tag}>", joint)
-    for what, joint in drives.uneven:
-        unread.lose(what, joint)
-    for what, names in (
-        ("the bodies beside it", [other.get("name") or "nameless" for other in others]),
-        ("the ground's shape", [geom.get("name") or f"a {said(geom).get('type', 'sphere')}" for geom in ground]),
-        ("actuators other than one for each joint", drives.others),
-        ("damping that is not viscous", drives.damped),
+    for what, name in (
+        *(("the bodies beside it", other.get("name") or "nameless") for other in others),
+        *(("the ground's shape", geom.get("name") or f"a {said(geom).get('type', 'sphere')}") for geom in ground),
+        *drives.unread,
     ):
-        for name in names:
-            unread.lose(what, name)
+        unread.lose(what, name)
 
 
 def _level(writing: Writing, said: Mapping[str, str]) -> bool:
     """Tells whether a geom of the world is ground at height zero, or touches nothing."""
     if said.get("contype") == said.get("conaffinity") == "0":
         return True
-    place = values(writing.path, None, said.get("pos", "0 0 0"))
+    place = writing.values(None, said.get("pos", "0 0 0"))
     turned = etree.Element("geom")
-    copy(writing, etree.Element("geom", dict(said)), turned, said, TURNS)
-    w, x, y, z = values(writing.path, None, turned.get("quat", "1 0 0 0"))
-    flat = not any(turned.get(each) for each in TURNS if each != "quat") and abs(x) + abs(y) < 1e-9 * max(
-        abs(w), abs(z)
-    )
+    writing.copy(etree.Element("geom", dict(said)), turned, said, TURNS)
+    w, x, y, z = writing.values(None, turned.get("quat", "1 0 0 0"))
+    upright = abs(x) + abs(y) < LEAN * max(abs(w), abs(z))
+    flat = upright and not any(turned.get(each) for each in TURNS if each != "quat")
     return said.get("type") == "plane" and len(place) == 3 and place[2] == 0.0 and flat

@@ -1,4 +1,4 @@
-"""State of the writing of one tree of MJCF bodies; copies checked numbers, and rotations in one notation, into it."""
+"""State of the writing of one tree of MJCF bodies, which copies checked numbers and rotations into it."""
 
 from __future__ import annotations
 
@@ -31,8 +31,15 @@ SHORTEST = 1e-14  # of directions and quaternions: MuJoCo refuses shorter ones
 class Rubbing(NamedTuple):
     """Armature of a joint, in kg·m², None where nothing says it, and its damping, in N·m·s/rad."""
 
-    armature: float | None
-    damping: float
+    armature: float | None = None
+    damping: float = 0.0
+
+    def joined(self, other: Rubbing, square: float = 1.0) -> Rubbing:
+        """Returns the sum of this and another, which acts through a gear whose square is given."""
+        armature = self.armature
+        if other.armature is not None:
+            armature = (armature or 0.0) + square * other.armature
+        return Rubbing(armature, self.damping + square * other.damping)
 
 
 @dataclass
@@ -73,6 +80,11 @@ class Writing:
     inside: set[str] = field(default_factory=set)
     bodies: int = 0
 
+    @property
+    def autolimits(self) -> bool:
+        """Tells whether a range alone limits."""
+        return self.compiler.get("autolimits", "auto") in ("auto", "true")
+
     def name(self, wanted: str, joint: bool = False) -> str:
         """Returns a name that no other body, or joint, has."""
         taken = self.jointed if joint else self.taken
@@ -85,86 +97,79 @@ class Writing:
         """Returns an error at an element."""
         return fault(self.path, element, problem)
 
+    def copy(self, element: Any, to: Any, said: Mapping[str, str], attributes: Iterable[str]) -> None:
+        """Copies attributes that are numbers, rotations as quaternions where Pinocchio reads them unlike MuJoCo.
 
-def copy(writing: Writing, element: Any, to: Any, said: Mapping[str, str], attributes: Iterable[str]) -> None:
-    """Copies attributes that are numbers, rotations as quaternions where Pinocchio reads them otherwise than MuJoCo.
+        Args:
+            element: element that has the attributes, which errors name.
+            to: the element that gets them.
+            said: attributes of the element, those of its class among them.
+            attributes: names of those that are wanted.
 
-    Args:
-        writing: state.
-        element: element that has the attributes, which errors name.
-        to: the element that gets them.
-        said: attributes of the element, those of its class among them.
-        attributes: names of those that are wanted.
+        Raises:
+            BadFile: numbers are too few or too many, a rotation is none, or the element has two.
+        """
+        turns = [each for each in TURNS if each in element.attrib]
+        if len(turns) > 1:
+            raise self.fault(element, f"{called(element)} has {' and '.join(turns)}; one of them is valid")
+        for attribute in attributes:
+            if attribute in said:
+                numbers = self.counted(element, said, attribute)
+                if attribute in TURNS:
+                    self._check_turn(element, attribute, numbers)
+                if attribute in ("euler", "axisangle"):
+                    numbers, attribute = self._quaternion(attribute, numbers), "quat"
+                to.set(attribute, " ".join(map(repr, numbers)))
 
-    Raises:
-        BadFile: numbers are too few or too many, a rotation is none, or the element has two.
-    """
-    turns = [each for each in TURNS if each in element.attrib]
-    if len(turns) > 1:
-        raise writing.fault(element, f"{called(element)} has {' and '.join(turns)}; one of them is valid")
-    for attribute in attributes:
-        if attribute in said:
-            numbers = counted(writing, element, said, attribute)
-            if attribute in TURNS:
-                _check_turn(writing, element, attribute, numbers)
-            if attribute in ("euler", "axisangle"):
-                numbers, attribute = _quaternion(writing, attribute, numbers), "quat"
-            to.set(attribute, " ".join(map(repr, numbers)))
+    def _check_turn(self, element: Any, notation: str, numbers: Sequence[float]) -> None:
+        """Refuses a rotation without a direction."""
+        if notation == "euler":
+            return
+        two = notation == "xyaxes"
+        directed = np.cross(numbers[:3], numbers[3:]) if two else numbers[: 4 if notation == "quat" else 3]
+        if np.linalg.norm(directed) < SHORTEST:
+            text, expected = " ".join(f"{number:g}" for number in numbers), "two directions" if two else "one"
+            raise self.fault(element, f"{notation} of {called(element)} is {text!r}, no direction; expected {expected}")
 
+    def _quaternion(self, notation: str, values: Sequence[float]) -> tuple[float, ...]:
+        """Returns (w, x, y, z) of a rotation; Pinocchio reads Euler sequences in capitals and long axes differently."""
+        try:
+            turned = rotation(notation, values, self.compiler)
+        except ValueError as error:
+            raise BadFile(self.path, str(error)) from None
+        x, y, z, w = map(float, pin.Quaternion(turned).coeffs())
+        return w, x, y, z
 
-def _check_turn(writing: Writing, element: Any, notation: str, numbers: Sequence[float]) -> None:
-    """Refuses a rotation without a direction."""
-    if notation == "euler":
-        return
-    directed = np.cross(numbers[:3], numbers[3:]) if notation == "xyaxes" else numbers[: 4 if notation == "quat" else 3]
-    if np.linalg.norm(directed) < SHORTEST:
-        text, expected = " ".join(f"{number:g}" for number in numbers), "two directions" if len(numbers) == 6 else "one"
-        raise writing.fault(element, f"{notation} of {called(element)} is {text!r}, no direction; expected {expected}")
+    def counted(self, element: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
+        """Returns the numbers of an attribute, as many as it has to have."""
+        numbers = self.values(element, said[attribute])
+        if len(numbers) != COUNTS.get(attribute, len(numbers)):
+            what = f"{attribute} of {called(element)} is {said[attribute]!r}"
+            raise self.fault(element, f"{what}; expected {COUNTS[attribute]} numbers")
+        return numbers
 
+    def read_rubbing(self, element: Any, said: Mapping[str, str], name: str) -> Rubbing:
+        """Returns the armature and the damping of a joint or an actuator; for the arguments see `at_least_zero`."""
+        armature, damping = (self.at_least_zero(element, said, each, name) for each in ("armature", "damping"))
+        return Rubbing(armature if "armature" in said else None, damping)
 
-def _quaternion(writing: Writing, notation: str, values: Sequence[float]) -> tuple[float, ...]:
-    """Returns (w, x, y, z) of a rotation; Pinocchio reads Euler sequences in capitals and long axes differently."""
-    try:
-        turned = rotation(notation, values, writing.compiler)
-    except ValueError as error:
-        raise BadFile(writing.path, str(error)) from None
-    x, y, z, w = map(float, pin.Quaternion(turned).coeffs())
-    return w, x, y, z
+    def at_least_zero(self, element: Any, said: Mapping[str, str], attribute: str, name: str) -> float:
+        """Returns the first number of an attribute, zero if it is not given.
 
+        Args:
+            element: element that has the attribute.
+            said: attributes of the element, those of its class among them.
+            attribute: name of the attribute.
+            name: name of the element in errors, such as "joint 'knee'".
 
-def counted(writing: Writing, element: Any, said: Mapping[str, str], attribute: str) -> tuple[float, ...]:
-    """Returns the numbers of an attribute, as many as it has to have."""
-    numbers = values(writing.path, element, said[attribute])
-    if len(numbers) != COUNTS.get(attribute, len(numbers)):
-        what = f"{attribute} of {called(element)} is {said[attribute]!r}"
-        raise writing.fault(element, f"{what}; expected {COUNTS[attribute]} numbers")
-    return numbers
+        Raises:
+            BadFile: the number is negative, or the text is no number.
+        """
+        value = self.values(element, said.get(attribute, "0"))[0]
+        if value < 0:
+            raise self.fault(element, f"{name} has the {attribute} {value:g}; expected a number >= 0")
+        return value
 
-
-def at_least_zero(writing: Writing, element: Any, said: Mapping[str, str], attribute: str, name: str) -> float:
-    """Returns the first number of an attribute, zero if it is not given.
-
-    Args:
-        writing: state.
-        element: element that has the attribute.
-        said: attributes of the element, those of its class among them.
-        attribute: name of the attribute.
-        name: name of the element in errors, such as "joint 'knee'".
-
-    Raises:
-        BadFile: the number is negative, or the text is no number.
-    """
-    value = values(writing.path, element, said.get(attribute, "0"))[0]
-    if value < 0:
-        raise writing.fault(element, f"{name} has the {attribute} {value:g}; expected a number >= 0")
-    return value
-
-
-def values(path: Path, element: Any, text: str) -> tuple[float, ...]:
-    """Returns the numbers of an attribute, one at least."""
-    return tuple(parse_number(path, element, part) for part in text.split() or [""])
-
-
-def is_true(text: str | None, otherwise: bool) -> bool:
-    """Tells whether a switch is on; a switch that is not given, or "auto", takes the value `otherwise`."""
-    return otherwise if text in (None, "auto") else text == "true"
+    def values(self, element: Any, text: str) -> tuple[float, ...]:
+        """Returns the numbers of an attribute, one at least."""
+        return tuple(parse_number(self.path, element, part) for part in text.split() or [""])

@@ -48,17 +48,16 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         raise BadValue("robot", robot, lacking_legs(robot))
     of = sided(simple(named_leg(robot.model, robot.legs, leg)))
     source = Source(robot)
-    mass, mirrored = _body(source, robot, of, body), of.bends < 0
+    mass, mirrored = _body(source, of, body), of.bends < 0
     limb = source.limb(of, mirrored)
     angles = {"hip": (limb.turns[0],), "knee": (limb.turns[1],)}
     built = _assembled(f"{robot.name}_{of.name}", robot, mass, limb)
     built.carry(robot, angles)
-    moving = {turn.joint: name for name, (turn,) in angles.items()}
     return Robot(
         hold(built.model, locked),
         name=built.model.name,
         toes=("toe",),
-        actuated=[name for joint, name in moving.items() if joint in robot.actuated and name not in locked],
+        actuated=[name for name, (turn,) in angles.items() if turn.joint in robot.actuated and name not in locked],
         locked=locked,
         source=f"monopod({robot.source!r}, {of.name!r})",
         settings=None if robot.settings is None else robot.settings.of_cut(angles),
@@ -78,10 +77,10 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
     )
 
 
-def _body(source: Source, robot: Robot, leg: Leg, body: str | float) -> float:
+def _body(source: Source, leg: Leg, body: str | float) -> float:
     """Returns the mass on the slider, in kg."""
     if body == SHARE:
-        legs = [each for each in robot.legs if each.hip != leg.hip]
+        legs = [each for each in source.robot.legs if each.hip != leg.hip]
         return float(source.lump(source.rest([leg, *legs])).mass) / (len(legs) + 1)
     require("body", body, lambda mass: mass >= 0, f"{SHARE!r}, or a finite number >= 0, in kg")
     return float(body)
@@ -89,11 +88,9 @@ def _body(source: Source, robot: Robot, leg: Leg, body: str | float) -> float:
 
 def _assembled(name: str, robot: Robot, mass: float, limb: Limb) -> Assembly:
     built = Assembly(name, robot.model.gravity)
-    nothing = pin.Inertia.Zero()
-    carriage = built.add("boom_x", AHEAD, 0, (0.0, 0.0), "carriage", nothing)
-    point = pin.Inertia(mass, np.zeros(3), np.zeros((3, 3)))
-    boom = built.add("boom_z", UP, carriage, (0.0, 0.0), "boom", point)
-    built.add_leg("", boom, (0.0, 0.0), limb)
+    carriage = built.add("boom_x", AHEAD, 0, "carriage")
+    boom = built.add("boom_z", UP, carriage, "boom", pin.Inertia(mass, np.zeros(3), np.zeros((3, 3))))
+    built.add_leg("", boom, limb)
     return built
 
 

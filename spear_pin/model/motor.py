@@ -147,14 +147,8 @@ def passed_on(efficiency: float, effort: ArrayLike, speed: ArrayLike) -> Array:
 def passed_on_creeping(efficiency: float, effort: float, speed: float, creep: float) -> float:
     """Returns the share at an instant, smooth at rest: η^tanh(along / creep), which is 1 at rest.
 
-    Any other value at rest would make gears give power on one side. Above 20 times the creep the share is that of
-    `passed_on`.
-
-    Args:
-        efficiency: η.
-        effort: torque or current of the motor; its sign counts.
-        speed: speed of the joint, in rad/s.
-        creep: width of the transition, in rad/s.
+    Any other value at rest would make gears give power on one side. Above 20 times the creep, the width of the
+    transition in rad/s, the share is that of `passed_on`, which has the same arguments.
     """
     share: float = efficiency ** math.tanh(math.copysign(1.0, effort) * speed / creep)
     return share

@@ -5,23 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from spear_pin.errors import BadValue, UnknownName
-from spear_pin.model.frames import frame_id
+from spear_pin.errors import BadValue
+from spear_pin.model.frames import frame_id, joint_id
 from spear_pin.model.legs import Leg, leg_along, side_of
 from spear_pin.model.tree import Tree
 
 
 class NamedLeg(NamedTuple):
-    """A leg by names; lengths, signs and zeros are the model's.
-
-    Attributes:
-        name: name of the leg.
-        hip: joint that turns the thigh in the sagittal plane.
-        knee: joint that turns the shank in the sagittal plane.
-        toe: frame at the leg's end.
-        abduction: joint above the hip that swings the leg out of the plane; None if there is none.
-        side: +1 if the knee's own angle grows as it flexes, -1 if it falls; 0 to find it.
-    """
+    """A leg by the names of its joints and its toe, see `Leg`, and its side, 0 to find it; the rest is the model's."""
 
     name: str
     hip: str
@@ -46,13 +37,10 @@ def leg_of(model: Any, names: NamedLeg) -> Leg:
     """
     if isinstance(names.side, bool) or names.side not in (-1, 0, 1):
         raise BadValue(f"side of {names.name}", names.side, "+1 or -1")
-    tree, joints = Tree(model), list(model.names)[1:]
+    tree = Tree(model)
     given = [name for name in (names.abduction, names.hip, names.knee) if name is not None]
-    for name in given:
-        if name not in joints:
-            raise UnknownName("joint", name, joints)
+    ids = [joint_id(model, name) for name in given]
     chain = tree.chain(int(model.frames[frame_id(model, names.toe)].parentJoint))
-    ids = [int(model.getJointId(name)) for name in given]
     if [joint for joint in chain if joint in ids] != ids or len(set(ids)) < len(ids):
         above = ", ".join(str(model.names[joint]) for joint in chain)
         expected = f"joints that follow each other to {names.toe!r}, below {above or 'none'}"

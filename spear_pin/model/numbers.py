@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import hypot
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.model.planar import Planar
+from spear_pin.model.equations import mechanism_of
 from spear_pin.model.robot import Robot
-from spear_pin.model.spatial import Spatial
 
 UNITS: Mapping[str, str] = {
     "mass": "kg",
@@ -31,7 +31,6 @@ UNITS: Mapping[str, str] = {
 }
 """What is said of each joint, with its unit: mass, centre of mass in the joint's frame parallel to the world at q = 0,
 inertia about it in the plane or, in space, about its axes, reflected inertia of the rotor, viscous friction."""
-IN_THE_PLANE = ("mass", "com_x", "com_z", "inertia", "armature", "viscous")
 POSITIVE = ("mass", "inertia", "inertia_xx", "inertia_yy", "inertia_zz", "armature", "viscous")
 AXES = "xyz"
 ROUNDING = 1e-9
@@ -59,19 +58,26 @@ def body_numbers(robot: Robot) -> dict[str, Number]:
     Raises:
         BadValue: the robot has a joint of several coordinates.
     """
-    if not robot.planar:
-        return _in_space(robot)
-    planar, found = Planar(robot), dict[str, Number]()
-    for i, (joint, body) in enumerate(zip(robot.coordinates, planar.bodies, strict=True)):
-        values = body.mass, *body.com, body.inertia, body.armature, float(robot.model.damping[i])
-        for what, value in zip(IN_THE_PLANE, values, strict=True):
-            found[f"{joint}_{what}"] = Number(value, _unit(what, body.turns))
+    mechanism, turns, found = mechanism_of(robot), _turns(robot.model), dict[str, Number]()
+    for i, (joint, body) in enumerate(zip(robot.coordinates, mechanism.bodies, strict=True)):
+        values = _of_body(robot.model.inertias[i + 1], turns[i + 1], robot.planar)
+        values |= {"armature": body.armature, "viscous": robot.model.damping[i]}
+        for what, value in values.items():
+            found[f"{joint}_{what}"] = Number(float(value), _unit(what, body.turns))
         if body.parent >= 0:
-            above = robot.coordinates[body.parent]
-            found[f"{above}_to_{joint}"] = Number(float(np.hypot(*body.placement)), "m")
-    for toe, (i, offset) in planar.toes.items():
-        found[f"{robot.coordinates[i]}_to_{toe}"] = Number(float(np.hypot(*offset)), "m")
+            found[f"{robot.coordinates[body.parent]}_to_{joint}"] = Number(hypot(*body.placement), "m")
+    for toe, (i, offset) in mechanism.toes.items():
+        found[f"{robot.coordinates[i]}_to_{toe}"] = Number(hypot(*offset), "m")
     return {name: number for name, number in found.items() if number.value != 0.0}
+
+
+def _of_body(body: pin.Inertia, turn: Any, planar: bool) -> dict[str, float]:
+    """Returns mass, centre of mass and inertia of a body whose joint's frame is turned at q = 0."""
+    lever, tensor = turn @ body.lever, turn @ body.inertia @ turn.T
+    if planar:
+        return {"mass": body.mass, "com_x": lever[0], "com_z": lever[2], "inertia": tensor[1, 1]}
+    values = {"mass": body.mass, **{f"com_{axis}": x for axis, x in zip(AXES, lever, strict=True)}}
+    return values | {f"inertia_{axis}{axis}": tensor[k, k] for k, axis in enumerate(AXES)}
 
 
 def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
@@ -88,7 +94,7 @@ def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
     for name, value in values.items():
         if name not in known:
             raise UnknownName("number of the robot", name, known)
-        joint, _, what = _parts(robot, name)
+        joint, what = _parts(robot, name)
         if not np.isfinite(value) or ((what in POSITIVE or not what) and not value > 0.0):
             raise BadValue(
                 name, value, f"a finite number{'' if what.startswith('com') else ' > 0'}, in {known[name].unit}"
@@ -108,13 +114,13 @@ def _unit(what: str, turns: bool) -> str:
     return unit if turns or what not in ("armature", "viscous") else unit.replace("·m²", "").replace("·rad", "")
 
 
-def _parts(robot: Robot, name: str) -> tuple[str, str, str]:
-    """Splits a name into the joint, the next part, and the quantity, which is empty for a length."""
+def _parts(robot: Robot, name: str) -> tuple[str, str]:
+    """Splits a name into joint and quantity, which are empty for a length."""
     for joint in robot.coordinates:
         what = name.removeprefix(f"{joint}_")
         if what in UNITS and what != name:
-            return joint, name, what
-    return "", name, ""
+            return joint, what
+    return "", ""
 
 
 def _set(model: pin.Model, joint: int, what: str, value: float, before: float) -> None:
@@ -129,9 +135,8 @@ def _set(model: pin.Model, joint: int, what: str, value: float, before: float) -
         lever[AXES.index(what[-1])] = value
         model.inertias[joint] = pin.Inertia(body.mass, turn.T @ lever, body.inertia)
     else:
-        numbers = (model.armature if what == "armature" else model.damping).copy()
+        numbers = model.armature if what == "armature" else model.damping
         numbers[row] = value
-        setattr(model, "armature" if what == "armature" else "damping", numbers)
 
 
 def _set_inertia(model: pin.Model, joint: int, what: str, name: str, value: float) -> None:
@@ -149,23 +154,6 @@ def _turns(model: pin.Model) -> list[Any]:
     data = pin.Data(model)
     pin.forwardKinematics(model, data, pin.neutral(model))
     return [place.rotation for place in data.oMi]
-
-
-def _in_space(robot: Robot) -> dict[str, Number]:
-    mechanism, turns, found = Spatial(robot), _turns(robot.model), dict[str, Number]()
-    for i, (joint, body) in enumerate(zip(robot.coordinates, mechanism.bodies, strict=True)):
-        turn, own = turns[i + 1], robot.model.inertias[i + 1]
-        tensor = turn @ own.inertia @ turn.T
-        values = {"mass": own.mass, **{f"com_{axis}": x for axis, x in zip(AXES, turn @ own.lever, strict=True)}}
-        values |= {f"inertia_{axis}{axis}": tensor[k, k] for k, axis in enumerate(AXES)}
-        values |= {"armature": body.armature, "viscous": robot.model.damping[i]}
-        for what, value in values.items():
-            found[f"{joint}_{what}"] = Number(float(value), _unit(what, body.turns))
-        if body.parent >= 0:
-            found[f"{robot.coordinates[body.parent]}_to_{joint}"] = Number(float(np.linalg.norm(body.placement)), "m")
-    for toe, (i, offset) in mechanism.toes.items():
-        found[f"{robot.coordinates[i]}_to_{toe}"] = Number(float(np.linalg.norm(offset)), "m")
-    return {name: number for name, number in found.items() if number.value != 0.0}
 
 
 def _stretch(robot: Robot, model: pin.Model, name: str, factor: float) -> None:

@@ -10,7 +10,6 @@ from spear_pin.errors import BadValue, RobotWarning, SpearError
 from spear_pin.files import check_keys
 from spear_pin.model.cut import Cut
 from spear_pin.model.draft import MODEL
-from spear_pin.model.legs import Leg
 from spear_pin.model.loading import load
 from spear_pin.model.named_legs import NamedLeg, leg_of, names_of
 from spear_pin.model.recut import LIKE, recut
@@ -61,7 +60,7 @@ def robot_of(said: Mapping[str, Any]) -> Robot:
     cut = said["cut"]
     whole, kind = robot_of(cut["of"]), cut["kind"]
     groups = [[cut["leg"]]] if kind == "monopod" else cut["pairs"]
-    legs = [[_leg(whole, leg) for leg in group] for group in groups]
+    legs = [[leg_of(whole.model, NamedLeg(**leg)) for leg in group] for group in groups]
     robot = vary(recut(kind, whole, legs, cut.get("body"), said["locked"]), **said.get("varied", {}))
     for name, value in origin(robot).items():
         if name != "cut" and said.get(name, {}) != value:
@@ -130,10 +129,6 @@ def _of_cut(cut: Cut) -> dict[str, Any]:
     if cut.kind == "monopod":
         return {"kind": cut.kind, "leg": groups[0][0], "body": cut.body, "of": origin(cut.robot)}
     return {"kind": cut.kind, "pairs": groups, "of": origin(cut.robot)}
-
-
-def _leg(robot: Robot, said: Mapping[str, Any]) -> Leg:
-    return leg_of(robot.model, NamedLeg(**said))
 
 
 def _again(robot: Robot) -> bool:

@@ -40,11 +40,11 @@ class Series:
 
     span: tuple[float, float]
     coefficients: Array
-    orders: Array = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        """Numbers the polynomials."""
-        object.__setattr__(self, "orders", np.arange(self.coefficients.shape[1], dtype=float))
+    @cached_property
+    def orders(self) -> Array:
+        """Numbers of the polynomials."""
+        return np.arange(self.coefficients.shape[1], dtype=float)
 
     def __call__(self, angle: ArrayLike) -> Array:
         """Returns the values of the functions, (functions,) or (functions, n); beyond the span those at its end."""
@@ -107,7 +107,9 @@ class PinnedLeg:
             return self
         coefficients = self.motion.coefficients.copy()
         coefficients[0, 0] += inertia - self.rotor
-        robot = _with_armature(self.robot, self.robot.index(self.joint), inertia)
+        model = self.robot.model.copy()
+        model.armature[self.robot.index(self.joint)] = inertia
+        robot = self.robot.with_model(model)
         return replace(self, robot=robot, rotor=float(inertia), motion=Series(self.span, coefficients))
 
     def effective_inertia(self, angle: ArrayLike) -> Array:
@@ -168,14 +170,6 @@ def pin_toe(robot: Robot, joint: str = "knee", span: tuple[float, float] | None 
             parts = np.split(coefficients[:, :needed], (3, 6, 7))
             return PinnedLeg(robot, joint, span, float(robot.model.armature[row]), *(Series(span, p) for p in parts))
     raise BadValue(f"limits of {joint}", span, "angles at which the toe can be below the hip; give others by span=")
-
-
-def _with_armature(robot: Robot, row: int, inertia: float) -> Robot:
-    model = robot.model.copy()
-    armature = model.armature.copy()
-    armature[row] = inertia
-    model.armature = armature
-    return robot.with_model(model)
 
 
 def _rows(robot: Robot, row: int, angles: Array) -> Array:

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.mechanism import Feet, Mechanism, Terms
 from spear_pin.model.robot import Robot
@@ -75,54 +75,21 @@ class Planar(Mechanism):
     def __init__(self, robot: Robot) -> None:
         if not robot.planar or robot.nq != robot.nv or robot.nv != robot.model.njoints - 1:
             raise BadValue("robot", robot, "a planar robot whose joints have one coordinate each")
-        self.coordinates, self.nv = robot.coordinates, robot.nv
         at_zero = pin.Data(robot.model)
         pin.computeJointJacobians(robot.model, at_zero, pin.neutral(robot.model))
-        self.bodies = _bodies(robot.model, at_zero)
-        self.lift = _plane(-robot.model.gravity.linear)  # of the ground, which does what gravity does
-        self.frames = {}
-        for frame in robot.model.frames:
-            turn = at_zero.oMi[frame.parentJoint].rotation
-            place = int(frame.parentJoint) - 1, _plane(turn @ frame.placement.translation)
-            self.frames.setdefault(frame.name, place)  # of several of a name the first, as Pinocchio finds it
-        self.toes = {toe: self.frames[toe] for toe in robot.toes}
+        frames = ((at_zero.oMi[frame.parentJoint].rotation, frame.placement) for frame in robot.model.frames)
+        places = (_plane(turn @ placement.translation) for turn, placement in frames)
+        super().__init__(robot, _bodies(robot.model, at_zero), _plane(-robot.model.gravity.linear), places)
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
-        """Returns the equations of motion at (q, v).
-
-        Args:
-            q: nv scalars.
-            v: nv scalars.
-            ops: has `sin` and `cos` for them.
-        """
+        """Returns the equations of motion, see `Mechanism.terms`."""
         joints = self._joints(q, v, ops)
-        feet = self._feet(joints)
-        return Terms(*self._dynamics(joints), feet.positions, feet.jacobians, feet.drifts, partial(self._place, joints))
+        mass_matrix, bias = self._dynamics(joints)
+        return Terms(mass_matrix, bias, *self._feet(joints), partial(self._place, joints))
 
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
-        """Returns the kinematics of the toes alone.
-
-        Args:
-            q: nv scalars.
-            v: nv scalars.
-            ops: has `sin` and `cos` for them.
-        """
+        """Returns the kinematics of the toes, see `Mechanism.feet`."""
         return self._feet(self._joints(q, v, ops))
-
-    def position(self, frame: str, q: Sequence[Any], ops: Any) -> Vector:
-        """Returns the position of any frame of the robot's model, x and z, in m.
-
-        Raises:
-            UnknownName: there is no such frame.
-        """
-        return self._place(self._joints(q, [0.0] * self.nv, ops), frame)
-
-    def _place(self, joints: Sequence[_Joint], frame: str) -> Vector:
-        if frame not in self.frames:
-            raise UnknownName("frame", frame, self.frames)
-        i, offset = self.frames[frame]
-        joint = joints[i] if i >= 0 else _WORLD
-        return _added(joint.origin, _turned(offset, joint.cosine, joint.sine))
 
     def _dynamics(self, joints: Sequence[_Joint]) -> tuple[list[list[Any]], list[Any]]:
         """Computes mass matrix and bias by composite bodies, from the limbs to the trunk."""
@@ -160,7 +127,7 @@ class Planar(Mechanism):
     def _feet(self, joints: Sequence[_Joint]) -> Feet:
         positions, jacobians, drifts = {}, {}, {}
         for toe, (i, offset) in self.toes.items():
-            joint = joints[i] if i >= 0 else _WORLD
+            joint = joints[i]
             lever = _turned(offset, joint.cosine, joint.sine)
             positions[toe] = position = _added(joint.origin, lever)
             drifts[toe] = _added(joint.acceleration, _scaled(-joint.spin * joint.spin, lever))
@@ -178,9 +145,9 @@ class Planar(Mechanism):
         return _scaled(turns, (joint.origin[1] - position[1], position[0] - joint.origin[0]))
 
     def _joints(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> list[_Joint]:
-        joints: list[_Joint] = []
+        joints = [_WORLD] * (self.nv + 1)
         for i, body in enumerate(self.bodies):
-            above = joints[body.parent] if body.parent >= 0 else _WORLD
+            above = joints[body.parent]
             arm = _turned(body.placement, above.cosine, above.sine)
             angle, spin, cosine, sine = above.angle, above.spin, above.cosine, above.sine
             if body.turns:
@@ -195,7 +162,7 @@ class Planar(Mechanism):
                     acceleration = _added(acceleration, _scaled(2.0 * spin * v[i], (-axis[1], axis[0])))
             if not vanishes(above.spin):
                 acceleration = _added(acceleration, _scaled(-above.spin * above.spin, arm))
-            joints.append(_Joint(angle, cosine, sine, arm, _added(above.origin, arm), spin, acceleration, axis))
+            joints[i] = _Joint(angle, cosine, sine, arm, _added(above.origin, arm), spin, acceleration, axis)
         return joints
 
 
@@ -214,6 +181,10 @@ class _Joint:
     spin: Any
     acceleration: Vector
     axis: Vector
+
+    def at(self, offset: Vector) -> Vector:
+        """Returns the position of a point of the body."""
+        return _added(self.origin, _turned(offset, self.cosine, self.sine))
 
 
 class _Load(NamedTuple):

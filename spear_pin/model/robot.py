@@ -93,7 +93,9 @@ class Robot(Shown):
         self.varied: Mapping[str, float] = MappingProxyType(dict(varied))
         self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
         self.nq, self.nv, self.nu = int(model.nq), int(model.nv), len(self.actuated)
-        self.coordinates, self.configuration = _coordinates(model), _configuration(model)
+        joints = list(zip(model.names, model.joints, strict=True))[1:]
+        self.coordinates = tuple(each for name, joint in joints for each in _parts(name, joint.nv, VELOCITY))
+        self.configuration = tuple(each for name, joint in joints for each in _parts(name, joint.nq, CONFIGURATION))
         self._data = pin.Data(model)
         self._toe_ids = {toe: frame_id(model, toe) for toe in self.toes}
         self.post = post = None if settings is None else settings.post
@@ -109,8 +111,13 @@ class Robot(Shown):
         return f"Robot({printable(repr(self.name))}, {sizes}, toes={list(self.toes)}{rest})"
 
     def __reduce__(self) -> tuple[object, ...]:
-        parts = (self.model, self.name, self.toes, self.actuated, self.locked, self.source)
-        return _rebuild, (*parts, dict(self.options), dict(self.varied), self.added, self.cut, self.settings)
+        return _rebuild, (self.model, self._arguments())
+
+    def _arguments(self) -> dict[str, Any]:
+        """Returns the arguments that made it, except for the model."""
+        names = ("name", "toes", "actuated", "locked", "source", "added", "cut", "settings")
+        plain = {"options": dict(self.options), "varied": dict(self.varied)}  # which can be pickled
+        return {name: getattr(self, name) for name in names} | plain
 
     def with_model(
         self, model: pin.Model, *, varied: Mapping[str, float] | None = None, added: Added | None = None
@@ -122,19 +129,8 @@ class Robot(Shown):
             varied: numbers in which it differs from its source; by default those of this robot.
             added: inertia in addition to the model's; by default that of this robot.
         """
-        return Robot(
-            model,
-            name=self.name,
-            toes=self.toes,
-            actuated=self.actuated,
-            locked=self.locked,
-            source=self.source,
-            options=self.options,
-            varied=self.varied if varied is None else varied,
-            added=self.added if added is None else added,
-            cut=self.cut,
-            settings=self.settings,
-        )
+        given = {name: value for name, value in (("varied", varied), ("added", added)) if value is not None}
+        return Robot(model, **self._arguments() | given)
 
     @cached_property
     def arm(self) -> float | None:
@@ -306,21 +302,8 @@ class Robot(Shown):
         return _vector("v", v, self.nv, self.coordinates)
 
 
-def _rebuild(
-    model: pin.Model,
-    name: str,
-    toes: Sequence[str],
-    actuated: Sequence[str],
-    locked: Sequence[str],
-    source: str,
-    options: Mapping[str, Any],
-    varied: Mapping[str, float],
-    added: Added | None,
-    cut: Cut | None,
-    settings: Settings | None,
-) -> Robot:
-    origin: dict[str, Any] = {"locked": locked, "source": source, "options": options, "cut": cut, "settings": settings}
-    return Robot(model, name=name, toes=toes, actuated=actuated, varied=varied, added=added, **origin)
+def _rebuild(model: pin.Model, arguments: Mapping[str, Any]) -> Robot:
+    return Robot(model, **arguments)
 
 
 def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]) -> Array:
@@ -342,19 +325,8 @@ def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]
     return vector
 
 
-def _coordinates(model: pin.Model) -> tuple[str, ...]:
-    """Returns the names of the nv numbers of a velocity."""
-    joints = list(zip(model.names, model.joints, strict=True))[1:]
-    return tuple(each for name, joint in joints for each in _parts(name, joint.nv, VELOCITY))
-
-
-def _configuration(model: pin.Model) -> tuple[str, ...]:
-    """Returns the names of the nq numbers of a configuration."""
-    joints = list(zip(model.names, model.joints, strict=True))[1:]
-    return tuple(each for name, joint in joints for each in _parts(name, joint.nq, CONFIGURATION))
-
-
 def _parts(name: str, count: int, parts: Mapping[int, Sequence[str]]) -> list[str]:
+    """Returns the names of the numbers of a joint."""
     return [name] if count == 1 else [f"{name}_{part}" for part in parts.get(count, range(count))]
 
 

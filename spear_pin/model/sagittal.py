@@ -52,8 +52,8 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
         ('posterior_hip', 'posterior_knee', 'anterior_hip', 'anterior_knee')
     """
     source = Source(robot)
-    found = _pairs(robot, source, pairs)
-    origin = _origin(robot, source)
+    found = _pairs(source, pairs)
+    origin = _origin(source)
     trunk = pin.SE3(np.eye(3), -origin).act(source.lump(source.rest(leg for pair in found for leg in pair.legs)))
     built = _assembled(f"{robot.name}_sagittal", robot, trunk, origin, found)
     angles = {
@@ -124,24 +124,24 @@ def leg_pairs(robot: Robot) -> tuple[tuple[Leg, Leg], tuple[Leg, Leg]]:
         UnknownName: there is no such leg.
         BadValue: the robot does not have two such pairs, see `sagittal`.
     """
-    posterior, anterior = _pairs(robot, Source(robot), None)
+    posterior, anterior = _pairs(Source(robot), None)
     return posterior.legs, anterior.legs
 
 
-def _pairs(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]] | None) -> list[Pair]:
-    if pairs is None and robot.settings is not None:
-        pairs = robot.settings.pairs or None
-    return _found(robot, source) if pairs is None else _given(robot, source, pairs)
+def _pairs(source: Source, pairs: Sequence[Sequence[str | Leg]] | None) -> list[Pair]:
+    if pairs is None and source.robot.settings is not None:
+        pairs = source.robot.settings.pairs or None
+    return _found(source) if pairs is None else _given(source, pairs)
 
 
-def _found(robot: Robot, source: Source) -> list[Pair]:
+def _found(source: Source) -> list[Pair]:
     """Finds the pairs of legs whose hips mirror each other, posterior first.
 
     Raises:
         BadValue: the number of pairs is not two.
     """
-    limbs = {leg: source.limb(leg) for leg in robot.legs}
-    middle = _origin(robot, source)[1]
+    limbs = {leg: source.limb(leg) for leg in source.robot.legs}
+    middle = _origin(source)[1]
     lefts = [leg for leg, limb in limbs.items() if limb.hip[1] > middle]
     pairs = []
     for left in lefts:
@@ -156,11 +156,11 @@ def _found(robot: Robot, source: Source) -> list[Pair]:
         expected = f"four legs (found: {names}), x forward and z up, whose hips mirror each other; or give pairs"
         if len(limbs) == 1:
             expected += f"; for a hop of this one leg type `--leg {names}`, in Python monopod(robot, {names!r})"
-        raise BadValue("robot", robot, lacking_toe(robot) or expected)
+        raise BadValue("robot", source.robot, lacking_toe(source.robot) or expected)
     return _paired(source, pairs)
 
 
-def _given(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]]) -> list[Pair]:
+def _given(source: Source, pairs: Sequence[Sequence[str | Leg]]) -> list[Pair]:
     """Returns the given pairs, posterior first.
 
     Raises:
@@ -168,7 +168,7 @@ def _given(robot: Robot, source: Source, pairs: Sequence[Sequence[str | Leg]]) -
     """
     if not all(isinstance(pair, Sequence) and not isinstance(pair, str) and len(pair) == 2 for pair in pairs):
         raise BadValue("pairs", pairs, PAIRS)
-    legs = [[named_leg(robot.model, robot.legs, leg) for leg in pair] for pair in pairs]
+    legs = [[named_leg(source.model, source.robot.legs, leg) for leg in pair] for pair in pairs]
     if len(legs) != 2 or len({leg.hip for pair in legs for leg in pair}) != 4:
         raise BadValue("pairs", pairs, PAIRS)
     return _paired(source, [(left, right) for left, right in legs])
@@ -188,21 +188,20 @@ def _paired(source: Source, legs: Iterable[tuple[Leg, Leg]]) -> list[Pair]:
     return [behind, ahead]
 
 
-def _origin(robot: Robot, source: Source) -> Array:
+def _origin(source: Source) -> Array:
     """Returns the origin of the floating base, or of the root link, with every joint at zero, (3,), in m."""
-    floats = robot.model.njoints > 1 and robot.model.joints[1].nv == 6
+    floats = source.model.njoints > 1 and source.model.joints[1].nv == 6
     return np.array(source.data.oMi[1].translation if floats else np.zeros(3))
 
 
 def _assembled(name: str, robot: Robot, trunk: pin.Inertia, origin: Array, pairs: Sequence[Pair]) -> Assembly:
     built = Assembly(name, robot.model.gravity)
-    nothing = pin.Inertia.Zero()
-    ahead = built.add("torso_x", AHEAD, 0, (0.0, 0.0), "torso_carriage_x", nothing)
-    up = built.add("torso_z", UP, ahead, (0.0, 0.0), "torso_carriage_z", nothing)
-    torso = built.add("pitch", PITCH, up, (0.0, 0.0), "torso", flat(trunk))
+    ahead = built.add("torso_x", AHEAD, 0, "torso_carriage_x")
+    up = built.add("torso_z", UP, ahead, "torso_carriage_z")
+    torso = built.add("pitch", PITCH, up, "torso", flat(trunk))
     for end, pair in zip(ENDS, pairs, strict=True):
         x, _, z = pair.hip - origin
-        built.add_leg(f"{end}_", torso, (x, z), pair.limb)
+        built.add_leg(f"{end}_", torso, pair.limb, (x, z))
     return built
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -57,8 +57,9 @@ def scale_of(robot: Robot) -> Scale:
     Raises:
         BadValue: the robot has no legs of hip and knee in the plane.
     """
-    reference = spear_ii() if len(robot.legs) == 1 else q_spear()
-    return Scale(*(own / of for own, of in zip(_size(robot), _size(reference), strict=True)))
+    if not robot.planar or not robot.legs:
+        raise BadValue("robot", robot, "a planar robot with legs, as monopod(...) or sagittal(...) makes it")
+    return _relative(robot, shipped("spear_ii" if len(robot.legs) == 1 else "q_spear"))
 
 
 def scale_in_space(robot: Robot) -> Scale:
@@ -72,7 +73,7 @@ def scale_in_space(robot: Robot) -> Scale:
     """
     if not robot.legs:
         raise BadValue("robot", robot, "one with legs of hip and knee")
-    return Scale(*(own / of for own, of in zip(_measured(robot), _measured(q_spear_full()), strict=True)))
+    return _relative(robot, shipped("q_spear_full", "chain"))
 
 
 def touchdown_inertia(robot: Robot, knee: float) -> Array:
@@ -106,36 +107,18 @@ def only_leg(robot: Robot) -> Leg:
 
 
 @cache
-def spear_ii() -> Robot:
-    """Returns SPEAR-II, which is loaded once."""
+def shipped(name: str, base: Literal["chain"] | None = None) -> Robot:
+    """Returns a robot that comes with the package, which is loaded once."""
     from spear_pin.model.loading import load
 
-    return load("spear_ii")
+    return load(name, base=base)
 
 
-@cache
-def q_spear() -> Robot:
-    """Returns Q-SPEAR in the sagittal plane, which is loaded once."""
-    from spear_pin.model.loading import load
-
-    return load("q_spear")
-
-
-@cache
-def q_spear_full() -> Robot:
-    """Returns Q-SPEAR in space, which is loaded once."""
-    from spear_pin.model.loading import load
-
-    return load("q_spear_full", base="chain")
+def _relative(robot: Robot, reference: Robot) -> Scale:
+    return Scale(*(own / of for own, of in zip(_size(robot), _size(reference), strict=True)))
 
 
 def _size(robot: Robot) -> tuple[float, float, float]:
     """Returns the mass, in kg, the mean length of the legs, in m, and the time √(l/g), in s."""
-    if not robot.planar or not robot.legs:
-        raise BadValue("robot", robot, "a planar robot with legs, as monopod(...) or sagittal(...) makes it")
-    return _measured(robot)
-
-
-def _measured(robot: Robot) -> tuple[float, float, float]:
     length = sum(leg.thigh + leg.shank for leg in robot.legs) / len(robot.legs)
     return robot.mass, length, math.sqrt(length / float(np.linalg.norm(robot.model.gravity.linear)))

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue
 from spear_pin.model.directions import Round
 from spear_pin.model.mechanism import NO_FORCES, Feet, Mechanism, Terms, Toe
 from spear_pin.model.robot import Robot
@@ -38,7 +38,6 @@ from spear_pin.model.vectors import (
     scale,
     subtract,
     transpose,
-    vector_of,
 )
 
 
@@ -77,9 +76,9 @@ class Body:
 
     def with_numbers(self, left: Iterator[Any]) -> Body:
         """Returns the body with the next of some numbers, in the order of `numbers`."""
-        mass, moment, (xx, xy, xz, yy, yz, zz) = next(left), vector_of(islice(left, 3)), islice(left, 6)
+        mass, moment, (xx, xy, xz, yy, yz, zz) = next(left), tuple(islice(left, 3)), islice(left, 6)
         inertia = (xx, xy, xz), (xy, yy, yz), (xz, yz, zz)
-        armature, placement = next(left), vector_of(islice(left, 3))
+        armature, placement = next(left), tuple(islice(left, 3))
         return replace(self, mass=mass, moment=moment, inertia=inertia, armature=armature, placement=placement)
 
 
@@ -107,53 +106,21 @@ class Spatial(Mechanism):
     def __init__(self, robot: Robot) -> None:
         if robot.nq != robot.nv or robot.nv != robot.model.njoints - 1 or robot.added is not None:
             raise BadValue("robot", robot, 'one whose joints have one coordinate each, load(..., base="chain")')
-        self.coordinates, self.nv = robot.coordinates, robot.nv
-        self.bodies = tuple(_body(robot, joint) for joint in range(1, robot.model.njoints))
-        self.lift = floats_of(-robot.model.gravity.linear)  # of the ground, which does what gravity does
-        self.frames = {}
-        for frame in robot.model.frames:  # of several of a name the first, as Pinocchio finds it
-            self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, floats_of(frame.placement.translation)))
-        self.toes = {toe: self.frames[toe] for toe in robot.toes}
+        bodies = (_body(robot, joint) for joint in range(1, robot.model.njoints))
+        places = (floats_of(frame.placement.translation) for frame in robot.model.frames)
+        super().__init__(robot, bodies, floats_of(-robot.model.gravity.linear), places)
         self.circle = robot.directions if isinstance(robot.directions, Round) else None
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
-        """Returns the equations of motion at (q, v).
-
-        Args:
-            q: nv scalars.
-            v: nv scalars.
-            ops: has `sin` and `cos` for them.
-        """
+        """Returns the equations of motion, see `Mechanism.terms`."""
         still = [0.0] * self.nv
-        joints = self._joints(q, v, still, ops, self.lift)
+        joints = self._joints(q, v, ops, still, self.lift)
         feet, place = self._feet(joints, self.lift, v, ops), partial(self._place, joints)
         return Terms(self._mass_matrix(joints), self._needed(joints, still), *feet, place)
 
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
-        """Returns the kinematics of the toes alone.
-
-        Args:
-            q: nv scalars.
-            v: nv scalars.
-            ops: has `sin` and `cos` for them.
-        """
-        return self._feet(self._joints(q, v, [0.0] * self.nv, ops, ZERO), ZERO, v, ops)
-
-    def position(self, frame: str, q: Sequence[Any], ops: Any) -> Vector:
-        """Returns the position of any frame of the robot's model, in m.
-
-        Raises:
-            UnknownName: there is no such frame.
-        """
-        still = [0.0] * self.nv
-        return self._place(self._joints(q, still, still, ops, ZERO), frame)
-
-    def _place(self, joints: Sequence[_Joint], frame: str) -> Vector:
-        if frame not in self.frames:
-            raise UnknownName("frame", frame, self.frames)
-        i, offset = self.frames[frame]
-        joint = joints[i] if i >= 0 else _WORLD
-        return add(joint.origin, rotate(joint.turned, offset))
+        """Returns the kinematics of the toes, see `Mechanism.feet`."""
+        return self._feet(self._joints(q, v, ops), ZERO, v, ops)
 
     def forces(
         self,
@@ -166,12 +133,12 @@ class Spatial(Mechanism):
         gravity: bool = True,
     ) -> list[Any]:
         """Returns the forces that a motion needs, by recursion; see `Mechanism.forces`."""
-        return self._needed(self._joints(q, v, a, ops, self.lift if gravity else ZERO), a, pushes)
+        return self._needed(self._joints(q, v, ops, a, self.lift if gravity else ZERO), a, pushes)
 
     def _needed(
         self, joints: Sequence[_Joint], a: Sequence[Any], pushes: Mapping[str, Sequence[Any]] = NO_FORCES
     ) -> list[Any]:
-        loads: list[tuple[Vector, Vector]] = [_inertial(*each) for each in zip(self.bodies, joints, strict=True)]
+        loads = [*map(_inertial, self.bodies, joints), (ZERO, ZERO)]  # the last is that of the world
         for toe, push in pushes.items():
             i, offset = self.toes[toe]
             own = rotate_back(joints[i].turned, (push[0], push[1], push[2]))
@@ -212,10 +179,10 @@ class Spatial(Mechanism):
         jacobians: dict[str, list[list[Any]]] = {}
         drifts: dict[str, tuple[Any, ...]] = {}
         for toe, (i, offset) in self.toes.items():
-            joint = joints[i] if i >= 0 else _WORLD
-            positions[toe] = position = add(joint.origin, rotate(joint.turned, offset))
+            joint = joints[i]
+            positions[toe] = position = joint.at(offset)
             carried = rotate(joint.turned, add(joint.acceleration, _swung(joint, offset)))
-            drifts[toe] = subtract(carried, lift) if i >= 0 else ZERO
+            drifts[toe] = subtract(carried, lift)
             rows = jacobians[toe] = [[0.0] * self.nv for _ in range(3)]
             while i >= 0:
                 body, joint = self.bodies[i], joints[i]
@@ -230,23 +197,21 @@ class Spatial(Mechanism):
 
     def moving_feet(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any) -> dict[str, Toe]:
         """Returns the motion of the toes, without their Jacobians; see `Mechanism.moving_feet`."""
-        joints, feet = self._joints(q, v, a, ops, ZERO), {}
+        joints, feet = self._joints(q, v, ops, a), {}
         for toe, (i, offset) in self.toes.items():
             joint = joints[i]
             velocity = add(joint.velocity, cross(joint.spin, offset))
             acceleration = add(joint.acceleration, _swung(joint, offset))
-            feet[toe] = Toe(
-                add(joint.origin, rotate(joint.turned, offset)),
-                rotate(joint.turned, velocity),
-                rotate(joint.turned, acceleration),
-            )
+            feet[toe] = Toe(joint.at(offset), rotate(joint.turned, velocity), rotate(joint.turned, acceleration))
         return feet
 
-    def _joints(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any, lift: Vector) -> list[_Joint]:
-        joints: list[_Joint] = []
-        world = _WORLD._replace(acceleration=lift)
+    def _joints(
+        self, q: Sequence[Any], v: Sequence[Any], ops: Any, a: Sequence[Any] | None = None, lift: Vector = ZERO
+    ) -> list[_Joint]:
+        a = [0.0] * self.nv if a is None else a
+        joints = [_WORLD._replace(acceleration=lift)] * (self.nv + 1)
         for i, body in enumerate(self.bodies):
-            above = joints[body.parent] if body.parent >= 0 else world
+            above = joints[body.parent]
             against, arm = body.turned, body.placement
             if body.turns:
                 against = multiply(body.turned, rotation(body.axis, ops.cos(q[i]), ops.sin(q[i])))
@@ -265,7 +230,7 @@ class Spatial(Mechanism):
                 acceleration = add(acceleration, add(scale(a[i], body.axis), coriolis))
             turned = multiply(above.turned, against)
             origin = add(above.origin, rotate(above.turned, arm))
-            joints.append(_Joint(turned, against, arm, origin, spin, velocity, turning, acceleration))
+            joints[i] = _Joint(turned, against, arm, origin, spin, velocity, turning, acceleration)
         return joints
 
 
@@ -285,6 +250,10 @@ class _Joint(NamedTuple):
     velocity: Vector
     turning: Vector
     acceleration: Vector
+
+    def at(self, offset: Vector) -> Vector:
+        """Returns the position of a point of the body in the world."""
+        return add(self.origin, rotate(self.turned, offset))
 
 
 _WORLD = _Joint(UPRIGHT, UPRIGHT, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO)
@@ -310,8 +279,8 @@ def _hung(above: _Composite, load: _Composite, joint: _Joint) -> _Composite:
         value = plus(plus(above.inertia[i][j], inertia[i][j]), negated(shift))
         return plus(value, along) if i == j else value
 
-    first, second, third = (vector_of(entry(i, j) for j in range(3)) for i in range(3))
-    return _Composite(plus(above.mass, mass), add(above.moment, add(moment, scale(mass, arm))), (first, second, third))
+    rows = tuple(tuple(entry(i, j) for j in range(3)) for i in range(3))
+    return _Composite(plus(above.mass, mass), add(above.moment, add(moment, scale(mass, arm))), rows)
 
 
 def _inertial(body: Body, joint: _Joint) -> tuple[Vector, Vector]:
@@ -335,8 +304,6 @@ def _body(robot: Robot, joint: int) -> Body:
     motion = np.reshape(pin.Data(model).joints[joint].S, (6, -1))
     if motion[:3].any() == motion[3:].any():
         raise BadValue("robot", robot, f"one whose {model.names[joint]} turns or slides")
-    lever = inertia.lever
-    about = inertia.inertia + inertia.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
     return Body(
         parent=int(model.parents[joint]) - 1,
         turned=matrix_of(place.rotation),
@@ -344,7 +311,7 @@ def _body(robot: Robot, joint: int) -> Body:
         axis=floats_of(motion[3:, 0] if motion[3:].any() else motion[:3, 0]),
         turns=bool(motion[3:].any()),
         mass=float(inertia.mass),
-        moment=floats_of(inertia.mass * lever),
-        inertia=matrix_of(about),
+        moment=floats_of(inertia.mass * inertia.lever),
+        inertia=matrix_of(inertia.matrix()[3:, 3:]),
         armature=float(model.armature[row]),
     )

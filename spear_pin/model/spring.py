@@ -114,12 +114,7 @@ class Spring:
         return -self.damping * rate
 
     def energy(self, deflection: Any, ops: Any = np) -> Any:
-        """Returns the energy that the spring stores while it pulls, in J: the integral of minus its torque.
-
-        Args:
-            deflection: how far the joint is flexed beyond the angle at which it rests, in rad.
-            ops: has `maximum` for such scalars, which a table needs.
-        """
+        """Returns the energy that the spring stores while it pulls, in J: the integral of minus its `torque`."""
         square = deflection * deflection
         energy = self.preload * deflection + square * (0.5 * self.stiffness + 0.25 * self.hardening * square)
         return energy + self._integral(deflection, ops) if self.table else energy

@@ -9,8 +9,8 @@ from typing import Any
 
 from lxml import etree
 
-from spear_pin.errors import BadFile, listed
-from spear_pin.model.elements import parse_number
+from spear_pin.errors import listed
+from spear_pin.model.elements import fault, parse_number
 from spear_pin.model.gears import Gear
 
 COMMANDS = ("effort", "position", "velocity", "acceleration")  # interfaces of ros2_control that move a joint
@@ -118,8 +118,7 @@ def _gear(path: Path, element: Any, numbers: list[Any], joint: str) -> Gear:
     ratio, rotor = (_agreed(path, _named(numbers, names), joint) for names in (RATIOS, ROTORS))
     if ratio == 0 or (rotor is not None and rotor < 0):
         wrong = "gear ratio 0; expected another than 0" if ratio == 0 else f"rotor inertia {rotor:g}; expected >= 0"
-        problem = f"joint {joint!r}: {wrong}"
-        raise BadFile(path, problem, element.sourceline)
+        raise fault(path, element, f"joint {joint!r}: {wrong}")
     return Gear(ratio, rotor)
 
 
@@ -129,7 +128,7 @@ def _agreed(path: Path, elements: list[Any], joint: str) -> float | None:
     for name, value in said[1:]:
         if value != said[0][1]:
             problem = f"joint {joint!r}: {said[0][0]} {said[0][1]:g} disagrees with {name} {value:g}; make them equal"
-            raise BadFile(path, problem, elements[0].getparent().sourceline)
+            raise fault(path, elements[0].getparent(), problem)
     return said[0][1] if said else None
 
 

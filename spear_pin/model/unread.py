@@ -29,7 +29,8 @@ class Grammar:
     """The data that are read in a format, and those that never change a motion.
 
     Attributes:
-        read: attributes that are read of an element, by its path from the root, such as "robot/joint/limit".
+        read: names of attributes that are read of an element, in one text, by its path from the root, such as
+            "robot/joint/limit".
         nested: tags of elements that may be in one of the same tag, as a body in a body; they have the same path.
         kinds: tags of elements whose name tells of what kind they are, not which one.
         single: paths of elements of which a parent has one; a second one is not read.
@@ -38,7 +39,7 @@ class Grammar:
         usual: texts of attributes and of elements that change nothing, by the last part of the path and the attribute.
     """
 
-    read: Mapping[str, frozenset[str]]
+    read: Mapping[str, str]
     nested: frozenset[str] = NOTHING
     kinds: frozenset[str] = NOTHING
     single: frozenset[str] = NOTHING
@@ -118,40 +119,34 @@ def find_unread(
         said: returns the attributes of an element, with those of its class.
         known: elements that are read or reported elsewhere, and skipped with all that is in them.
     """
-    _visit(root, _title(root), "", grammar, into, said, set(known))
+    skipped = set(known)
 
+    def visit(element: Any, path: str, owner: str) -> None:
+        tag = path.rpartition("/")[2]
+        if "/" in path and tag not in grammar.kinds:  # the robot's own name tells nothing
+            owner = _name(element) or owner or _name(element, JOINED)
+        read = grammar.read[path].split()
+        for name, value in said(element).items():
+            ordinary = name in read or name in grammar.still or _annotates(name)
+            if not ordinary and grammar.unusual(f"{tag}@{name}", value):
+                into.lose(_shown(name, element), owner, f"<{tag}>")
+        seen: set[str] = set()
+        for child in element.iterchildren(etree.Element):
+            title = _title(child)
+            below = path if title == tag and tag in grammar.nested else f"{path}/{title}"
+            if child in skipped or grammar.idles(title) or _annotates(child.tag):
+                continue
+            if below in grammar.read and not (below in grammar.single and below in seen):
+                seen.add(below)
+                visit(child, below, owner)
+            elif _matters(child, grammar):
+                again = "a second " if below in seen else ""
+                called = _name(child) or ("" if owner else _name(child, JOINED))
+                inside = f"<{tag}>" if path.count("/") else ""
+                inside += f" of {owner!r}" if inside and called and owner else ""
+                into.lose(f"{again}<{title}>", owner, inside, called)
 
-def _visit(
-    element: Any,
-    path: str,
-    owner: str,
-    grammar: Grammar,
-    into: Unread,
-    said: Callable[[Any], Mapping[str, str]],
-    known: set[Any],
-) -> None:
-    tag = path.rpartition("/")[2]
-    if "/" in path and tag not in grammar.kinds:  # the robot's own name tells nothing
-        owner = _name(element) or owner or _name(element, JOINED)
-    for name, value in said(element).items():
-        ordinary = name in grammar.read[path] or name in grammar.still or _annotates(name)
-        if not ordinary and grammar.unusual(f"{tag}@{name}", value):
-            into.lose(_shown(name, element), owner, f"<{tag}>")
-    seen: set[str] = set()
-    for child in element.iterchildren(etree.Element):
-        title = _title(child)
-        below = path if title == tag and tag in grammar.nested else f"{path}/{title}"
-        if child in known or grammar.idles(title) or _annotates(child.tag):
-            continue
-        if below in grammar.read and not (below in grammar.single and below in seen):
-            seen.add(below)
-            _visit(child, below, owner, grammar, into, said, known)
-        elif _matters(child, grammar):
-            again = "a second " if below in seen else ""
-            called = _name(child) or ("" if owner else _name(child, JOINED))
-            inside = f"<{tag}>" if path.count("/") else ""
-            inside += f" of {owner!r}" if inside and called and owner else ""
-            into.lose(f"{again}<{title}>", owner, inside, called)
+    visit(root, _title(root), "")
 
 
 def _matters(element: Any, grammar: Grammar) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -18,7 +18,7 @@ from typing import Any, Literal
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import MAX_NUMBER, child, limit, number, numbers, parse
+from spear_pin.model.elements import MAX_NUMBER, child, fault, number, numbers, parse
 from spear_pin.model.gears import Gear
 from spear_pin.model.inertial import Fault, copy_inertial, notes_on
 from spear_pin.model.origins import copy_origin, turn_quaternions
@@ -160,19 +160,18 @@ def _dynamics(path: Path, root: Any, trunk: str, base: Base | None, repair: bool
         copy = etree.SubElement(robot, "link", name=link.get("name"))
         inertials = link.findall("inertial")
         if len(inertials) > 1:
-            problem = f"link {link.get('name')!r} has {len(inertials)} <inertial>; one is valid"
-            raise BadFile(path, problem, inertials[1].sourceline)
-        fault = copy_inertial(path, inertials[0], copy, repair) if inertials else None
-        if fault is not None:
-            faults[link.get("name")] = fault
+            raise fault(path, inertials[1], f"link {link.get('name')!r} has {len(inertials)} <inertial>; one is valid")
+        found = copy_inertial(path, inertials[0], copy, repair) if inertials else None
+        if found is not None:
+            faults[link.get("name")] = found
     floating = _floating(root, trunk)
     for i, joint in enumerate(root.findall("joint")):
         fixed = base == "fixed" and joint.get("name") == floating
         _copy_joint(path, joint, "fixed" if fixed else joint.get("type"), etree.SubElement(robot, "joint"), i)
     if base == "free" and floating is None:
         links, joints = ([each.get("name") for each in root.findall(tag)] for tag in ("link", "joint"))
-        world = etree.SubElement(robot, "link", name=_untaken(WORLD, links))
-        joint = etree.SubElement(robot, "joint", name=f"0000:{_untaken(BASE, joints)}", type="floating")
+        world = etree.SubElement(robot, "link", name=untaken(WORLD, links))
+        joint = etree.SubElement(robot, "joint", name=f"0000:{untaken(BASE, joints)}", type="floating")
         etree.SubElement(joint, "parent", link=world.get("name"))
         etree.SubElement(joint, "child", link=trunk)
     return str(etree.tostring(robot, encoding="unicode")), notes_on(faults, "link", repair)
@@ -205,7 +204,7 @@ def _copy(path: Path, element: Any, copy: Any, **attributes: str | None) -> None
     for name, default in attributes.items():
         if default is None and len((element.get(name) or "").split()) != 1:
             numbers(path, element, name, 1)  # which says what is wrong
-        value = (limit if name in LIMITS else number)(path, element, name, default)
+        value = number(path, element, name, default, limit=name in LIMITS)
         if value == UNLIMITED and name in ("effort", "velocity"):
             value = math.inf
         if value < 0 and name in NOT_NEGATIVE:
@@ -226,7 +225,8 @@ def _floating(root: Any, trunk: str) -> str | None:
     return None
 
 
-def _untaken(name: str, taken: list[str]) -> str:
+def untaken(name: str, taken: Collection[str]) -> str:
+    """Returns a name that is not taken, by underscores after it if need be."""
     while name in taken:
         name += "_"
     return name
@@ -244,18 +244,23 @@ def _outward(root: Any, trunk: str) -> Iterator[Any]:
         frontier = [joint.find("child").get("link") for joint in joints]
 
 
+def check_names(path: Path, kind: str, names: Iterable[str]) -> None:
+    """Refuses names that occur twice, and for joints the name that Pinocchio uses for the world."""
+    for name, count in Counter(names).items():
+        if count > 1:
+            raise BadFile(path, f"{kind} {name!r} is defined {count} times; give each its own name")
+        if name == UNIVERSE and kind == "joint":
+            raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world; rename it")
+
+
 def _check_tree(path: Path, root: Any) -> str:
     """Checks that links and joints form a tree; returns the name of the root link."""
     links = [link.get("name") for link in root.findall("link")]
     joints = root.findall("joint")
     for kind, names in (("link", links), ("joint", [joint.get("name") for joint in joints])):
-        for name, count in Counter(names).items():
-            if name is None:
-                raise BadFile(path, f"a <{kind}> has no name")
-            if count > 1:
-                raise BadFile(path, f"{kind} {name!r} is defined {count} times; give each its own name")
-            if name == UNIVERSE and kind == "joint":
-                raise BadFile(path, f"a joint is called {name!r}, which is Pinocchio's name of the world; rename it")
+        if None in names:
+            raise BadFile(path, f"a <{kind}> has no name")
+        check_names(path, kind, names)
     parents: dict[str, str] = {}
     for joint in joints:
         name, line = joint.get("name"), joint.sourceline

@@ -8,43 +8,37 @@ from spear_pin.model.unread import Grammar
 NO = ("0", "false", "")
 ORIGIN, PLAIN = "xyz rpy", ""
 
-
-def _table(**attributes: str) -> dict[str, frozenset[str]]:
-    """Returns attributes by the paths of elements, which keywords write with two underscores for a slash."""
-    return {path.replace("__", "/"): frozenset(names.split()) for path, names in attributes.items()}
-
-
 URDF = Grammar(
-    read=_table(
-        robot="version",
-        robot__link=PLAIN,
-        robot__link__inertial=PLAIN,
-        robot__link__inertial__origin=ORIGIN,
-        robot__link__inertial__mass="value",
-        robot__link__inertial__inertia="ixx ixy ixz iyy iyz izz",
-        robot__link__collision="group",
-        robot__link__collision__origin=f"{ORIGIN} quat_xyzw",
-        robot__joint="type",
-        robot__joint__origin=ORIGIN,
-        robot__joint__parent="link",
-        robot__joint__child="link",
-        robot__joint__axis="xyz",
-        robot__joint__limit="lower upper effort velocity",
-        robot__joint__dynamics="damping",  # friction is Coulomb's, which does not act
-        robot__transmission="type",
-        robot__transmission__joint="role",
-        robot__transmission__actuator="role",
-        robot__ros2_control="type rw_rate is_async",
-        robot__ros2_control__joint=PLAIN,
-        robot__ros2_control__joint__command_interface=PLAIN,
-        robot__ros2_control__transmission=PLAIN,
-        robot__ros2_control__transmission__joint="role",
-        robot__ros2_control__transmission__actuator="role",
-        robot__gazebo="reference",
-        robot__mujoco=PLAIN,
-        robot__mujoco__compiler=" ".join(MJCF.still),
-        robot__mujoco__option=" ".join(MJCF.still),
-    ),
+    read={
+        "robot": "version",
+        "robot/link": PLAIN,
+        "robot/link/inertial": PLAIN,
+        "robot/link/inertial/origin": ORIGIN,
+        "robot/link/inertial/mass": "value",
+        "robot/link/inertial/inertia": "ixx ixy ixz iyy iyz izz",
+        "robot/link/collision": "group",
+        "robot/link/collision/origin": f"{ORIGIN} quat_xyzw",
+        "robot/joint": "type",
+        "robot/joint/origin": ORIGIN,
+        "robot/joint/parent": "link",
+        "robot/joint/child": "link",
+        "robot/joint/axis": "xyz",
+        "robot/joint/limit": "lower upper effort velocity",
+        "robot/joint/dynamics": "damping",  # friction is Coulomb's, which does not act
+        "robot/transmission": "type",
+        "robot/transmission/joint": "role",
+        "robot/transmission/actuator": "role",
+        "robot/ros2_control": "type rw_rate is_async",
+        "robot/ros2_control/joint": PLAIN,
+        "robot/ros2_control/joint/command_interface": PLAIN,
+        "robot/ros2_control/transmission": PLAIN,
+        "robot/ros2_control/transmission/joint": "role",
+        "robot/ros2_control/transmission/actuator": "role",
+        "robot/gazebo": "reference",
+        "robot/mujoco": PLAIN,
+        "robot/mujoco/compiler": " ".join(MJCF.still),
+        "robot/mujoco/option": " ".join(MJCF.still),
+    },
     kinds=frozenset(("command_interface", "state_interface")),
     single=frozenset(
         f"robot/{path}"
@@ -85,14 +79,14 @@ URDF = Grammar(
     },
 )
 SRDF = Grammar(
-    read=_table(
-        robot="version",
-        robot__group_state="group",
-        robot__group_state__joint="value",
-        robot__virtual_joint="parent_frame child_link",
-        robot__rotor_params=PLAIN,
-        robot__rotor_params__joint="mass gear_ratio",
-    ),
+    read={
+        "robot": "version",
+        "robot/group_state": "group",
+        "robot/group_state/joint": "value",
+        "robot/virtual_joint": "parent_frame child_link",
+        "robot/rotor_params": PLAIN,
+        "robot/rotor_params/joint": "mass gear_ratio",
+    },
     idle=frozenset(
         (
             "group group_name end_effector chain disable_collisions disable_default_collisions enable_collisions "

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from math import copysign
 from numbers import Real
 from types import MappingProxyType
@@ -20,9 +19,9 @@ from spear_pin.kinds import typed
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.fitting import hold
-from spear_pin.model.loading import load
 from spear_pin.model.recut import LIKE, recut
 from spear_pin.model.robot import Robot
+from spear_pin.model.scale import shipped
 
 FULL = ("q_spear_full",)
 QUADRUPEDS = ("q_spear", *FULL)
@@ -152,7 +151,7 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     cut = robot.cut
     base: Literal["chain"] | None = "chain" if robot.coordinates[: len(CHAIN)] == CHAIN else None
     if cut is None:
-        model = _shipped(str(robot.source), base).copy()
+        model = shipped(str(robot.source), base).model.copy()
     else:
         model = recut(cut.kind, cut.robot, cut.legs, cut.body).model
     motors = None if cut is None else {joint: len(turns) for joint, turns in cut.angles.items()}
@@ -164,17 +163,9 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     return hold(model, robot.locked)
 
 
-@cache
-def _shipped(source: str, base: Literal["chain"] | None) -> pin.Model:
-    """Returns the model of a shipped robot, whose file is read once."""
-    return load(source, base=base).model
-
-
 def _change(model: pin.Model, name: str, value: float) -> None:
     if name == "boom_damping":
-        damping = model.damping.copy()
-        damping[model.joints[model.getJointId("boom_z")].idx_v] = value
-        model.damping = damping
+        model.damping[model.joints[model.getJointId("boom_z")].idx_v] = value
         return
     torso = int(model.frames[model.getFrameId("torso", pin.FrameType.BODY)].parentJoint)
     body = model.inertias[torso]
@@ -206,7 +197,7 @@ def _set_gears(model: pin.Model, name: str, value: float, motors: Mapping[str, i
         value: a ratio, or a rotor's inertia in kg·m².
         motors: number of motors at each joint of a cut; None if the rotors of a shipped robot grow in proportion.
     """
-    armature, ratios, rotors = model.armature.copy(), model.rotorGearRatio.copy(), model.rotorInertia.copy()
+    armature, ratios, rotors = model.armature, model.rotorGearRatio, model.rotorInertia
     for index, joint in enumerate(model.names):
         if _is(joint, name):
             row = model.joints[index].idx_v
@@ -219,14 +210,12 @@ def _set_gears(model: pin.Model, name: str, value: float, motors: Mapping[str, i
             else:
                 rotors[row] = motors[joint] * value
             armature[row] = ratios[row] ** 2 * rotors[row]
-    model.armature, model.rotorGearRatio, model.rotorInertia = armature, ratios, rotors
 
 
 def _move_hips(model: pin.Model, torso: int, axis: int, distance: float) -> None:
     """Sets the distance, in m, between the joints on the torso's two ends along an axis, keeping their midpoint."""
     hips = [joint for joint in range(1, model.njoints) if model.parents[joint] == torso]
-    places = [model.jointPlacements[joint].translation.copy() for joint in hips]
+    places = [model.jointPlacements[joint].translation for joint in hips]
     middle = 0.5 * (min(place[axis] for place in places) + max(place[axis] for place in places))
-    for joint, place in zip(hips, places, strict=True):
+    for place in places:
         place[axis] = middle + copysign(distance / 2, place[axis] - middle)
-        model.jointPlacements[joint].translation = place

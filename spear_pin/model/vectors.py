@@ -6,8 +6,8 @@ from typing import Any
 
 from spear_pin.model.scalars import dot, negated, plus, times
 
-Vector = tuple[Any, Any, Any]
-Rows = tuple[Vector, Vector, Vector]
+Vector = tuple[Any, ...]
+Rows = tuple[Vector, ...]
 ZERO: Vector = (0.0, 0.0, 0.0)
 UPRIGHT: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -23,8 +23,7 @@ def rotation(axis: Vector, cosine: Any, sine: Any) -> Rows:
             return 1.0 if along == 1.0 else along + (1.0 - along) * cosine
         return plus(times(along, 1.0 - cosine), times(skew[i][j], sine))
 
-    first, second, third = (vector_of(entry(i, j) for j in range(3)) for i in range(3))
-    return first, second, third
+    return tuple(tuple(entry(i, j) for j in range(3)) for i in range(3))
 
 
 def add(a: Vector, b: Vector) -> Vector:
@@ -44,8 +43,7 @@ def scale(factor: Any, vector: Vector) -> Vector:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """Returns the cross product."""
-    first, second, third = (plus(times(a[i], b[j]), negated(times(a[j], b[i]))) for i, j in ((1, 2), (2, 0), (0, 1)))
-    return first, second, third
+    return tuple(plus(times(a[i], b[j]), negated(times(a[j], b[i]))) for i, j in ((1, 2), (2, 0), (0, 1)))
 
 
 def rotate(rows: Rows, vector: Vector) -> Vector:
@@ -61,28 +59,19 @@ def rotate_back(rows: Rows, vector: Vector) -> Vector:
 def multiply(a: Rows, b: Rows) -> Rows:
     """Returns the product of two matrices."""
     columns = transpose(b)
-    first, second, third = (rotate(columns, row) for row in a)
-    return first, second, third
+    return tuple(rotate(columns, row) for row in a)
 
 
 def transpose(rows: Rows) -> Rows:
     """Returns the transpose of a matrix."""
-    first, second, third = (vector_of(column) for column in zip(*rows, strict=True))
-    return first, second, third
-
-
-def vector_of(values: Any) -> Vector:
-    """Returns a vector of three values."""
-    x, y, z = values
-    return x, y, z
+    return tuple(zip(*rows, strict=True))
 
 
 def floats_of(values: Any) -> Vector:
     """Returns a vector of three numbers, such as an array."""
-    return vector_of(float(value) for value in values)
+    return tuple(map(float, values))
 
 
 def matrix_of(matrix: Any) -> Rows:
     """Returns the rows of a matrix of numbers."""
-    first, second, third = (floats_of(row) for row in matrix)
-    return first, second, third
+    return tuple(map(floats_of, matrix))

@@ -33,7 +33,7 @@ MUTATIONS = [
         "model/gears",
         ["model/test_gears", "cases/test_cases"],
         {
-            "rotors left out": ("armature[row] = reflected or 0.0", "armature[row] = 0.0"),
+            "rotors left out": ("armature[row] = reflected", "armature[row] = 0.0"),
             "rotors times N, not N²": ("ratio**2 * self.rotor", "ratio * self.rotor"),
             "an SRDF goes over its URDF": (
                 "name: more if own is None",

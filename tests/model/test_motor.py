@@ -15,13 +15,13 @@ from spear_pin.model.catalogue import (
     VERIFICATIONS,
     gearbox,
     motor,
-    rows,
     scaled,
 )
 from spear_pin.model.loading import load
 from spear_pin.model.motor import UNITS, Drive, Gearbox, Motor, drawn_power
 
 IDEAL = Motor("ideal", torque_constant=0.1, resistance=0.5, rotor_inertia=1e-4, nominal_torque=0.3)
+NUMBERS = {(name, quantity): x for name, entry in {**MOTORS, **GEARBOXES}.items() for quantity, x in entry.items()}
 
 # stall torques at the nominal voltage that go with the numbers of the catalogue, in N·m
 STALL = {
@@ -260,7 +260,7 @@ class TestScaled:
 
     def test_it_says_that_it_is_an_assumption(self):
         assert "assumption" in scaled(motor("ec_90_flat_260w"), 600.0).name
-        assert {row.verification for row in rows() if row.name == "assumed_600w"} == {"assumption"}
+        assert {number.verification for number in MOTORS["assumed_600w"].values()} == {"assumption"}
         assumed = motor("assumed_600w")
         assert replace(scaled(motor("ec_90_flat_260w"), 600.0), name=assumed.name) == assumed
 
@@ -277,12 +277,12 @@ class TestCatalogue:
         assert not set(MOTORS) & set(GEARBOXES)
 
     def test_every_number_has_a_provenance(self):
-        assert len(rows()) > 80
-        for row in rows():
-            assert row.source.strip() and row.verification in VERIFICATIONS and row.unit == UNITS[row.quantity]
+        assert len(NUMBERS) > 80
+        for (_, quantity), number in NUMBERS.items():
+            assert number.source.strip() and number.verification in VERIFICATIONS and number.unit == UNITS[quantity]
 
     def test_what_is_said_to_be_stated_by_the_source_is(self):
-        stated = {(row.name, row.quantity): row.value for row in rows() if row.verification == "source document"}
+        stated = {place: each.value for place, each in NUMBERS.items() if each.verification == "source document"}
         assert stated == {
             ("spear_ii_knee", "torque_constant"): 0.115,  # (4.8)
             ("spear_ii_knee", "rated_power"): 100.0,  # Section 2.4

@@ -6,13 +6,7 @@ from lxml import etree
 from spear_pin.model.unread import Grammar, Unread, find_unread
 
 GRAMMAR = Grammar(
-    read={
-        "robot": frozenset(),
-        "robot/joint": frozenset({"type"}),
-        "robot/joint/limit": frozenset({"lower"}),
-        "robot/joint/joint": frozenset(),
-        "robot/bag": frozenset(),
-    },
+    read={"robot": "", "robot/joint": "type", "robot/joint/limit": "lower", "robot/joint/joint": "", "robot/bag": ""},
     single=frozenset({"robot/joint/limit"}),
     idle=frozenset({"visual", "sensor"}),
     still=frozenset({"name"}),
