@@ -140,9 +140,11 @@ def _from_cold(robot: Robot, point: Point, task: Task) -> tuple[Gait, Design]:
     failures = []
     for hop in first_hops(robot, (USUAL * scale_of(robot).time, point.speed)):
         try:
-            return best_hop(task, led_to(point, SWITCHED, hop))
+            near = led_to(point, SWITCHED, hop)
         except NoGait as error:
             failures.append(error)
+            continue
+        return best_hop(task, near)
     raise failures[0]
 
 

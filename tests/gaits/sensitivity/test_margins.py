@@ -1,11 +1,12 @@
 """Margins to another order of events: of a hop known from elsewhere, and derivatives against gaits nearby."""
 
-from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from spear_pin import Gait, HoppingLaw, find_gait, hopping, simulate
+from spear_pin import Gait, find_gait, simulate
+from spear_pin.gaits.sensitivity import margins as module
 from spear_pin.gaits.sensitivity.closing import closed, led
 from spear_pin.gaits.sensitivity.margins import margins, of_motion
 from spear_pin.gaits.sensitivity.orbit import Orbit, solved
@@ -50,24 +51,17 @@ def test_before_an_event_only_motion_up_to_it_counts(hop, begun):
     assert begun.margins_before("touchdown")["lift_off"].value == 0.0
 
 
-def test_a_toe_is_lightest_on_the_way(hop):
-    """Its load falls after touchdown and rises again; against samples."""
-    robot, spring = hop.system.robot, replace(hop.system.spring, stiffness=30.0, rest=0.8761, unilateral=False)
-    law = HoppingLaw(
-        0.8761,
-        0.8173,
-        10.1612,
-        4.0023,
-        virtual_stiffness=13.4758,
-        hold_extension=True,
-        minimum_force=0.05 * robot.weight,
-    )
-    near = np.array([0.5313684, 0.8352696, 0.83926901]), np.array([-0.81743265, 3.45428345, 5.77204953])
-    gait = find_gait(hopping(robot, law, spring), guess=near)
-    run = simulate(gait.system, gait.state, 1, samples=1000, progress=False)
-    load = run.force[(run.phase == "stance") & (run.t - run.t[0] < 0.5 / law.frequency), 0, 1]
-    found = Orbit(gait.system, gait.state, ()).margins_before("torque_switch")["lift_off"].value
-    assert found == pytest.approx(load.min(), abs=1e-5) and found < min(load[0], load[-1]) - 0.2
+@pytest.mark.parametrize(("happens", "values"), [(True, [5.0, 2.0]), (False, [5.0, 2.0, 7.0, 0.5])])
+def test_what_an_event_comes_near_to_on_its_way(monkeypatch, happens, values):
+    """A guard that falls to 2, rises, and ends low: if it happens there, the end is no margin, nor is the top."""
+    guard = SimpleNamespace(name="lift_off", observes=False, tolerance=0.0, waits=False)
+    arc = SimpleNamespace(domain=SimpleNamespace(guards=(guard,)), event=guard if happens else None)
+    course = [5.0, 2.0, 7.0, 0.5]
+    monkeypatch.setattr(module, "long", lambda motion: motion)
+    monkeypatch.setattr(module, "guarded", lambda stretch, g: SimpleNamespace(values=np.array(course)))
+    monkeypatch.setattr(module, "extremes_of", lambda pieces: iter([(each, np.zeros(1)) for each in course]))
+    found = [value for _, value, _ in of_motion([SimpleNamespace(arc=arc)])]
+    assert found == values
 
 
 def along(begun, found, name, j):
