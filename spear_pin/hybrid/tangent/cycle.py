@@ -85,17 +85,15 @@ def differentiated(
     """
     whole = _Whole(system, recorder, seeds, fineness)
     held = whole.begun(y, dy)
-    arcs = recorder.cycle(y)
+    record = recorder.lap(y)
     now, stretches = _Now(dy, held, np.zeros(dy.shape[1]), DualOverlap(Overlap(system.overlap), dy.shape[1])), []
-    for arc in arcs:
+    for arc in record.arcs:
         if now.after is not None and not np.allclose(arc.y, now.after, rtol=SAME, atol=SAME):
             raise NotDifferentiable(f"{arc.domain.name} does not begin where the event before it leads by its rule")
         stretch = whole.carry(arc, now)
         stretches.append(stretch)
         whole.pass_event(stretch, now)
-    return Derivative(
-        system, recorder.end, now.dy, now.durations, stretches, whole.raw, seeds, now.steepness, now.together
-    )
+    return Derivative(system, record, now.dy, now.durations, stretches, whole.raw, seeds, now.steepness, now.together)
 
 
 class _Whole:
