@@ -52,10 +52,13 @@ class Overlap:
 
     Attributes:
         window: duration of an impact, in s.
+        nothing: impulse of a toe that was not struck, (3,), or with derivatives along c directions, (3, 1 + c), as all
+            impulses then are.
         recent: time at which each toe was struck, in s, and its impulse since, (3,).
     """
 
     window: float
+    nothing: Array = field(default_factory=lambda: np.zeros(3))
     recent: dict[str, tuple[float, Array]] = field(default_factory=dict)
 
     def received(self, toes: Sequence[str], now: float) -> Array:
@@ -63,7 +66,7 @@ class Overlap:
         for toe, (time, _) in list(self.recent.items()):
             if now - time > self.window:
                 del self.recent[toe]
-        return np.array([self.recent[toe][1] if toe in self.recent else np.zeros(3) for toe in toes])
+        return np.array([self.recent[toe][1] if toe in self.recent else self.nothing for toe in toes])
 
     def add(self, toes: Sequence[str], striking: Container[str], impulse: Array, now: float) -> None:
         """Records an impact.

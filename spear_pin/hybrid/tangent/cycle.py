@@ -32,7 +32,6 @@ from spear_pin.hybrid.tangent.derivative import BEGIN, END, SHORTEST, Derivative
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.kinks import later, of_the_inside
-from spear_pin.hybrid.tangent.overlap import DualOverlap
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, stopped, struck, struck_in_space
@@ -46,7 +45,7 @@ class _Now:
     """Present derivatives of the state, of the held values, and of the last event's time.
 
     Attributes:
-        overlap: impacts in space that may not be over.
+        overlap: impacts in space that may not be over, with the derivatives of their impulses.
         behind: whether the state's derivatives are still at the last event, not yet at a fixed time.
         bent: the previous arc, if it ended at a kink.
         past: total time of the earlier phases, in s.
@@ -57,7 +56,7 @@ class _Now:
     dy: Array
     held: dict[str, Any]
     tau: Array
-    overlap: DualOverlap
+    overlap: Overlap
     behind: bool = False
     bent: Stretch | None = None
     past: float = 0.0
@@ -86,7 +85,8 @@ def differentiated(
     whole = _Whole(system, recorder, seeds, fineness)
     held = whole.begun(y, dy)
     record = recorder.lap(y)
-    now, stretches = _Now(dy, held, np.zeros(dy.shape[1]), DualOverlap(Overlap(system.overlap), dy.shape[1])), []
+    c, stretches = dy.shape[1], []
+    now = _Now(dy, held, np.zeros(c), Overlap(system.overlap, np.zeros((3, 1 + c))))
     for arc in record.arcs:
         if now.after is not None and not np.allclose(arc.y, now.after, rtol=SAME, atol=SAME):
             raise NotDifferentiable(f"{arc.domain.name} does not begin where the event before it leads by its rule")
@@ -236,7 +236,7 @@ class _Whole:
         falls = striking - {*reset.impact}
         now.together = now.together or bool(falls)
         found = struck_in_space(feet, slopes, toes, reset.impact, falls, before)
-        now.overlap.add(toes, striking, found.impulse, found.dimpulse, time)
+        now.overlap.add(toes, striking, found.impulse, time)
         now.held = {**now.held, **found.held}
         return found.v, found.dv
 

@@ -70,15 +70,13 @@ class Pushed:
     Attributes:
         v: change of the velocity, (nv,).
         dv: its derivatives, (nv, c).
-        impulse: impulses, (m, 3), in N·s.
-        dimpulse: their derivatives, (m, 3, c).
+        impulse: impulses, in N·s, with their derivatives, (m, 3, 1 + c).
         held: values held for the toes.
     """
 
     v: Array
     dv: Array
     impulse: Array
-    dimpulse: Array
     held: dict[str, Any]
 
 
@@ -88,7 +86,7 @@ def struck_in_space(
     toes: Sequence[str],
     lands: Collection[str],
     falls: Collection[str],
-    before: tuple[Array, Array] | None,
+    before: Array | None,
 ) -> Pushed:
     """Differentiates an impact in space, for the outcome that the rule finds.
 
@@ -101,8 +99,8 @@ def struck_in_space(
         toes: names of these toes.
         lands: names of the toes that land.
         falls: names of other toes that were in the air and are struck in the same instant.
-        before: impulses that the toes have received in impacts that are not over, (m, 3), and their derivatives,
-            (m, 3, c); None if the impact is separate by its law.
+        before: impulses that the toes have received in impacts that are not over, with their derivatives,
+            (m, 3, 1 + c); None if the impact is separate by its law.
 
     Raises:
         NotDifferentiable: a toe that lands rises again, toes depend on each other, the smallest perturbation may change
@@ -113,9 +111,9 @@ def struck_in_space(
         raise NotDifferentiable("a toe rises as it lands, as at the end of bounces")
     if not np.linalg.cond(A) < SINGULAR:
         raise NotDifferentiable("toes in an impact cannot move independently, so their impulses are not unique")
-    total, modes, earlier = find_impulses(A, u, mu, None if before is None else before[0])
-    counted = before is not None and (earlier == before[0]).all()  # else the impact obeys the law alone
-    dearlier = before[1] if before is not None and counted else np.zeros((m, 3, c))
+    total, modes, earlier = find_impulses(A, u, mu, None if before is None else before[..., 0])
+    counted = before is not None and (earlier == before[..., 0]).all()  # else the impact obeys the law alone
+    dearlier = before[..., 1:] if before is not None and counted else np.zeros((m, 3, c))
     impulse = total - earlier
     after = (u + A @ impulse.ravel()).reshape(-1, 3)
     if before is None and "slip" in modes:
@@ -144,7 +142,8 @@ def struck_in_space(
     for i, (toe, mode) in enumerate(zip(toes, modes, strict=True)):
         held[rise(toe)] = Dual(float(after[i, 2]), rising[i, 2]) if mode == "open" else 0.0
     held |= {told(toe): float(toe in falls) for toe in toes}
-    return Pushed(*_moved(feet, slopes, impulse.ravel(), dimpulse.reshape(3 * m, c)), impulse, dimpulse, held)
+    v, dv = _moved(feet, slopes, impulse.ravel(), dimpulse.reshape(3 * m, c))
+    return Pushed(v, dv, np.concatenate([impulse[..., None], dimpulse], axis=2), held)
 
 
 def stopped(feet: ToeNumbers, slopes: ToeNumbers, rows: Sequence[int]) -> tuple[Array, Array]:
