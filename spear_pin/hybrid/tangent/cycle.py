@@ -21,7 +21,7 @@ from spear_pin.hybrid.automaton import KELLER, HybridSystem
 from spear_pin.hybrid.contact import OPEN, SLIP
 from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.engines.structure import symbols
-from spear_pin.hybrid.fields import adjusted
+from spear_pin.hybrid.fields import adjusted, flattened
 from spear_pin.hybrid.rules.cycles import counts_to
 from spear_pin.hybrid.rules.footing import still
 from spear_pin.hybrid.rules.impact import struck_toes
@@ -29,12 +29,12 @@ from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.strikes import Overlap, comes_to_rest, pins, struck_toes_in_space
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, SHORTEST, Derivative, Stretch, falling
-from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
+from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, varying
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.kinks import later, of_the_inside
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, stopped, struck, struck_in_space
+from spear_pin.hybrid.tangent.resets import NotDifferentiable, stopped, struck, struck_in_space
 
 SAME = 1e-7  # SI units: by how much the state after an event may differ from that of the engine
 GRAZING = 1e-6  # slope of a guard at zero, relative to its mean slope over the arc, below which it grazes
@@ -102,8 +102,7 @@ class _Whole:
     def __init__(self, system: HybridSystem, recorder: Recorder, seeds: Array, fineness: Fineness) -> None:
         self.system, self.recorder, self.seeds, self.fineness = system, recorder, seeds, fineness
         self.nv, self.c, self.raw = system.robot.nv, seeds.shape[1], recorder.numbers
-        par = [Dual(x, d) if d.any() else x for x, d in zip(self.raw.tolist(), seeds, strict=True)]
-        self.law = symbols(system, recorder.mechanism, {}, par)[1].law
+        self.law = symbols(system, recorder.mechanism, {}, varying(self.raw, seeds))[1].law
 
     def begun(self, y: Array, dy: Array) -> dict[str, Any]:
         """Returns the values held at the beginning of the cycle."""
@@ -114,9 +113,9 @@ class _Whole:
     def carry(self, arc: Arc, now: _Now) -> Stretch:
         """Carries the derivatives along an arc."""
         n, nv, c, domain = 2 * self.nv, self.nv, self.c, self.recorder.field(arc.domain, arc.held)
-        raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
+        raw = np.concatenate([self.raw, flattened(arc.held.values())])
         held = {name: now.held[name] for name in arc.held}
-        given = np.concatenate([self.seeds, derivatives(flat(held), c)])
+        given = np.concatenate([self.seeds, derivatives(flattened(held.values()), c)])
         t, lengths, y = points(arc, self.fineness)
         # directions: the state's, the given ones, the clock; places: the points, the beginning, the end
         directions = _directions(n, c)

@@ -134,6 +134,11 @@ def duals(values: Sequence[float] | Array, slopes: Array) -> list[Dual]:
     return [Dual(float(x), d) for x, d in zip(values, slopes, strict=True)]
 
 
+def varying(values: Array, slopes: Array) -> list[Any]:
+    """Makes dual numbers as `duals` does; what does not change along any direction stays a number."""
+    return [Dual(x, d) if d.any() else x for x, d in zip(values.tolist(), slopes, strict=True)]
+
+
 def derivatives(scalars: Sequence[Any], c: int) -> Array:
     """Returns the derivatives of n scalars, dual or not, along c directions, (n, c)."""
     found = np.zeros((len(scalars), c))

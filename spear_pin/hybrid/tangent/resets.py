@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -231,12 +231,3 @@ def _check_set(slides: Any, leaves: Any, after: Array, impulse: Array, friction:
         elif not leave:
             margin = min(margin, (friction * up - abs(along)) / push)
         _check_margin(margin)
-
-
-def flat(held: Mapping[str, Any]) -> list[Any]:
-    """Returns the held values as numbers in the order of run-time parameters."""
-    return [item for value in held.values() for item in _items(value)]
-
-
-def _items(value: Any) -> list[Any]:
-    return [item for each in value for item in _items(each)] if isinstance(value, tuple) else [value]
