@@ -268,8 +268,7 @@ class LoneRunner:
                 raise _Unclear(RISES)
             now.y = struck
             return
-        held = {name: spread(value, 1) for name, value in now.held.items()}
-        here = Group(np.array([self._lane]), np.array([now.t]), now.y[:, None], held)
+        here = Group(np.array([self._lane]), np.array([now.t]), now.y[:, None], spread(now.held, 1))
         after, rising = strike(self._numbers, toes, reset.impact, here)
         if len(rising):
             raise _Unclear(RISES)
