@@ -174,22 +174,24 @@ def _moved(feet: ToeNumbers, slopes: ToeNumbers, impulse: Array, change: Array) 
 
 
 def _check_modes(modes: Sequence[str], after: Array, total: Array, friction: float) -> None:
-    """Checks that toes in space keep their modes if an impact changes a little."""
+    """Checks that toes keep their modes, "open", "stick" or "slip", if an impact changes a little.
+
+    Args:
+        modes: mode of each toe.
+        after: velocities of the toes after the impact, along the ground and normal to it, (m, 2) or (m, 3).
+        total: impulses on the toes, of the same shape.
+        friction: coefficient of friction.
+    """
     speed, push = np.abs(after).max() + DEGENERATE, np.abs(total).max() + 1e-300
-    for mode, (x, y, z), (px, py, pz) in zip(modes, after.tolist(), total.tolist(), strict=True):
+    for mode, (*along, up), (*pushed, normal) in zip(modes, after.tolist(), total.tolist(), strict=True):
         if mode == "open":
-            margin = z / speed
+            margin = up / speed
         elif mode == "slip":
-            margin = min(pz / push, math.hypot(x, y) / speed)
+            margin = min(normal / push, math.hypot(*along) / speed)
         else:
-            margin = min(pz, friction * pz - math.hypot(px, py)) / push
-        _check_margin(margin)
-
-
-def _check_margin(margin: float) -> None:
-    """Checks that an impact is not on the border between two outcomes."""
-    if margin < DEGENERATE:
-        raise NotDifferentiable(BORDER)
+            margin = min(normal, friction * normal - math.hypot(*pushed)) / push
+        if margin < DEGENERATE:
+            raise NotDifferentiable(BORDER)
 
 
 def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
@@ -201,17 +203,18 @@ def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: An
         raise NotDifferentiable(BORDER)
     # in the coordinates of the toes' own velocities the rule needs the inverse of A as the mass matrix
     impact = joint_impact(np.asarray(np.linalg.inv(values), dtype=np.float64), np.eye(size), feet.speeds, mu)
-    after, given = impact.v, impact.impulse.ravel()
-    _check_set(impact.slides, impact.leaves, after, given, mu)
+    after, outcomes = impact.v, zip(impact.slides, impact.leaves, strict=True)
+    modes = ["slip" if slides else "open" if leaves else "stick" for slides, leaves in outcomes]
+    _check_modes(modes, after.reshape(-1, 2), impact.impulse, mu)
     rows: list[int] = []
     directions: list[list[Any]] = []
-    for i, (slides, leaves) in enumerate(zip(impact.slides, impact.leaves, strict=True)):
+    for i, mode in enumerate(modes):
         unit = [[1.0 if k == j else 0.0 for k in range(size)] for j in (2 * i, 2 * i + 1)]
-        if slides:
+        if mode == "slip":
             grip = -friction if after[2 * i] > 0.0 else friction
             rows.append(2 * i + 1)
             directions.append([z + grip * x if x else z for x, z in zip(*unit, strict=True)])
-        elif not leaves:
+        elif mode == "stick":
             rows += [2 * i, 2 * i + 1]
             directions += unit
     matrix = [[dot(A[row], direction) for direction in directions] for row in rows]
@@ -219,15 +222,3 @@ def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: An
     impulses = [dot([direction[k] for direction in directions], found) for k in range(size)]
     speeds = [before[k] + dot(A[k], impulses) if impact.leaves[k // 2] else 0.0 for k in range(1, size, 2)]
     return impulses, speeds
-
-
-def _check_set(slides: Any, leaves: Any, after: Array, impulse: Array, friction: float) -> None:
-    speed, push = np.abs(after).max() + DEGENERATE, np.abs(impulse).max() + 1e-300
-    for i, (slide, leave) in enumerate(zip(slides, leaves, strict=True)):
-        along, up = impulse[2 * i : 2 * i + 2]
-        margin = after[2 * i + 1] / speed if leave else up / push
-        if slide:
-            margin = min(margin, abs(after[2 * i]) / speed)
-        elif not leave:
-            margin = min(margin, (friction * up - abs(along)) / push)
-        _check_margin(margin)
