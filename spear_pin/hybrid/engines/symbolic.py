@@ -14,7 +14,7 @@ from typing import Any
 
 from spear_pin.errors import BadFunction, NotSymbolic
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, RESTS, SIGN, SLIP
+from spear_pin.hybrid.contact import RESTS, SIGN, SLIP
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.elimination import Matrix, factorize, solve, substitute
@@ -23,7 +23,7 @@ from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.trial import mistaken
 from spear_pin.hybrid.fields import adjusted, with_fields
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
-from spear_pin.hybrid.rules.footing import size
+from spear_pin.hybrid.rules.footing import closed_toes, size
 from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
 from spear_pin.model.spring import Spring
@@ -81,7 +81,7 @@ class Motion:
         self._terms = mechanism.terms(q, v, ops)
         ground = numbers.ground
         self._feet: Feet = self._asked("the ground", ground.above, ground.seen, (self._terms, ops))
-        self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
+        self._closed = closed_toes(robot.toes, domain)
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
         self._taken = [toe for toe in robot.toes if toe in bearing] if at_rest is None else list(at_rest)
         self._k = robot.dimension

@@ -18,12 +18,12 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import KELLER, HybridSystem
-from spear_pin.hybrid.contact import OPEN, SLIP
+from spear_pin.hybrid.contact import SLIP
 from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.fields import adjusted, flattened
 from spear_pin.hybrid.rules.cycles import counts_to
-from spear_pin.hybrid.rules.footing import still
+from spear_pin.hybrid.rules.footing import closed_toes, still
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.strikes import Overlap, comes_to_rest, pins, struck_toes_in_space
@@ -218,7 +218,7 @@ class _Whole:
         """Returns the change of velocity by an impact in space, or by the end of sliding, and its derivatives."""
         robot, y, domain = self.system.robot, arc.after, arc.domain
         if reset.stop:
-            grounded = [toe for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
+            grounded = [toe for toe, _ in closed_toes(robot.toes, domain)]
             feet, slopes = self._feet(grounded, y, now)
             speeds = zip(grounded, feet.speeds.reshape(-1, 3), strict=True)
             firsts = [0 if comes_to_rest(robot, domain, reset, toe, speed) else 2 for toe, speed in speeds]
