@@ -7,7 +7,7 @@ functions in `ops`: heyoka's expressions, SymPy's, or NumPy arrays of many state
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -133,9 +133,7 @@ class Motion:
         imposed = self._controlled[1]
         if imposed is not None:
             return imposed.a, imposed.forces, {}
-        applied = list(self._passive)
-        for index, torque in zip(self._motors, self.u, strict=True):
-            applied[index] = applied[index] + torque
+        applied = self._applied(zip(self._motors, self.u, strict=True))
         rows, directions, drift = self._constraint()
         a, multipliers, schur = self._constrained(applied, rows, directions, drift)
         forces: dict[str, tuple[Any, ...]] = {}
@@ -225,9 +223,7 @@ class Motion:
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
         """Returns the normal force that the motor torques `u` would give with the toes on the ground at rest, in N."""
-        applied = list(self._passive)
-        for index, torque in zip(self._motors, u, strict=True):
-            applied[index] = applied[index] + torque
+        applied = self._applied(zip(self._motors, u, strict=True))
         rows, drift = self._at_rest()
         _, multipliers, _ = self._constrained(applied, rows, rows, drift)
         return multipliers[self._k * (self._taken.index(toe) + 1) - 1]
@@ -242,9 +238,7 @@ class Motion:
         the law returns exactly these torques; `others` has all other motors.
         """
         n, (contacts, drift) = self.mechanism.nv, self._at_rest()
-        applied = list(self._passive)
-        for j, torque in others:
-            applied[self._motors[j]] = applied[self._motors[j]] + torque
+        applied = self._applied((self._motors[j], torque) for j, torque in others)
         force = [f - h for f, h in zip(applied, self.bias, strict=True)]
         system, right = self._bordered(force, contacts, drift)
         for row, a, j in zip(rows, wanted, motors, strict=True):
@@ -302,6 +296,13 @@ class Motion:
             spring, what = self._spring(mount), f"spring of {mount.joint!r} in domain {self.domain.name!r}"
             drag = self._asked(what, spring.drag, spring.drag, (self.v[i],))
             forces[i] = forces[i] + self._springs[mount.joint] + drag
+        return forces
+
+    def _applied(self, torques: Iterable[tuple[int, Any]]) -> list[Any]:
+        """Returns the forces on the joints if motors give these torques, each with the index of its joint."""
+        forces = list(self._passive)
+        for i, torque in torques:
+            forces[i] = forces[i] + torque
         return forces
 
     def _spring(self, mount: Mount) -> Spring:
