@@ -111,7 +111,7 @@ class Gaits:
         try:
             system, own = family.member(numbers.tolist()), family.seeds(numbers)
             along = np.concatenate([np.zeros((len(own.numbers), d)), own.numbers], axis=1)
-            start = on_section(system, local, along, d)
+            start = on_section(system, local, along)
             with LOCK:
                 recorder = family.recorder(numbers)
                 cycle = differentiated(recorder.system, recorder, np.concatenate(state), start, along, fineness)
