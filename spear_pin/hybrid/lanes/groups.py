@@ -47,7 +47,9 @@ class Group:
 
 def take(value: Any, chosen: Any) -> Any:
     """Returns the held values of the chosen lanes."""
-    return mapped(lambda each: each[chosen] if isinstance(each, np.ndarray) else each, value)
+    if isinstance(value, tuple):  # often called: a function of each value would cost more
+        return tuple(take(item, chosen) for item in value)
+    return value[chosen] if isinstance(value, np.ndarray) else value
 
 
 def alone(held: Held) -> Held:
