@@ -150,7 +150,7 @@ class TangentCycles:
         except REFUSALS:
             return None
         known = [each for each in measured if each is not None]
-        return _Differentiated(cycle, known, recorder.order) if len(known) == len(measured) else None
+        return _Differentiated(cycle, known, cycle.record.order) if len(known) == len(measured) else None
 
     @cached_property
     def seeds(self) -> Array:

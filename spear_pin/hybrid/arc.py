@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -51,7 +52,8 @@ class Arc(NamedTuple):
         return self.event is not None and self.event.reset is not None and self.event.reset.phase is not None
 
 
-class Record(Protocol):
+@dataclass(frozen=True)
+class Record:
     """A cycle from a state just after the section, where a phase begins.
 
     Attributes:
@@ -63,23 +65,12 @@ class Record(Protocol):
         arcs: the motion from event to event.
     """
 
-    @property
-    def y(self) -> Array: ...  # noqa: D102
-
-    @property
-    def phase(self) -> str: ...  # noqa: D102
-
-    @property
-    def held(self) -> Held: ...  # noqa: D102
-
-    @property
-    def spent(self) -> Mapping[str, float]: ...  # noqa: D102
-
-    @property
-    def order(self) -> Order: ...  # noqa: D102
-
-    @property
-    def arcs(self) -> Sequence[Arc]: ...  # noqa: D102
+    y: Array
+    phase: str
+    held: Held
+    spent: Mapping[str, float]
+    order: Order
+    arcs: Sequence[Arc]
 
 
 def states_over(pieces: Sequence[Piece], rows: int) -> Callable[[Array], Array]:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from itertools import chain
 from threading import Lock
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -212,14 +214,9 @@ def _result(lanes: Lanes) -> Batch:
 
 
 def _joined(parts: list[Batch]) -> Batch:
-    return Batch(
-        np.concatenate([part.q for part in parts]),
-        np.concatenate([part.v for part in parts]),
-        np.concatenate([part.cycles for part in parts]),
-        np.concatenate([part.reason for part in parts]),
-        tuple(message for part in parts for message in part.message),
-        {phase: np.concatenate([part.durations[phase] for part in parts]) for phase in parts[0].durations},
-        {name: np.concatenate([part.observed[name] for part in parts]) for name in parts[0].observed},
-        np.concatenate([part.repeated for part in parts]),
-        tuple(order for part in parts for order in part.orders),
-    )
+    def joined(values: list[Any]) -> Any:
+        if isinstance(values[0], dict):
+            return {name: joined([value[name] for value in values]) for name in values[0]}
+        return np.concatenate(values) if isinstance(values[0], np.ndarray) else tuple(chain.from_iterable(values))
+
+    return Batch(*(joined([getattr(part, field.name) for part in parts]) for field in fields(Batch)))

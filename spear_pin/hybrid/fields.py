@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any, TypeVar
@@ -78,6 +78,11 @@ def flattened(values: Collection[Any]) -> list[Any]:
         elif is_number(value):
             flat.append(value)
     return flat
+
+
+def mapped(function: Callable[[Any], Any], value: Any) -> Any:
+    """Applies a function to a value, or to all values in nested tuples."""
+    return tuple(mapped(function, each) for each in value) if isinstance(value, tuple) else function(value)
 
 
 def is_number(value: Any) -> bool:

@@ -22,14 +22,13 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid import shares
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.hardware import blended
 from spear_pin.hybrid.modes import choose, fitting
 from spear_pin.hybrid.rules.entry import NONE
-from spear_pin.hybrid.rules.footing import still
+from spear_pin.hybrid.rules.footing import closed_toes, still
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.surface import BEYOND, MOST_AT_ONCE, alternation, begins, chatter, leads_round
 
@@ -39,7 +38,7 @@ class Unloaded(Flow):
 
     def __init__(self, system: HybridSystem, grounded: Domain, airborne: Domain, held: Held) -> None:
         super().__init__(system, replace(grounded, contacts=airborne.contacts, rubs=airborne.rubs), held)
-        self._at_rest = [toe for toe, mode in zip(system.robot.toes, grounded.contacts, strict=True) if mode != OPEN]
+        self._at_rest = [toe for toe, _ in closed_toes(system.robot.toes, grounded)]
 
 
 class Sliding(Flow):

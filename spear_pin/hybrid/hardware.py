@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -105,13 +105,12 @@ class Hardware:
 
     actuators: tuple[Actuator, ...]
     sensing: Sensing | None = None
-    names: tuple[str, ...] = field(init=False, repr=False)
 
-    def __post_init__(self) -> None:
-        """Names the states: the clock if there is one, then the states of each actuator."""
-        names = [CLOCK] if self.sensing is not None else []
-        names += [f"{name}_{i}" for i, actuator in enumerate(self.actuators) for name in actuator.states]
-        object.__setattr__(self, "names", tuple(names))
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the states: the clock if there is one, then the states of each actuator."""
+        own = (f"{name}_{i}" for i, actuator in enumerate(self.actuators) for name in actuator.states)
+        return (CLOCK, *own) if self.sensing is not None else tuple(own)
 
     @property
     def max_step(self) -> float:

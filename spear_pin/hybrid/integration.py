@@ -90,7 +90,8 @@ def integrated(
         most: most evaluations of the vector field.
         onset: whether the motion of toes that begin to slide ends where they have set out.
     """
-    motion, solver, times = Motion(t, y), _solver(flow, t, y, until, how), deque[float](maxlen=rules.CREEP)
+    motion, times = Motion(t, y), deque[float](maxlen=rules.CREEP)
+    solver = scipy.integrate.DOP853(flow, t, y, until, max_step=how.longest, rtol=how.rtol, atol=how.atol)
     if flow.sets_out:
         flow.arrive(t, y)
     while solver.status == "running":
@@ -148,10 +149,6 @@ def _pass(
         motion.observed.append((guard.name, time, solution(time)))
     motion.pieces.append(Piece(t0, motion.t, solution))
     return False
-
-
-def _solver(flow: Flow, t: float, y: Array, until: float, how: Accuracy) -> scipy.integrate.DOP853:
-    return scipy.integrate.DOP853(flow, t, y, until, max_step=how.longest, rtol=how.rtol, atol=how.atol)
 
 
 def _step_to(flow: Flow, t0: float, y0: Array, time: float) -> Array:

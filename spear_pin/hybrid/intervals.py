@@ -8,7 +8,7 @@ for all of an interval.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -41,32 +41,32 @@ class Interval:
         return f"Interval({self.low:g}, {self.high:g})"
 
     def __add__(self, other: Any) -> Any:
-        low, high = _ends(other)
+        low, high = bounds(other)
         return Interval(self.low + low, self.high + high)
 
     def __sub__(self, other: Any) -> Any:
-        low, high = _ends(other)
+        low, high = bounds(other)
         return Interval(self.low - high, self.high - low)
 
     def __rsub__(self, other: Any) -> Any:
-        low, high = _ends(other)
+        low, high = bounds(other)
         return Interval(low - self.high, high - self.low)
 
     def __mul__(self, other: Any) -> Any:
-        low, high = _ends(other)
+        low, high = bounds(other)
         products = self.low * low, self.low * high, self.high * low, self.high * high
         return Interval(min(products), max(products))
 
     __radd__, __rmul__ = __add__, __mul__
 
     def __truediv__(self, other: Any) -> Any:
-        low, high = _ends(other)
+        low, high = bounds(other)
         if low <= 0.0 <= high:
             raise Unsure
         return self * Interval(1.0 / high, 1.0 / low)
 
     def __rtruediv__(self, other: Any) -> Any:
-        return Interval(*_ends(other)) / self
+        return Interval(*bounds(other)) / self
 
     def __pow__(self, power: Any) -> Any:
         if not isinstance(power, (int, float)):
@@ -90,11 +90,11 @@ class Interval:
         return Interval(0.0 if self.low < 0.0 < self.high else min(ends), max(ends))
 
     def __lt__(self, other: Any) -> bool:
-        low, high = _ends(other)
+        low, high = bounds(other)
         return _sure(self.high < low, self.low >= high)
 
     def __le__(self, other: Any) -> bool:
-        low, high = _ends(other)
+        low, high = bounds(other)
         return _sure(self.high <= low, self.low > high)
 
     def __gt__(self, other: Any) -> bool:
@@ -104,7 +104,7 @@ class Interval:
         return not self < other
 
     def __eq__(self, other: object) -> bool:
-        low, high = _ends(other)
+        low, high = bounds(other)
         return _sure(self.low == self.high == low == high, self.high < low or self.low > high)
 
     def __bool__(self) -> bool:
@@ -154,10 +154,6 @@ def enclosing(low: Any, high: Any) -> Any:
 
 def bounds(value: Any) -> tuple[float, float]:
     """Returns the least and the greatest number of an interval; a plain number twice."""
-    return _ends(value)
-
-
-def _ends(value: Any) -> tuple[float, float]:
     if isinstance(value, Interval):
         return value.low, value.high
     number = float(value)
@@ -183,26 +179,22 @@ def _of_one(name: str) -> Callable[[Any], Any]:
 
 
 def _maximum(a: Any, b: Any) -> Any:
-    (low, high), (least, greatest) = _ends(a), _ends(b)
+    (low, high), (least, greatest) = bounds(a), bounds(b)
     return Interval(max(low, least), max(high, greatest))
 
 
 def _atan2(y: Any, x: Any) -> Any:
-    (bottom, top), (left, right) = _ends(y), _ends(x)
+    (bottom, top), (left, right) = bounds(y), bounds(x)
     if left <= 0.0 and bottom <= 0.0 <= top:  # the interval crosses the branch cut
         raise Unsure
     corners = [math.atan2(b, a) for b in (bottom, top) for a in (left, right)]
     return Interval(min(corners), max(corners))
 
 
-def _solve(rows: Sequence[Sequence[Any]], right: Sequence[Any]) -> Any:
-    return solve([list(row) for row in rows], list(right))
-
-
 INTERVALS = Operations(
     **{name: _of_one(name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp")},
     atan2=_atan2,
     maximum=_maximum,
-    solve=_solve,
+    solve=solve,
 )
 """Elementary functions of intervals, and of numbers."""

@@ -47,8 +47,8 @@ def in_place(system: HybridSystem, domain: Domain, y: Array) -> bool:
     """Tells whether a domain has those bouncing toes open that are in the air."""
     nq, nv = system.robot.nq, system.robot.nv
     q, v = y[:nq], y[nq : nq + nv]
-    for toe, mode in zip(system.robot.toes, domain.contacts, strict=True):
-        if toe in domain.bouncing and mode != OPEN:
+    for toe, _ in closed_toes(system.robot.toes, domain):
+        if toe in domain.bouncing:
             height, jacobian = system.ground.foot(system.robot, q, toe)
             if aloft(height, float(jacobian[-1] @ v)):
                 return False
@@ -98,9 +98,9 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
 
 def _stays(flow: Flow, toe: str) -> bool:
     """Tells whether a bouncing toe stays on the ground, or does not fall back to the ground that it just left."""
-    if flow.domain.contacts[flow.system.robot.toes.index(toe)] != OPEN:
-        slips = flow.domain.contacts[flow.system.robot.toes.index(toe)] in SLIPS
-        return flow.force(toe)[-1] * (flow.pivot(toe) if slips else 1.0) > UNLOADED
+    mode = flow.domain.contacts[flow.system.robot.toes.index(toe)]
+    if mode != OPEN:
+        return flow.force(toe)[-1] * (flow.pivot(toe) if mode in SLIPS else 1.0) > UNLOADED
     if aloft(flow.height(toe), flow.toe_velocity(toe)[-1]):
         return True
     return flow.toe_acceleration(toe)[-1] >= -STARTS_TO_SLIDE

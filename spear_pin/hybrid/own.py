@@ -119,18 +119,17 @@ def _is_scalar(answer: Any) -> bool:
     return answer is not None and not isinstance(answer, (complex, str, bytes, Sequence, Mapping, Set))
 
 
-def number(what: str, function: Any, answer: Any, of: str = "") -> float:
+def number(what: str, function: Any, answer: Any) -> float:
     """Returns an answer as a number, which need not be finite.
 
     Raises:
         BadFunction: the answer is no number.
     """
-    found = scalar(what, function, answer, of)
+    found = scalar(what, function, answer)
     if isinstance(found, np.ndarray) and found.ndim == 0 and found.dtype.kind in "fiub":
         return float(found)
     if type(found) is not float:
-        named = f" as the {of}" if of else ""
-        raise mistake(what, function, f"it gives {brief(answer)}{named}; expected a number")
+        raise mistake(what, function, f"it gives {brief(answer)}; expected a number")
     return found
 
 

@@ -42,14 +42,16 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
     return rebuilt(system, **parts)
 
 
-def rebuilt(system: HybridSystem, **parts: Any) -> HybridSystem:
-    """Returns a system with another law, spring or contact; changed and replaced parts of the given one are kept.
+def rebuilt(system: HybridSystem, robot: Robot | None = None, **parts: Any) -> HybridSystem:
+    """Returns a system with another robot, law, spring or contact; its other changed and replaced parts are kept.
 
     Raises:
         BadValue: its domains were replaced, and not by `changed`, so that they are not defined for other numbers.
     """
     kept = replaced(system)
-    again = system.build(system.robot, **{part: getattr(system, part) for part in PARTS} | parts)
+    again = system.build(
+        system.robot if robot is None else robot, **{part: getattr(system, part) for part in PARTS} | parts
+    )
     return replace(again, **kept) if kept else again  # once made it is checked
 
 
@@ -176,10 +178,8 @@ def with_numbers(system: HybridSystem, values: Mapping[str, float]) -> HybridSys
     }
     rest = {name: value for name, value in values.items() if name not in varied and name not in bodies}
     if varied or bodies:
-        other = with_body_numbers(vary(robot, **varied), bodies) if bodies else vary(robot, **varied)
-        parts, kept = {part: getattr(system, part) for part in PARTS}, replaced(system)
-        again = system.build(other, **parts)
-        system = replace(again, **kept) if kept else again
+        other = vary(robot, **varied)
+        system = rebuilt(system, with_body_numbers(other, bodies) if bodies else other)
     return with_parameters(system, rest)
 
 

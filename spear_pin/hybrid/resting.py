@@ -13,6 +13,7 @@ from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import Sliding, alternating, entered, held_after
 from spear_pin.hybrid.rules.entry import NONE
+from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.rules.start import rests
 from spear_pin.hybrid.rules.surface import BEYOND
 
@@ -108,6 +109,6 @@ def _with(system: HybridSystem, bearing: set[str]) -> Iterator[tuple[str, Guard]
     """Yields the phases in which exactly these toes are on the ground, and the events that leave them."""
     for phase in system.phases:
         domain = system.of_phase(phase)[0]
-        closed = {toe for toe, mode in zip(system.robot.toes, domain.contacts, strict=True) if mode != OPEN}
+        closed = {toe for toe, _ in closed_toes(system.robot.toes, domain)}
         if closed == bearing:
             yield from ((phase, guard) for guard in domain.guards if guard.leaves and guard.reset is not None)

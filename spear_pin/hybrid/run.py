@@ -187,7 +187,7 @@ class _Runner:
         again = bool(rules.retouches(self.system, reset, now - self.grounded))
         try:
             held = self._reset(rules.RETOUCH if again else guard.name, reset, begins=not again)
-        except _Undefined:
+        except ArithmeticError:
             self._end("not_finite", f"what {guard.name} does at t = {now:.6g} s")
             return
         reason = self._too_many(now)
@@ -209,7 +209,7 @@ class _Runner:
         A toe that only touches again begins no cycle.
 
         Raises:
-            _Undefined: its impact, or its latch, has no value.
+            ArithmeticError: its impact, or its latch, has no value.
         """
         nq, nv, held = self.robot.nq, self.robot.nv, self.flow.held
         q, v = self.y[:nq], self.y[nq : nq + nv]
@@ -217,18 +217,12 @@ class _Runner:
         work: dict[str, float] = {}
         if reset.release:
             work["released"] = -in_springs(self.system, self.flow.domain, held, self.y, reset.release)
-        try:
-            strike = struck(self.system, self.flow.domain, reset, q, v, self.overlap, self._now())
-        except ArithmeticError:
-            raise _Undefined from None
+        strike = struck(self.system, self.flow.domain, reset, q, v, self.overlap, self._now())
         if strike is not None:
             v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
-        try:
-            held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, self.system.place_of, begins=begins)
-        except ArithmeticError:
-            raise _Undefined from None
+        held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, self.system.place_of, begins=begins)
         domain = self.flow.domain.name
         self.run.events.append(Event(name, self._now(), domain, q.copy(), before, v.copy(), impulse, work))
         for flow, energy in work.items():
@@ -358,10 +352,6 @@ class _Runner:
 
     def _energy(self) -> float:
         return in_mechanism(self.system, self.flow.domain, self.flow.held, self.y)
-
-
-class _Undefined(Exception):
-    """An event has an effect without a value."""
 
 
 def _never(*_: Any) -> float:

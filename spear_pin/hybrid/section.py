@@ -92,11 +92,10 @@ class AfterImpact(Section):
 
     def take(self, lanes: Any) -> Self:
         """Returns the section of some lanes."""
-        own = {name: value[lanes] for name, value in vars(self.ground).items() if isinstance(value, np.ndarray)}
-        if not own:
+        if not any(isinstance(value, np.ndarray) for value in vars(self.ground).values()):
             return self
         along = self.translations[lanes] if self.translations.ndim == 3 else self.translations
-        return replace(self, ground=with_fields(self.ground, own), translations=along)
+        return replace(self, ground=_of_lanes(self.ground, lanes), translations=along)
 
     def on(self, numbers: Mapping[str, Array]) -> Self:
         """Returns the section on other ground, see `Section`; `translations` stay those that charts leave out."""
@@ -108,7 +107,7 @@ class AfterImpact(Section):
         heights, jacobians = np.empty((len(q), len(self.toes))), np.empty((len(q), len(self.toes), 2, self.robot.nv))
         if self.mechanism is None or type(self.ground) is not Ground:  # its shape may be defined for numbers only
             for lane, configuration in enumerate(q):
-                ground = _of_lane(self.ground, lane)
+                ground = _of_lanes(self.ground, lane)
                 for i, toe in enumerate(self.toes):
                     heights[lane, i], jacobians[lane, i] = ground.foot(self.robot, configuration, toe)
             return heights, jacobians
@@ -246,7 +245,7 @@ def velocity_rows(jacobians: Array, slides: NDArray[np.bool_]) -> Array:
     return jacobians.reshape(n, k * axes, nv)[:, np.column_stack([~slides, np.ones_like(slides)]).ravel()]
 
 
-def _of_lane(ground: Ground, lane: int) -> Ground:
-    """Returns the ground of one lane."""
-    own = {name: float(value[lane]) for name, value in vars(ground).items() if isinstance(value, np.ndarray)}
+def _of_lanes(ground: Ground, lanes: Any) -> Ground:
+    """Returns the ground of some lanes, or of one."""
+    own = {name: value[lanes] for name, value in vars(ground).items() if isinstance(value, np.ndarray)}
     return with_fields(ground, own)

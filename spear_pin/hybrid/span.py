@@ -65,7 +65,7 @@ class Span:
         """Returns the coefficients in Bernstein's basis of a quantity of the step, (8, m)."""
         if what not in self._coefficients:
             if self._half is None:
-                found = self.whole.fitted(what)
+                found, *_ = self.whole.known(what)
             else:
                 whole, which = self._half
                 found = _HALVES[which] @ whole.coefficients(what)
@@ -74,7 +74,7 @@ class Span:
 
     def enclosure(self, what: Any) -> Any:
         """Returns all values of a quantity between begin and end, as an interval or an array of intervals."""
-        coefficients, (error, shape) = self.coefficients(what), self.whole.about(what)
+        coefficients, (_, error, shape) = self.coefficients(what), self.whole.known(what)
         low, high = coefficients.min(axis=0) - error, coefficients.max(axis=0) + error
         return enclosing(low.reshape(shape), high.reshape(shape))
 
@@ -112,16 +112,8 @@ class Step:
         self._fitted: dict[Any, tuple[Array, Array, tuple[int, ...]]] = {}
         self.span = Span(self, begin, end)
 
-    def fitted(self, what: Any) -> Array:
-        """Returns the coefficients of a quantity on the whole step, (8, m)."""
-        return self._known(what)[0]
-
-    def about(self, what: Any) -> tuple[Array, tuple[int, ...]]:
-        """Returns how much a quantity may differ from its polynomial, (m,), and its shape."""
-        _, error, shape = self._known(what)
-        return error, shape
-
-    def _known(self, what: Any) -> tuple[Array, Array, tuple[int, ...]]:
+    def known(self, what: Any) -> tuple[Array, Array, tuple[int, ...]]:
+        """Returns the coefficients of a quantity, (8, m), by how much it may differ from them, (m,), and its shape."""
         if what not in self._fitted:
             values = np.array(self._values(what), dtype=float)
             if not np.isfinite(values).all():

@@ -11,8 +11,9 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import KELLER, HybridSystem
-from spear_pin.hybrid.contact import OPEN, PINNED, SLOW, STICK
+from spear_pin.hybrid.contact import PINNED, SLOW, STICK
 from spear_pin.hybrid.domain import Domain, Reset
+from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.rules.guards import ON_GROUND, rise
 from spear_pin.hybrid.rules.guards import struck as told
 from spear_pin.hybrid.rules.impact import (
@@ -52,10 +53,13 @@ class Overlap:
 
     Attributes:
         window: duration of an impact, in s.
+        nothing: impulse of a toe that was not struck, (3,), or with derivatives along c directions, (3, 1 + c), as all
+            impulses then are.
         recent: time at which each toe was struck, in s, and its impulse since, (3,).
     """
 
     window: float
+    nothing: Array = field(default_factory=lambda: np.zeros(3))
     recent: dict[str, tuple[float, Array]] = field(default_factory=dict)
 
     def received(self, toes: Sequence[str], now: float) -> Array:
@@ -63,7 +67,7 @@ class Overlap:
         for toe, (time, _) in list(self.recent.items()):
             if now - time > self.window:
                 del self.recent[toe]
-        return np.array([self.recent[toe][1] if toe in self.recent else np.zeros(3) for toe in toes])
+        return np.array([self.recent[toe][1] if toe in self.recent else self.nothing for toe in toes])
 
     def add(self, toes: Sequence[str], striking: Container[str], impulse: Array, now: float) -> None:
         """Records an impact.
@@ -113,14 +117,7 @@ def pins(system: HybridSystem, domain: Domain, reset: Reset) -> bool:
 
 
 def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Strike:
-    """Computes the effect of an impact that pins toes to the ground where they strike, by `caught`.
-
-    Args:
-        system: the system.
-        toes: all toes that are on the ground afterwards.
-        q: configuration.
-        v: velocity before.
-    """
+    """Computes the effect of an impact that pins toes, all that are on the ground afterwards, by `caught`."""
     robot = system.robot
     jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in toes])
     impact = caught(robot.mass_matrix(q), jacobian, v)
@@ -134,16 +131,8 @@ def struck_in_space(
 ) -> Strike:
     """Computes the effect of an impact in space on the toes that touch the ground in that instant, by the system's law.
 
-    By Keller's law an impact of one toe is separate, whatever impulse the toe has received before.
-
-    Args:
-        system: the system.
-        domain: the domain that the impact ends.
-        reset: reset of the event.
-        q: configuration.
-        v: velocity before.
-        overlap: earlier impacts, to which this one is added.
-        now: time of the impact, in s.
+    By Keller's law an impact of one toe is separate, whatever impulse the toe has received before. For the arguments
+    see `struck`.
     """
     robot = system.robot
     feet = {toe: system.ground.foot(robot, q, toe) for toe in robot.toes}
@@ -178,7 +167,7 @@ def struck_toes_in_space(
         reset: reset of the event.
         normal: height above the ground, in m, and normal velocity, in m/s, of each toe.
     """
-    grounded = {toe for toe, mode in zip(system.robot.toes, domain.contacts, strict=True) if mode != OPEN}
+    grounded = {toe for toe, _ in closed_toes(system.robot.toes, domain)}
     falling = {toe for toe, (height, speed) in normal.items() if height <= ON_GROUND and speed < 0.0}
     striking = ({*reset.impact} | falling) - grounded
     return [toe for toe in system.robot.toes if toe in grounded | striking], striking
@@ -190,9 +179,7 @@ def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Arr
     Other toes that slide as slowly stop with them, and sticking toes keep sticking.
     """
     robot, rows = system.robot, []
-    for toe, mode in zip(robot.toes, domain.contacts, strict=True):
-        if mode == OPEN:
-            continue
+    for toe, _ in closed_toes(robot.toes, domain):
         jacobian = system.ground.foot(robot, q, toe)[1]
         rows.append(jacobian if comes_to_rest(robot, domain, reset, toe, jacobian @ v) else jacobian[-1:])
     jacobians = np.concatenate(rows)
@@ -210,14 +197,9 @@ def comes_to_rest(robot: Robot, domain: Domain, reset: Reset, toe: str, speed: A
 
 
 def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Array, v: Array) -> Strike:
-    """Computes the effect of an impact in the plane of some toes, by `plastic_impact` or `joint_impact`.
+    """Computes the effect of an impact in the plane on all toes that take part, by `plastic_impact` or `joint_impact`.
 
-    Args:
-        system: the system.
-        struck: the toes that take part, see `rules.impact.struck_toes`.
-        reset: reset of the event.
-        q: configuration.
-        v: velocity before.
+    For the other arguments see `struck`.
     """
     robot, before = system.robot, v
     mass_matrix = robot.mass_matrix(q)

@@ -109,8 +109,7 @@ def evened(robot: Robot) -> Robot:
         robot: a robot on a chain.
 
     Raises:
-        BadValue: the base is no chain, a leg has no partner on the other side, or its joints have another zero than
-            the partner's.
+        BadValue: the robot has no mirror, see `mirror_of`.
 
     Example:
         >>> from spear_pin import load

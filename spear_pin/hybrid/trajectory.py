@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError, UnknownName, require
+from spear_pin.hybrid import trajectory_parts as parts
+from spear_pin.hybrid import trajectory_tables as tables
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.kinds import typed
 from spear_pin.model.mover import mover
 from spear_pin.model.robot import Robot
@@ -165,8 +166,8 @@ class Trajectory(Shown):
 
     def __repr__(self) -> str:
         duration = self.t[-1] - self.t[0]
-        parts = f"{self.cycles} cycles", f"{duration:.4g} s", f"{len(self)} samples", f"{len(self.events)} events"
-        return f"Trajectory({printable(repr(self.robot))}: {', '.join(parts)}, {self.reason})"
+        said = f"{self.cycles} cycles", f"{duration:.4g} s", f"{len(self)} samples", f"{len(self.events)} events"
+        return f"Trajectory({printable(repr(self.robot))}: {', '.join(said)}, {self.reason})"
 
     def __len__(self) -> int:
         """Returns the number of samples."""
@@ -210,30 +211,22 @@ class Trajectory(Shown):
         Raises:
             BadValue: the suffix is neither .csv nor .mat.
         """
-        from spear_pin.hybrid.trajectory_tables import export
-
-        return export(self, path, SAMPLED)
+        return tables.export(self, path, SAMPLED)
 
     def columns(self) -> tuple[list[str], Array]:
         """Returns names and values of all numeric columns, one row a sample; `units` has their units."""
-        from spear_pin.hybrid.trajectory_tables import columns
-
-        return columns(self)
+        return tables.columns(self)
 
     def units(self) -> dict[str, str]:
         """Returns the unit of each column by its name; "m or rad" and the like if the robot is not found."""
-        from spear_pin.hybrid.trajectory_tables import units
-
-        return units(self)
+        return tables.units(self)
 
     def to_pandas(self) -> Any:
         """Returns the samples as a `pandas.DataFrame` over time: the `columns`, domain, phase and engaged springs.
 
         Its `attrs["units"]` has the unit of each column.
         """
-        from spear_pin.hybrid.trajectory_tables import frame
-
-        return frame(self)
+        return tables.frame(self)
 
     def to_xarray(self) -> Any:
         """Returns the samples as an `xarray.Dataset` over time, coordinates, motors, toes and springs, with units.
@@ -241,9 +234,7 @@ class Trajectory(Shown):
         Raises:
             MissingExtra: xarray is not installed.
         """
-        from spear_pin.hybrid.trajectory_tables import dataset
-
-        return dataset(self)
+        return tables.dataset(self)
 
     @typed
     def in_cycles(self, first: int, last: int | None = None) -> Trajectory:
@@ -256,9 +247,7 @@ class Trajectory(Shown):
         Raises:
             BadValue: there are no such cycles.
         """
-        from spear_pin.hybrid.trajectory_parts import cycles
-
-        return cycles(self, first, first if last is None else last)
+        return parts.cycles(self, first, first if last is None else last)
 
     @typed
     def in_phase(self, name: str) -> Trajectory:
@@ -267,9 +256,7 @@ class Trajectory(Shown):
         Raises:
             UnknownName: there is no such phase.
         """
-        from spear_pin.hybrid.trajectory_parts import phase
-
-        return phase(self, name)
+        return parts.phase(self, name)
 
     @typed
     def load_robot(self, source: str | None = None) -> Robot:
@@ -296,7 +283,7 @@ class Trajectory(Shown):
             BadValue: the motion has gaps, its robot is not found, or the height is not positive.
         """
         require("height", height, lambda pixels: pixels >= 1, "a whole number of pixels, at least 1")
-        if len(gaps(self)):
+        if len(parts.gaps(self)):
             raise BadValue("trajectory", "one with gaps", "one without, such as `in_cycles` gives")
         if robot is None:
             try:
@@ -325,7 +312,8 @@ class Trajectory(Shown):
         return plotted(self, columns, cycles)
 
 
-_REST = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")
+PLAIN = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")
+"""The fields that are names, texts and numbers."""
 _PARTS = ("events", "ledger", "electrical", "ground", "origin")
-SAMPLED = tuple(f.name for f in fields(Trajectory) if f.name not in (*_REST, *_PARTS))
+SAMPLED = tuple(f.name for f in fields(Trajectory) if f.name not in (*PLAIN, *_PARTS))
 """The arrays over samples."""

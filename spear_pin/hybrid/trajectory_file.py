@@ -21,7 +21,7 @@ from spear_pin.errors import BadFile, BadValue, listed
 from spear_pin.files import atomic, check_keys, parse_json, regular
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.reasons import REASONS
-from spear_pin.hybrid.trajectory import SAMPLED, Event, Ledger, Trajectory
+from spear_pin.hybrid.trajectory import PLAIN, SAMPLED, Event, Ledger, Trajectory
 from spear_pin.model.origin import check_origin
 from spear_pin.printable import is_printable, printable
 
@@ -60,7 +60,6 @@ EVENT_ARRAYS = ("time", "q", "v_before", "v", "impulse")
 NAMES = ("coordinates", "actuated", "toes", "spring_joints")
 COUNTS = ("cycles", "evaluations")
 TEXTS = ("robot", "reason", "message")
-PLAIN = ("robot", *NAMES, "cycles", "reason", "message", "evaluations")
 GROUND_FIELDS = tuple(field.name for field in fields(Ground))
 DENSEST = 1100  # most bytes that one byte of a compressed file may stand for: more than deflate packs
 

@@ -5,15 +5,18 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.hybrid.arc import motion_of
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.simulate import sample
-from spear_pin.hybrid.tangent.record import CompiledRunner, many
+from spear_pin.hybrid.tangent.record import many
 from spear_pin.hybrid.tangent.reference_runner import ReferenceRunner
 
 RUNNERS = [
     pytest.param(ReferenceRunner, id="reference"),
-    pytest.param(lambda system: CompiledRunner(many(system, {}), 0), marks=pytest.mark.extra("heyoka"), id="compiled"),
+    pytest.param(
+        lambda system: LoneRunner(many(system, {}), 0, keep=True), marks=pytest.mark.extra("heyoka"), id="compiled"
+    ),
 ]
 
 

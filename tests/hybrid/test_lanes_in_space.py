@@ -113,7 +113,7 @@ def test_a_bouncing_toe_that_does_not_rise_is_left_to_the_reference_engine(off, 
     parameters = np.array([*numbers.constants(0), *flattened(arc.held.values())])
     ready, y = numbers.compilation.single(arc.domain, arc.held), np.concatenate([q, v])
     assert ready.enter(arc.t, y, parameters).event == event
-    held = {name: spread(value, 1) for name, value in arc.held.items()}
+    held = spread(arc.held, 1)
     group = Group(np.zeros(1, np.int64), np.array([arc.t]), y[:, None], held)
     many = numbers.compiled(arc.domain, group)
     assert sinking(numbers, many, group, numbers.at(many, group)).tolist() == [event == UNCLEAR]

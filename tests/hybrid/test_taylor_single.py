@@ -60,9 +60,7 @@ def test_chooses_as_for_many(hop):
             q, v = local.state(spread_of * rng.normal(size=local.dimension))
             v = v + rng.choice([0.0, 0.3]) * rng.normal(size=len(v))
             y = np.concatenate([q, v])
-            group = Group(
-                np.array([0]), np.zeros(1), y[:, None], {name: spread(each, 1) for name, each in held.items()}
-            )
+            group = Group(np.array([0]), np.zeros(1), y[:, None], spread(held, 1))
             found, _ = choose(numbers, phase, group)
             parameters = np.array([*numbers.constants(0), *flat(held)])
             entries = {

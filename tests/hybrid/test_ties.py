@@ -64,7 +64,7 @@ def test_lanes(tied, n):
     system, phase, held, y, mode = tied
     numbers = Numbers(system, {}, Code(1e-12))
     state = np.repeat(y[: 2 * system.robot.nv, None], n, axis=1)
-    group = Group(np.arange(n), np.zeros(n), state, {name: spread(each, n) for name, each in held.items()})
+    group = Group(np.arange(n), np.zeros(n), state, spread(held, n))
     chosen, left = choose(numbers, phase, group)
     assert not len(left)
     assert [(ready.domain.contacts, len(part)) for ready, part, _ in chosen] == [((mode,), n)]

@@ -75,9 +75,9 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "hybrid/tangent/overlap",
+        "hybrid/strikes",
         ["hybrid/tangent/test_impacts_in_space"],
-        {"derivatives in space: the last impulse alone": ("self.changes[toe] + own if toe in counted else own", "own")},
+        {"in space: the last impulse alone": ("self.recent[toe] = time, before + own", "self.recent[toe] = time, own")},
     ),
     *mistakes_in(
         "hybrid/tangent/cycle",

@@ -111,7 +111,7 @@ class Gaits:
         try:
             system, own = family.member(numbers.tolist()), family.seeds(numbers)
             along = np.concatenate([np.zeros((len(own.numbers), d)), own.numbers], axis=1)
-            start = on_section(system, local, along, d)
+            start = on_section(system, local, along)
             with LOCK:
                 recorder = family.recorder(numbers)
                 cycle = differentiated(recorder.system, recorder, np.concatenate(state), start, along, fineness)
@@ -127,7 +127,7 @@ class Gaits:
         durations = {phase: np.array([seconds.x]) for phase, seconds in cycle.durations.items()}
         ends, found = cycle.y[None], np.array([[each.value for each in measured]])
         closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
-        cycles = Cycles(ends[:, :nq], ends[:, nq:], found, durations, closes, reference, [recorder.order])
+        cycles = Cycles(ends[:, :nq], ends[:, nq:], found, durations, closes, reference, [cycle.record.order])
         (residual,), cycles = self._compared(charts, charts.coordinates(q[None], v[None]), values[None], cycles)
         if cycles.reason[0]:
             raise NoValue(cycles.reason[0], cycles.orders[0])

@@ -60,7 +60,7 @@ def measured(
         nothing = np.zeros((len(recorder.numbers), 1))
         with suppress(NotDifferentiable):
             cycle = differentiated(system, recorder, np.concatenate([q[i], v[i]]), still, nothing)
-            orders[i] = recorder.order
+            orders[i] = cycle.record.order
             for name, each in measures(cycle, still, weight, more).items():
                 found.setdefault(name, np.full(n, np.nan))[i] = each.value if np.isfinite(each.value) else np.nan
         on_lanes(1)

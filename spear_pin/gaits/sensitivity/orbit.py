@@ -60,7 +60,7 @@ class Orbit:
     @cached_property
     def start(self) -> Array:
         """Derivatives of the state in which the cycle begins by ξ and by the parameters, (2 nv, d + m)."""
-        return on_section(self.system, self.chart, self.seeds, self.dimension)
+        return on_section(self.system, self.chart, self.seeds)
 
     @cached_property
     def _seeds(self) -> Seeds:

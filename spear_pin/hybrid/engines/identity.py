@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import sysconfig
 from collections.abc import Iterator, Mapping, Set
 from dis import get_instructions
 from functools import cache, partial
@@ -12,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-INSTALLED = tuple({sysconfig.get_path(kind) for kind in ("stdlib", "purelib", "platlib")})
+from spear_pin.hybrid.own import INSTALLED
+
 GLOBALS, IMPORTS = frozenset({"LOAD_GLOBAL", "LOAD_NAME"}), frozenset({"IMPORT_NAME"})
 ABSENT = object()  # stands for a name that is not bound yet, or is a built-in
 ALIKE = (int, float, complex, str)  # types whose equal values are often made anew

@@ -15,7 +15,7 @@ import pinocchio as pin
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SLIPS, constrained, imposed, solve
+from spear_pin.hybrid.contact import SLIPS, constrained, imposed, solve
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
@@ -24,7 +24,7 @@ from spear_pin.hybrid.fields import adjusted
 from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.own import refuse_in_law
-from spear_pin.hybrid.rules.footing import Rubbing, along
+from spear_pin.hybrid.rules.footing import Rubbing, along, closed_toes
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
@@ -68,7 +68,7 @@ class Flow:
         self._level, self._plain = self._ground.level, self._ground.plain
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
         self._frame_ids: dict[str, int] = {}
-        self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
+        self._closed = closed_toes(robot.toes, domain)
         self._slips = [(toe, mode) for toe, mode in self._closed if mode in SLIPS]
         self._k, self._directions = robot.dimension, robot.directions
         self._sliding = Sliding(dict(self._slips))
@@ -317,13 +317,7 @@ class Flow:
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[float], motors: Sequence[int], others: Sequence[tuple[int, float]]
     ) -> Sequence[float]:
-        """Finds torques of as many motors as rows that make rows · v̇ = wanted with the toes on the ground at rest.
-
-        Args:
-            rows: (index, weight) of each row's entries; an index may occur several times.
-            wanted: wanted values of the rows times v̇.
-            motors: columns of the motors.
-            others: columns and torques of the other motors.
+        """Finds torques of as many motors as rows that make rows · v̇ = wanted; see `Dynamics.imposing`.
 
         Raises:
             numpy.linalg.LinAlgError: the decoupling matrix is singular.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -59,13 +60,22 @@ def symbols(
 
     Zeros of the robot, the springs and the ground stay zero; values that are no numbers stay unchanged.
     """
-    counter = _Counter(par)
-    law = counter.number(system.law)
-    beside = {name: counter.number(value) for name, value in others(system).items()}
+    index = count()
+
+    def replaced(value: Any) -> Any:
+        """Replaces numbers by the next parameters; values that are no numbers are structure."""
+        if isinstance(value, tuple):
+            return tuple(map(replaced, value))
+        if (names := field_names(value)) is not None:
+            return with_fields(value, {name: replaced(getattr(value, name)) for name in names})
+        return par[next(index)] if is_number(value) else value
+
+    law = replaced(system.law)
+    beside = {name: replaced(value) for name, value in others(system).items()}
     spring, ground = with_fields(system.spring, beside), with_fields(system.ground, beside)
-    moved = mechanism.with_numbers([counter.nonzero(number) for number in mechanism.numbers])
-    joints = [counter.nonzero(float(b)) for b in system.robot.model.damping]
-    kept = Latched({name: counter.number(value) for name, value in held.items()})
+    moved = mechanism.with_numbers([replaced(number) if number != 0.0 else 0.0 for number in mechanism.numbers])
+    joints = [replaced(float(b)) if b != 0.0 else 0.0 for b in system.robot.model.damping]
+    kept = Latched({name: replaced(value) for name, value in held.items()})
     return moved, Scalars(law, spring, ground, joints), kept
 
 
@@ -151,26 +161,6 @@ def _shape_of_ground(ground: Ground) -> Any:
 def shared(own: Spring, common: Spring) -> list[str]:
     """Returns the names of the numbers that a mount's spring shares with the system's; its other numbers are fixed."""
     return [name for name in OF_SPRINGS if getattr(own, name) == getattr(common, name)]
-
-
-class _Counter:
-    """Replaces scalars by the next run-time parameters; values that are no numbers are structure."""
-
-    def __init__(self, par: Any) -> None:
-        self._par, self._count = par, 0
-
-    def number(self, value: Any) -> Any:
-        if isinstance(value, tuple):
-            return tuple(self.number(item) for item in value)
-        if (names := field_names(value)) is not None:
-            return with_fields(value, {name: self.number(getattr(value, name)) for name in names})
-        if not is_number(value):
-            return value
-        self._count += 1
-        return self._par[self._count - 1]
-
-    def nonzero(self, value: float) -> Any:
-        return self.number(value) if value != 0.0 else 0.0
 
 
 def shape_of(held: Values) -> Any:

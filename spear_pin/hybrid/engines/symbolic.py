@@ -7,14 +7,14 @@ functions in `ops`: heyoka's expressions, SymPy's, or NumPy arrays of many state
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from spear_pin.errors import BadFunction, NotSymbolic
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, RESTS, SIGN, SLIP
+from spear_pin.hybrid.contact import RESTS, SIGN, SLIP
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.elimination import Matrix, factorize, solve, substitute
@@ -23,7 +23,7 @@ from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.trial import mistaken
 from spear_pin.hybrid.fields import adjusted, with_fields
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
-from spear_pin.hybrid.rules.footing import size
+from spear_pin.hybrid.rules.footing import closed_toes, size
 from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
 from spear_pin.model.spring import Spring
@@ -81,7 +81,7 @@ class Motion:
         self._terms = mechanism.terms(q, v, ops)
         ground = numbers.ground
         self._feet: Feet = self._asked("the ground", ground.above, ground.seen, (self._terms, ops))
-        self._closed = [(toe, mode) for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
+        self._closed = closed_toes(robot.toes, domain)
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
         self._taken = [toe for toe in robot.toes if toe in bearing] if at_rest is None else list(at_rest)
         self._k = robot.dimension
@@ -133,9 +133,7 @@ class Motion:
         imposed = self._controlled[1]
         if imposed is not None:
             return imposed.a, imposed.forces, {}
-        applied = list(self._passive)
-        for index, torque in zip(self._motors, self.u, strict=True):
-            applied[index] = applied[index] + torque
+        applied = self._applied(zip(self._motors, self.u, strict=True))
         rows, directions, drift = self._constraint()
         a, multipliers, schur = self._constrained(applied, rows, directions, drift)
         forces: dict[str, tuple[Any, ...]] = {}
@@ -225,9 +223,7 @@ class Motion:
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
         """Returns the normal force that the motor torques `u` would give with the toes on the ground at rest, in N."""
-        applied = list(self._passive)
-        for index, torque in zip(self._motors, u, strict=True):
-            applied[index] = applied[index] + torque
+        applied = self._applied(zip(self._motors, u, strict=True))
         rows, drift = self._at_rest()
         _, multipliers, _ = self._constrained(applied, rows, rows, drift)
         return multipliers[self._k * (self._taken.index(toe) + 1) - 1]
@@ -242,9 +238,7 @@ class Motion:
         the law returns exactly these torques; `others` has all other motors.
         """
         n, (contacts, drift) = self.mechanism.nv, self._at_rest()
-        applied = list(self._passive)
-        for j, torque in others:
-            applied[self._motors[j]] = applied[self._motors[j]] + torque
+        applied = self._applied((self._motors[j], torque) for j, torque in others)
         force = [f - h for f, h in zip(applied, self.bias, strict=True)]
         system, right = self._bordered(force, contacts, drift)
         for row, a, j in zip(rows, wanted, motors, strict=True):
@@ -302,6 +296,13 @@ class Motion:
             spring, what = self._spring(mount), f"spring of {mount.joint!r} in domain {self.domain.name!r}"
             drag = self._asked(what, spring.drag, spring.drag, (self.v[i],))
             forces[i] = forces[i] + self._springs[mount.joint] + drag
+        return forces
+
+    def _applied(self, torques: Iterable[tuple[int, Any]]) -> list[Any]:
+        """Returns the forces on the joints if motors give these torques, each with the index of its joint."""
+        forces = list(self._passive)
+        for i, torque in torques:
+            forces[i] = forces[i] + torque
         return forces
 
     def _spring(self, mount: Mount) -> Spring:

@@ -271,16 +271,12 @@ class Ready:
         feet = [(mode, foot) for (_, mode), foot in zip(self.compiled.closed, point.feet, strict=True)]
         return np.broadcast_to(np.asarray(fitness(feet), np.float64), point.slopes.shape[1:])
 
-    def at(self, t: Array, y: Array, parameters: Array) -> Point:
-        """Evaluates the domain at states y, (2 nv, n), and times t, (n,), with parameters (p, n)."""
-        return self.compiled.at(t, y, parameters)
-
     def run(
         self, t: Array, y: Array, until: Array, parameters: Array, longest: float = math.inf
     ) -> tuple[Array, Array, NDArray[np.int64]]:
         """Integrates up to the first guard that falls through zero, or up to a time; see `Compiled.run`."""
-        found = self.compiled.run(t, y, until, parameters, longest)
-        found[2][self._unseen(self.at(t, y, parameters), self.at(*found[:2], parameters), found[2])] = FAILED
+        at, found = self.compiled.at, self.compiled.run(t, y, until, parameters, longest)
+        found[2][self._unseen(at(t, y, parameters), at(*found[:2], parameters), found[2])] = FAILED
         return found
 
     def _unseen(self, before: Point, after: Point, ends: NDArray[np.int64]) -> NDArray[np.bool_]:

@@ -11,6 +11,7 @@ from spear_pin.errors import BadFunction
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.fields import mapped
 from spear_pin.hybrid.flow_names import flow_names
 
 
@@ -23,7 +24,7 @@ def mistaken(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> B
         held: values held in the domain, by name; the numbers do not matter.
     """
     try:
-        flow = Flow(system, domain, {name: _ones(value) for name, value in held.items()})
+        flow = Flow(system, domain, {name: mapped(lambda number: 1.0, value) for name, value in held.items()})
         y = np.concatenate([*system.guess(), np.zeros(len(flow_names(system)))])
         flow(0.0, y)
         for guard in domain.guards:
@@ -35,7 +36,3 @@ def mistaken(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> B
     except Exception:  # any other exception is no known mistake
         return None
     return None
-
-
-def _ones(value: Any) -> Any:
-    return tuple(map(_ones, value)) if isinstance(value, tuple) else 1.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
+from spear_pin.hybrid.fields import mapped
 
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -46,18 +47,14 @@ class Group:
 
 def take(value: Any, chosen: Any) -> Any:
     """Returns the held values of the chosen lanes."""
-    if isinstance(value, tuple):
+    if isinstance(value, tuple):  # often called: a function of each value would cost more
         return tuple(take(item, chosen) for item in value)
     return value[chosen] if isinstance(value, np.ndarray) else value
 
 
-def alone(value: Any) -> Any:
+def alone(held: Held) -> Held:
     """Returns the held values of a group of one lane as plain numbers."""
-    if isinstance(value, dict):
-        return {name: alone(item) for name, item in value.items()}
-    if isinstance(value, tuple):
-        return tuple(alone(item) for item in value)
-    return value.item() if isinstance(value, np.ndarray) else value
+    return {name: mapped(np.ndarray.item, value) for name, value in held.items()}
 
 
 def finite(value: Any, n: int) -> Flags:
@@ -68,25 +65,22 @@ def finite(value: Any, n: int) -> Flags:
     return np.asarray(np.all([np.ones(n, bool), *(finite(item, n) for item in items)], axis=0), dtype=bool)
 
 
-def spread(value: Any, n: int) -> Any:
-    """Repeats a value, or nested tuples of values, for each of n lanes."""
-    if isinstance(value, tuple):
-        return tuple(spread(item, n) for item in value)
-    return np.array(np.broadcast_to(np.asarray(value, dtype=float), (n,)))
+def spread(held: Held, n: int) -> dict[str, Any]:
+    """Repeats held values for each of n lanes."""
+
+    def repeated(number: Any) -> Array:
+        return np.array(np.broadcast_to(np.asarray(number, dtype=float), (n,)))
+
+    return {name: mapped(repeated, value) for name, value in held.items()}
 
 
-def collected(values: list[Any]) -> Any:
-    """Collects the held values of single lanes into arrays."""
+def joined(values: Sequence[Any]) -> Any:
+    """Joins the held values of several groups, or of single lanes, into arrays."""
+    if isinstance(values[0], dict):
+        return {name: joined([value[name] for value in values]) for name in values[0]}
     if isinstance(values[0], tuple):
-        return tuple(collected(list(items)) for items in zip(*values, strict=True))
-    return np.array(values, dtype=float)
-
-
-def appended(values: list[Any]) -> Any:
-    """Concatenates the held values of several groups."""
-    if isinstance(values[0], tuple):
-        return tuple(appended(list(items)) for items in zip(*values, strict=True))
-    return np.concatenate(values)
+        return tuple(joined(items) for items in zip(*values, strict=True))
+    return np.hstack(values, dtype=float)
 
 
 def merged(groups: list[Group]) -> Group:
@@ -97,15 +91,10 @@ def merged(groups: list[Group]) -> Group:
         np.concatenate([group.lanes for group in groups]),
         np.concatenate([group.t for group in groups]),
         np.concatenate([group.y for group in groups], axis=1),
-        {name: appended([group.held[name] for group in groups]) for name in groups[0].held},
+        joined([group.held for group in groups]),
     )
 
 
 def stacked(rows: list[list[Any]], n: int) -> Array:
     """Turns a matrix of arrays into an array of matrices, (n, rows, columns)."""
     return np.array([[np.broadcast_to(value, n) for value in row] for row in rows], dtype=float).transpose(2, 0, 1)
-
-
-def along(row: list[Any], vector: Array) -> Any:
-    """Returns the product of a row with each vector."""
-    return sum(value * rate for value, rate in zip(row, vector, strict=True))

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from spear_pin.hybrid.lanes.groups import Group, along, stacked
+from spear_pin.hybrid.lanes.groups import Group, stacked
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.rules.footing import along
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
 

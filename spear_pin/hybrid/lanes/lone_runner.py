@@ -10,12 +10,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import shape_of
@@ -28,7 +28,7 @@ from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.reference_arc import follow
 from spear_pin.hybrid.modes import suiting
-from spear_pin.hybrid.orders import Happening, Order, happening, in_order
+from spear_pin.hybrid.orders import Happening, happening, in_order
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.rules.cycles import ALTERNATE, RETOUCH, counts_to, crowded, due, retouches, whole
 from spear_pin.hybrid.rules.entry import NONE
@@ -42,30 +42,19 @@ GROUND = ("friction", *PLACE)
 RISES = "a toe that comes down rises"
 
 
-class Lap(NamedTuple):
-    """A cycle.
+@dataclass(frozen=True)
+class Lap(Record):
+    """A cycle of one lane.
 
     Attributes:
-        y: state just after the section.
-        held: held values just after the section.
-        spent: time in each phase, in s.
         observed: state at the last event of each name that changes nothing.
-        phase: the phase that begins at the section.
         came: the last domain, and the reset by which the lane left it.
         ago: time since each toe was last on the ground, in s.
-        order: (domain, event) of each event.
-        arcs: the motion from event to event.
     """
 
-    y: Array
-    held: Held
-    spent: Mapping[str, float]
     observed: Mapping[str, Array]
-    phase: str
     came: tuple[Domain, Reset]
     ago: list[float]
-    order: Order
-    arcs: list[Arc]
 
 
 class _Unclear(Exception):
@@ -136,17 +125,17 @@ class LoneRunner:
         self.why = ""  # the last cycle is left to `runner`
         self._phases = {phase: self._system.of_phase(phase) for phase in self._system.phases}
 
-    def lap(self, phase: str, y: Array, held: Held, ago: list[float]) -> Lap | None:
+    def lap(self, phase: str, y: Array, held: Held, ago: list[float] | None = None) -> Lap | None:
         """Runs a cycle from a state just after the section, where a phase begins; returns None if it gives up.
 
         Args:
             phase: the phase.
             y: the state.
             held: held values at that state.
-            ago: time since each toe was last on the ground, in s.
+            ago: time since each toe was last on the ground, in s; None if that is long ago.
         """
         try:
-            now = self._begin(phase, y, held, ago)
+            now = self._begin(phase, y, held, ago or [math.inf] * len(self._system.robot.toes))
             for _ in range(EVENTS):
                 domain, event = self._next(now)
                 if event is None:
@@ -279,8 +268,7 @@ class LoneRunner:
                 raise _Unclear(RISES)
             now.y = struck
             return
-        held = {name: spread(value, 1) for name, value in now.held.items()}
-        here = Group(np.array([self._lane]), np.array([now.t]), now.y[:, None], held)
+        here = Group(np.array([self._lane]), np.array([now.t]), now.y[:, None], spread(now.held, 1))
         after, rising = strike(self._numbers, toes, reset.impact, here)
         if len(rising):
             raise _Unclear(RISES)
@@ -327,7 +315,7 @@ class LoneRunner:
             raise _Unclear("the cycle is of an instant")
         ago = [now.past - time for time in now.grounded]
         order = in_order(now.happened)
-        return Lap(now.y, now.held, now.spent, now.observed, now.phase, (domain, reset), ago, order, now.arcs)
+        return Lap(now.y, now.phase, now.held, now.spent, order, now.arcs, now.observed, (domain, reset), ago)
 
     def _enter(self, now: _Now) -> tuple[Single, Entry] | None:
         """Returns the domain that fits best, None where the reference engine has to find it."""

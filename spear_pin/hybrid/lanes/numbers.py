@@ -13,10 +13,10 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.taylor import Code, Point, Ready
-from spear_pin.hybrid.fields import flattened, with_fields
+from spear_pin.hybrid.fields import flattened, mapped, with_fields
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.lanes.compilation import compilation
-from spear_pin.hybrid.lanes.groups import Group, Indices, collected, spread, take
+from spear_pin.hybrid.lanes.groups import Group, Indices, joined, spread, take
 from spear_pin.hybrid.parameters import NONZERO
 from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.latching import latched
@@ -75,14 +75,14 @@ class Numbers:
 
     def at(self, ready: Ready, group: Group) -> Point:
         """Evaluates a domain at the states of a group."""
-        return ready.at(group.t, group.y, self.parameters(group))
+        return ready.compiled.at(group.t, group.y, self.parameters(group))
 
     def ahead(self, ready: Ready, group: Group, h: float) -> Group:
         """Returns the group after one Runge-Kutta step of h seconds."""
         parameters = self.parameters(group)
 
         def slope(t: Array, y: Array) -> Array:
-            return ready.at(t, y, parameters).slopes
+            return ready.compiled.at(t, y, parameters).slopes
 
         return replace(group, t=group.t + h, y=ahead(slope, group.t, group.y, h))
 
@@ -101,14 +101,14 @@ class Numbers:
             if n == 1:  # NumPy may take an array of one for a number, or not
                 raise TypeError
             held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes), begins=begins)
-            return replace(group, held={name: spread(value, n) for name, value in held.items()})
+            return replace(group, held=spread(held, n))
         except Exception as error:
             if not (own.is_own(reset.latch) or isinstance(error, (TypeError, ValueError, ArithmeticError))):
                 raise
             found = [self._latch_alone(group, reset, i, begins) for i in range(n)]
             pattern = next((one for one in found if one is not None), {"undefined": 0.0})
-            each = [_undefined(pattern) if one is None else one for one in found]
-            new = {name: collected([one[name] for one in each]) for name in pattern}
+            undefined = {name: mapped(lambda number: math.nan, value) for name, value in pattern.items()}
+            new = joined([undefined if one is None else one for one in found])
             return replace(group, held={**group.held, **new})
 
     def _latch_alone(self, group: Group, reset: Reset, i: int, begins: bool) -> Mapping[str, Any] | None:
@@ -121,10 +121,3 @@ class Numbers:
             return latched(held, [reset], q, v, law, self.system.place_of, begins=begins)
         except ArithmeticError:
             return None
-
-
-def _undefined(value: Any) -> Any:
-    """Returns a value of the same form with NaN in place of numbers."""
-    if isinstance(value, Mapping):
-        return {name: _undefined(item) for name, item in value.items()}
-    return tuple(map(_undefined, value)) if isinstance(value, tuple) else math.nan

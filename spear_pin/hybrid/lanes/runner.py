@@ -19,7 +19,7 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
-from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, along, finite, merged, spread
+from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, finite, merged, spread
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.modes import away, choose, first_event, sinking
@@ -31,6 +31,7 @@ from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.cycles import CYCLE_EVENTS, RETOUCH, counts_to, crowded, due, left_at_once, retouches, whole
+from spear_pin.hybrid.rules.footing import along
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
@@ -184,8 +185,7 @@ class Lanes:
             self.finish(group.lanes, "complete", "")
         else:
             self.refused[lane] += 1
-            held = {name: spread(value, 1) for name, value in held.items()}
-            self.put(phase, Group(group.lanes, np.zeros(1), y[:, None].copy(), held), came)
+            self.put(phase, Group(group.lanes, np.zeros(1), y[:, None].copy(), spread(held, 1)), came)
 
     def put(self, phase: str, group: Group, came: Came | None) -> None:
         """Queues lanes to enter a phase, or to continue it after an event within it."""
@@ -220,7 +220,11 @@ class Lanes:
                 self.happen(domain, index, part.take(~just))
                 part = self.slide(ready, index, came, part.take(just))
             self.happen(domain, index, part)
-        gone, left = away(self.numbers, ready, group.take(on_zero & (first < 0)))
+        self.fly_away(ready, group.take(on_zero & (first < 0)))
+
+    def fly_away(self, ready: Ready, group: Group) -> None:
+        """Queues lanes to be integrated from a moment later, where no guard is zero any more."""
+        gone, left = away(self.numbers, ready, group)
         self.give_up(left)
         for each in gone:
             self.fly(ready, each)
@@ -285,10 +289,7 @@ class Lanes:
             self.observed[ready.domain.guards[end].name][:, group.lanes] = group.y
         group = self.count(group)
         again = (self.crowd[group.lanes] > 0) & (end != KINK)  # by rounding it was not passed
-        passed, left = away(self.numbers, ready, group.take(again))
-        self.give_up(left)
-        for each in passed:
-            self.fly(ready, each)
+        self.fly_away(ready, group.take(again))
         group = group.take(~again)
         self.watch(ready, group, self.numbers.at(ready, group), None)
 

@@ -9,10 +9,10 @@ import numpy as np
 
 from spear_pin.hybrid.domain import Alternation, Domain, Reset
 from spear_pin.hybrid.engines.taylor import Point, Ready
-from spear_pin.hybrid.lanes.groups import Group, along
+from spear_pin.hybrid.lanes.groups import Group
 from spear_pin.hybrid.lanes.modes import choose, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
-from spear_pin.hybrid.rules.footing import still
+from spear_pin.hybrid.rules.footing import along, still
 from spear_pin.hybrid.rules.surface import BEYOND, MOST_AT_ONCE, alternation, begins, chatter, leads_round
 
 Came = tuple[Domain, Reset]  # the domain that was left, and the reset that left it

@@ -91,12 +91,7 @@ def foothold(A: Array, b: Array, friction: float) -> Foothold:
     """Decides how one toe meets the ground: open, sticking, or sliding along the direction in which it begins to.
 
     Of several ways to slide, which one in ten thousand random toes has, it takes the fastest. If no mode is consistent
-    (Painlevé's paradox) the toe sticks outside the cone.
-
-    Args:
-        A: J D⁻¹ Jᵀ of the toe, (3, 3).
-        b: acceleration without force, or velocity without impulse, (3,).
-        friction: μ.
+    (Painlevé's paradox) the toe sticks outside the cone. For the arguments see `slides`.
     """
     if b[2] >= 0.0:
         return Foothold(np.zeros(3), "open")

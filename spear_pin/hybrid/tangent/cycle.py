@@ -18,24 +18,23 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import KELLER, HybridSystem
-from spear_pin.hybrid.contact import OPEN, SLIP
+from spear_pin.hybrid.contact import SLIP
 from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.engines.structure import symbols
-from spear_pin.hybrid.fields import adjusted
+from spear_pin.hybrid.fields import adjusted, flattened
 from spear_pin.hybrid.rules.cycles import counts_to
-from spear_pin.hybrid.rules.footing import still
+from spear_pin.hybrid.rules.footing import closed_toes, still
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.strikes import Overlap, comes_to_rest, pins, struck_toes_in_space
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, SHORTEST, Derivative, Stretch, falling
-from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals
+from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, varying
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.kinks import later, of_the_inside
-from spear_pin.hybrid.tangent.overlap import DualOverlap
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.resets import NotDifferentiable, flat, stopped, struck, struck_in_space
+from spear_pin.hybrid.tangent.resets import NotDifferentiable, stopped, struck, struck_in_space
 
 SAME = 1e-7  # SI units: by how much the state after an event may differ from that of the engine
 GRAZING = 1e-6  # slope of a guard at zero, relative to its mean slope over the arc, below which it grazes
@@ -46,7 +45,7 @@ class _Now:
     """Present derivatives of the state, of the held values, and of the last event's time.
 
     Attributes:
-        overlap: impacts in space that may not be over.
+        overlap: impacts in space that may not be over, with the derivatives of their impulses.
         behind: whether the state's derivatives are still at the last event, not yet at a fixed time.
         bent: the previous arc, if it ended at a kink.
         past: total time of the earlier phases, in s.
@@ -57,7 +56,7 @@ class _Now:
     dy: Array
     held: dict[str, Any]
     tau: Array
-    overlap: DualOverlap
+    overlap: Overlap
     behind: bool = False
     bent: Stretch | None = None
     past: float = 0.0
@@ -85,17 +84,16 @@ def differentiated(
     """
     whole = _Whole(system, recorder, seeds, fineness)
     held = whole.begun(y, dy)
-    arcs = recorder.cycle(y)
-    now, stretches = _Now(dy, held, np.zeros(dy.shape[1]), DualOverlap(Overlap(system.overlap), dy.shape[1])), []
-    for arc in arcs:
+    record = recorder.lap(y)
+    c, stretches = dy.shape[1], []
+    now = _Now(dy, held, np.zeros(c), Overlap(system.overlap, np.zeros((3, 1 + c))))
+    for arc in record.arcs:
         if now.after is not None and not np.allclose(arc.y, now.after, rtol=SAME, atol=SAME):
             raise NotDifferentiable(f"{arc.domain.name} does not begin where the event before it leads by its rule")
         stretch = whole.carry(arc, now)
         stretches.append(stretch)
         whole.pass_event(stretch, now)
-    return Derivative(
-        system, recorder.end, now.dy, now.durations, stretches, whole.raw, seeds, now.steepness, now.together
-    )
+    return Derivative(system, record, now.dy, now.durations, stretches, whole.raw, seeds, now.steepness, now.together)
 
 
 class _Whole:
@@ -104,8 +102,7 @@ class _Whole:
     def __init__(self, system: HybridSystem, recorder: Recorder, seeds: Array, fineness: Fineness) -> None:
         self.system, self.recorder, self.seeds, self.fineness = system, recorder, seeds, fineness
         self.nv, self.c, self.raw = system.robot.nv, seeds.shape[1], recorder.numbers
-        par = [Dual(x, d) if d.any() else x for x, d in zip(self.raw.tolist(), seeds, strict=True)]
-        self.law = symbols(system, recorder.mechanism, {}, par)[1].law
+        self.law = symbols(system, recorder.mechanism, {}, varying(self.raw, seeds))[1].law
 
     def begun(self, y: Array, dy: Array) -> dict[str, Any]:
         """Returns the values held at the beginning of the cycle."""
@@ -116,9 +113,9 @@ class _Whole:
     def carry(self, arc: Arc, now: _Now) -> Stretch:
         """Carries the derivatives along an arc."""
         n, nv, c, domain = 2 * self.nv, self.nv, self.c, self.recorder.field(arc.domain, arc.held)
-        raw = np.concatenate([self.raw, np.array(flat(arc.held), dtype=float).reshape(-1)])
+        raw = np.concatenate([self.raw, flattened(arc.held.values())])
         held = {name: now.held[name] for name in arc.held}
-        given = np.concatenate([self.seeds, derivatives(flat(held), c)])
+        given = np.concatenate([self.seeds, derivatives(flattened(held.values()), c)])
         t, lengths, y = points(arc, self.fineness)
         # directions: the state's, the given ones, the clock; places: the points, the beginning, the end
         directions = _directions(n, c)
@@ -221,7 +218,7 @@ class _Whole:
         """Returns the change of velocity by an impact in space, or by the end of sliding, and its derivatives."""
         robot, y, domain = self.system.robot, arc.after, arc.domain
         if reset.stop:
-            grounded = [toe for toe, mode in zip(robot.toes, domain.contacts, strict=True) if mode != OPEN]
+            grounded = [toe for toe, _ in closed_toes(robot.toes, domain)]
             feet, slopes = self._feet(grounded, y, now)
             speeds = zip(grounded, feet.speeds.reshape(-1, 3), strict=True)
             firsts = [0 if comes_to_rest(robot, domain, reset, toe, speed) else 2 for toe, speed in speeds]
@@ -238,7 +235,7 @@ class _Whole:
         falls = striking - {*reset.impact}
         now.together = now.together or bool(falls)
         found = struck_in_space(feet, slopes, toes, reset.impact, falls, before)
-        now.overlap.add(toes, striking, found.impulse, found.dimpulse, time)
+        now.overlap.add(toes, striking, found.impulse, time)
         now.held = {**now.held, **found.held}
         return found.v, found.dv
 

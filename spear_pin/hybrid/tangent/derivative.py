@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.arc import Arc
+from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.rules.entry import AWAY, CHANGE
@@ -143,8 +143,8 @@ class Derivative:
 
     Attributes:
         system: the system.
-        y: state just after the section, (2 nv,).
-        dy: its derivatives, (2 nv, c).
+        record: the cycle.
+        dy: derivatives of the state at its end, (2 nv, c).
         durations: duration of each phase, in s, dual.
         stretches: the arcs.
         numbers: run-time parameters without the held values, (p,).
@@ -154,7 +154,7 @@ class Derivative:
     """
 
     system: HybridSystem
-    y: Array
+    record: Record
     dy: Array
     durations: Mapping[str, Any]
     stretches: Sequence[Stretch]
@@ -162,6 +162,11 @@ class Derivative:
     dnumbers: Array
     steepness: float
     together: bool = False
+
+    @property
+    def y(self) -> Array:
+        """State just after the section at the cycle's end, (2 nv,)."""
+        return self.record.y
 
     @property
     def order(self) -> tuple[frozenset[str], ...]:

@@ -6,7 +6,6 @@ arrays of states with arrays of derivatives. Laws, guards, latches and impacts t
 
 from __future__ import annotations
 
-import math
 import operator
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.dynamics import Operations
+from spear_pin.hybrid.dynamics import FLOATS, Operations
 from spear_pin.hybrid.elimination import solve_sparse
 from spear_pin.model.scalars import negated, plus, times, vanishes
 
@@ -134,6 +133,11 @@ def duals(values: Sequence[float] | Array, slopes: Array) -> list[Dual]:
     return [Dual(float(x), d) for x, d in zip(values, slopes, strict=True)]
 
 
+def varying(values: Array, slopes: Array) -> list[Any]:
+    """Makes dual numbers as `duals` does; what does not change along any direction stays a number."""
+    return [Dual(x, d) if d.any() else x for x, d in zip(values.tolist(), slopes, strict=True)]
+
+
 def derivatives(scalars: Sequence[Any], c: int) -> Array:
     """Returns the derivatives of n scalars, dual or not, along c directions, (n, c)."""
     found = np.zeros((len(scalars), c))
@@ -225,9 +229,8 @@ def _smaller(a: Any, b: Any) -> Any:
     return a if value_of(a) <= value_of(b) else b
 
 
-def _of_numbers(name: str) -> Callable[[Any], Any]:
-    return lambda a: getattr(NUMBERS, name)(a)
-
+NUMBERS = operations(FLOATS, lambda x: float(x > 0.0), solve_arrays)
+"""Those of numbers with arrays of derivatives."""
 
 _UFUNCS: dict[Any, Callable[..., Any]] = {
     np.add: operator.add,
@@ -239,26 +242,9 @@ _UFUNCS: dict[Any, Callable[..., Any]] = {
     np.square: lambda a: a * a,
     np.maximum: _larger,
     np.minimum: _smaller,
-    **{getattr(np, name): _of_numbers(name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp")},
+    **{getattr(np, name): getattr(NUMBERS, name) for name in ("sin", "cos", "tan", "tanh", "sqrt", "exp")},
 }
 
 
-class _Math:
-    """Elementary functions of plain numbers."""
-
-    sin, cos, tan, tanh = math.sin, math.cos, math.tan, math.tanh
-    sqrt, exp, atan2, maximum = math.sqrt, math.exp, math.atan2, max
-
-
-class _Arrays:
-    """Elementary functions of arrays."""
-
-    sin, cos, tan, tanh = np.sin, np.cos, np.tan, np.tanh
-    sqrt, exp, atan2, maximum = np.sqrt, np.exp, np.arctan2, np.maximum
-
-
-NUMBERS = operations(_Math, lambda x: float(x > 0.0), solve_arrays)
-"""Those of numbers with arrays of derivatives."""
-
-ARRAYS = operations(_Arrays, lambda x: np.heaviside(x, 0.0), solve_arrays)
+ARRAYS = operations(np, lambda x: np.heaviside(x, 0.0), solve_arrays)
 """Those of arrays, with arrays of derivatives or without."""

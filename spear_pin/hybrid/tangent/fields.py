@@ -20,8 +20,20 @@ from spear_pin.hybrid.elimination import Matrix, factorize, substitute
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.hybrid.fields import flattened
 from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, derivatives, operations, solve_all, value_of
+from spear_pin.hybrid.tangent import seeds
+from spear_pin.hybrid.tangent.dual import (
+    ARRAYS,
+    Dual,
+    derivative_of,
+    derivatives,
+    duals,
+    operations,
+    solve_all,
+    value_of,
+    varying,
+)
 from spear_pin.hybrid.tangent.terms import ArrayMechanism
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.scalars import dot
@@ -109,10 +121,9 @@ class TangentField:
     @cached_property
     def _function(self) -> Any:
         """Compiles the function that returns values, then derivatives."""
-        system, mechanism, held = self.structure.system, self.structure.mechanism, self.structure.held
-        counter = _Counting()
-        symbols(system, mechanism, held, counter)
-        return compiled(self._of, 1 + 2 * system.robot.nv + counter.count, system.robot.nv)
+        system, held = self.structure.system, flattened(self.structure.held.values())
+        count = 1 + 2 * system.robot.nv + len(seeds.numbers(system)) + len(held)
+        return compiled(self._of, count, system.robot.nv)
 
     def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
         """Returns all outputs, for scalars of any kind."""
@@ -130,7 +141,7 @@ class TangentField:
         n, c = len(t), dy.shape[2]
         parts: list[Any] = [Dual(t[:, None], np.broadcast_to(dt, (n, c)))]
         parts += [Dual(x[:, None], d) for x, d in zip(y, dy, strict=True)]
-        parts += [Dual(x, d) if d.any() else x for x, d in zip(numbers.tolist(), dnumbers, strict=True)]
+        parts += varying(numbers, dnumbers)
         outputs = self._of(parts, ARRAYS)
         values = np.array([np.broadcast_to(value_of(each), (n, 1))[:, 0] for each in outputs])
         slopes = np.array([np.broadcast_to(derivative_of(each), (n, c)) for each in outputs])
@@ -166,8 +177,7 @@ class TangentFeet:
         """
         x, d = np.concatenate([y, numbers]), np.concatenate([dy, dnumbers])
         if not compiles(self.structure):
-            parts = [Dual(value, slopes) for value, slopes in zip(x.tolist(), d, strict=True)]
-            outputs = self._of(parts, ARRAYS, solve_all)
+            outputs = self._of(duals(x, d), ARRAYS, solve_all)
             values = np.array([value_of(each) for each in outputs])
             return self._named(values), self._named(derivatives(outputs, d.shape[1]))
         found = self._function(np.concatenate([np.repeat(x[:, None], d.shape[1], axis=1), d]))
@@ -192,9 +202,8 @@ class TangentFeet:
 
     @cached_property
     def _function(self) -> Any:
-        robot, counter = self.structure.system.robot, _Counting()
-        symbols(self.structure.system, self.structure.mechanism, {}, counter)
-        return compiled(self._of, 2 * robot.nv + counter.count, robot.nv)
+        system = self.structure.system
+        return compiled(self._of, 2 * system.robot.nv + len(seeds.numbers(system)), system.robot.nv)
 
     def _of(
         self, duals: Sequence[Any], ops: Operations, solved: Callable[[Matrix, Matrix], Matrix] = eliminated
@@ -268,14 +277,3 @@ def tangent_field(structure: Structure) -> TangentField:
 def tangent_feet(structure: Structure, toes: tuple[str, ...]) -> TangentFeet:
     """Returns the tangent feet of a system, made once for each structure and choice of toes."""
     return TangentFeet(structure, toes)
-
-
-class _Counting:
-    """Stands for the parameters, and counts how many are used."""
-
-    def __init__(self) -> None:
-        self.count = 0
-
-    def __getitem__(self, i: int) -> float:
-        self.count = max(self.count, i + 1)
-        return 1.0

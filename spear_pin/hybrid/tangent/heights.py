@@ -12,7 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, value_of
+from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, value_of, varying
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.mechanism import Mechanism
 
@@ -58,6 +58,5 @@ def dual_heights(system: HybridSystem, numbers: Array, dnumbers: Array) -> Heigh
         numbers: its run-time parameters without the held values, (p,).
         dnumbers: their derivatives, (p, c).
     """
-    duals = [Dual(x, d) if d.any() else x for x, d in zip(numbers.tolist(), dnumbers, strict=True)]
-    mechanism, scalars, _ = symbols(system, mechanism_of(system.robot), {}, duals)
+    mechanism, scalars, _ = symbols(system, mechanism_of(system.robot), {}, varying(numbers, dnumbers))
     return Heights(mechanism, scalars.ground)

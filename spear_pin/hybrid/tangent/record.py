@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property, lru_cache
+from itertools import count
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.arc import Arc, Record
+from spear_pin.hybrid.arc import Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import Structure, shape_of
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.compilation import Compilation
-from spear_pin.hybrid.lanes.lone_runner import Lap, LoneRunner
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers as Numbers
-from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
@@ -41,43 +40,10 @@ def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
     return Numbers(system, given, Code(TOL, unrolled=system.robot.nv <= taylor.UNROLLED, level=0))
 
 
-class CompiledRunner:
-    """Runs the cycles of a lane by the fast engine.
-
-    Args:
-        numbers: numbers of the lanes.
-        lane: index of the lane.
-    """
-
-    def __init__(self, numbers: Numbers, lane: int) -> None:
-        self._runner, self._toes = LoneRunner(numbers, lane, keep=True), len(numbers.system.robot.toes)
-
-    @property
-    def why(self) -> str:
-        """Why the last cycle that was refused was refused."""
-        return self._runner.why
-
-    def lap(self, phase: str, y: Array, held: Held) -> Lap | None:
-        """Runs the cycle from the beginning of a phase just after the section; returns None if it is not simple."""
-        return self._runner.lap(phase, y, held, [math.inf] * self._toes)
-
-
-class Patience:
-    """Counts the cycles of a system in space that the reference engine runs before the fast one is compiled."""
-
-    def __init__(self) -> None:
-        self._left = CYCLES
-
-    def over(self) -> bool:
-        """Counts a cycle, and tells whether it is left to the fast engine."""
-        self._left -= 1
-        return self._left < 0
-
-
 @lru_cache(taylor.MOST)
-def patience(structure: Structure) -> Patience:
-    """Returns the patience of a system's cycles, one for each structure."""
-    return Patience()
+def by_reference(structure: Structure) -> count[int]:
+    """Returns what counts the cycles that the reference engine runs before the fast one is compiled."""
+    return count()
 
 
 class Recorder:
@@ -92,8 +58,6 @@ class Recorder:
         mechanism: the robot's dynamics.
         law: parameters of the law.
         numbers: run-time parameters, which come before the held values, (p,).
-        end: state at the end of the last cycle, (2 nv,).
-        order: order of the events of the last cycle.
     """
 
     def __init__(self, system: HybridSystem, numbers: Numbers | None = None, lane: int = 0) -> None:
@@ -102,8 +66,7 @@ class Recorder:
         self.mechanism, self.law = self._numbers.mechanism, self._numbers.law_of(lane)
         self._lane = lane
         self.numbers = np.array(self._numbers.constants(lane), dtype=float)
-        self.end, self._why = np.empty(0), ""
-        self.order: Order = ()
+        self._why = ""
         self._own = {domain.key: domain for domain in system.domains}
         # the system keeps its domains, so that their ids stay the same
         self._fields = _fields.setdefault(self._numbers.compilation, {})
@@ -113,16 +76,6 @@ class Recorder:
     def start(self) -> tuple[str, tuple[Reset, ...]]:
         """The phase that begins at the section, and the resets that latch the held values."""
         return start(self.system, True)
-
-    def cycle(self, y: Array) -> Sequence[Arc]:
-        """Runs a cycle from a state just after the section, (2 nv,), and returns its arcs.
-
-        Raises:
-            NotDifferentiable: the cycle does not close, or has an event without a derivative.
-        """
-        lap = self.lap(y)
-        self.end, self.order = lap.y, lap.order
-        return lap.arcs
 
     def lap(self, y: Array) -> Record:
         """Runs a cycle from a state just after the section, (2 nv,), and returns its record.
@@ -150,13 +103,13 @@ class Recorder:
         return found
 
     @cached_property
-    def _fast(self) -> CompiledRunner | None:
+    def _fast(self) -> LoneRunner | None:
         system = self.system
         if not taylor.available() or system.pins:
             return None
         own = Structure(system, system.domains[0], {}, self.mechanism)
-        ready = system.robot.planar or patience(own).over()
-        return CompiledRunner(self._numbers, self._lane) if ready else None
+        ready = system.robot.planar or next(by_reference(own)) >= CYCLES
+        return LoneRunner(self._numbers, self._lane, keep=True) if ready else None
 
     @cached_property
     def _slow(self) -> ReferenceRunner:

@@ -2,32 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.arc import Arc, states_over
+from spear_pin.hybrid.arc import Arc, Record, states_over
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Guard, Held, Switch
-from spear_pin.hybrid.orders import Order, order_of
+from spear_pin.hybrid.orders import order_of
 from spear_pin.hybrid.result import EVALUATIONS, FINEST, Moment, Options, Segment
 from spear_pin.hybrid.rules.cycles import ALTERNATE, RETOUCH
 from spear_pin.hybrid.run import run
-
-
-@dataclass(frozen=True)
-class ReferenceLap:
-    """A cycle, see `hybrid.arc.Record`."""
-
-    y: Array
-    phase: str
-    held: Held
-    spent: Mapping[str, float]
-    order: Order
-    arcs: list[Arc]
 
 
 class ReferenceRunner:
@@ -44,7 +30,7 @@ class ReferenceRunner:
         self._system, self._nv = system, system.robot.nv
         self.why = ""
 
-    def lap(self, phase: str, y: Array, held: Held) -> ReferenceLap | None:
+    def lap(self, phase: str, y: Array, held: Held) -> Record | None:
         """Runs the cycle at the finest tolerance; returns None if it does not close, or toes alternate."""
         begun = Moment(y[: self._nv], y[self._nv :], phase, held)
         found = run(self._system, begun, 1, Options(FINEST, max_evaluations=EVALUATIONS, keep=True))
@@ -62,7 +48,7 @@ class ReferenceRunner:
             again = event is not None and segment.began + segment.pieces[-1].end in retouched
             arcs.append(self._arc(segment, event, switches)._replace(again=again))
         end = np.concatenate(found.state)
-        return ReferenceLap(end, found.domain.phase, found.held, found.durations, order_of(self._system, found), arcs)
+        return Record(end, found.domain.phase, found.held, found.durations, order_of(self._system, found), arcs)
 
     def _arc(self, segment: Segment, event: Any, switches: int) -> Arc:
         motion, begin, end = states_over(segment.pieces, 2 * self._nv), segment.pieces[0].begin, segment.pieces[-1].end

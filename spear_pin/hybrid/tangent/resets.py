@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,15 +70,13 @@ class Pushed:
     Attributes:
         v: change of the velocity, (nv,).
         dv: its derivatives, (nv, c).
-        impulse: impulses, (m, 3), in N·s.
-        dimpulse: their derivatives, (m, 3, c).
+        impulse: impulses, in N·s, with their derivatives, (m, 3, 1 + c).
         held: values held for the toes.
     """
 
     v: Array
     dv: Array
     impulse: Array
-    dimpulse: Array
     held: dict[str, Any]
 
 
@@ -88,7 +86,7 @@ def struck_in_space(
     toes: Sequence[str],
     lands: Collection[str],
     falls: Collection[str],
-    before: tuple[Array, Array] | None,
+    before: Array | None,
 ) -> Pushed:
     """Differentiates an impact in space, for the outcome that the rule finds.
 
@@ -101,8 +99,8 @@ def struck_in_space(
         toes: names of these toes.
         lands: names of the toes that land.
         falls: names of other toes that were in the air and are struck in the same instant.
-        before: impulses that the toes have received in impacts that are not over, (m, 3), and their derivatives,
-            (m, 3, c); None if the impact is separate by its law.
+        before: impulses that the toes have received in impacts that are not over, with their derivatives,
+            (m, 3, 1 + c); None if the impact is separate by its law.
 
     Raises:
         NotDifferentiable: a toe that lands rises again, toes depend on each other, the smallest perturbation may change
@@ -113,9 +111,9 @@ def struck_in_space(
         raise NotDifferentiable("a toe rises as it lands, as at the end of bounces")
     if not np.linalg.cond(A) < SINGULAR:
         raise NotDifferentiable("toes in an impact cannot move independently, so their impulses are not unique")
-    total, modes, earlier = find_impulses(A, u, mu, None if before is None else before[0])
-    counted = before is not None and (earlier == before[0]).all()  # else the impact obeys the law alone
-    dearlier = before[1] if before is not None and counted else np.zeros((m, 3, c))
+    total, modes, earlier = find_impulses(A, u, mu, None if before is None else before[..., 0])
+    counted = before is not None and (earlier == before[..., 0]).all()  # else the impact obeys the law alone
+    dearlier = before[..., 1:] if before is not None and counted else np.zeros((m, 3, c))
     impulse = total - earlier
     after = (u + A @ impulse.ravel()).reshape(-1, 3)
     if before is None and "slip" in modes:
@@ -144,7 +142,8 @@ def struck_in_space(
     for i, (toe, mode) in enumerate(zip(toes, modes, strict=True)):
         held[rise(toe)] = Dual(float(after[i, 2]), rising[i, 2]) if mode == "open" else 0.0
     held |= {told(toe): float(toe in falls) for toe in toes}
-    return Pushed(*_moved(feet, slopes, impulse.ravel(), dimpulse.reshape(3 * m, c)), impulse, dimpulse, held)
+    v, dv = _moved(feet, slopes, impulse.ravel(), dimpulse.reshape(3 * m, c))
+    return Pushed(v, dv, np.concatenate([impulse[..., None], dimpulse], axis=2), held)
 
 
 def stopped(feet: ToeNumbers, slopes: ToeNumbers, rows: Sequence[int]) -> tuple[Array, Array]:
@@ -175,22 +174,24 @@ def _moved(feet: ToeNumbers, slopes: ToeNumbers, impulse: Array, change: Array) 
 
 
 def _check_modes(modes: Sequence[str], after: Array, total: Array, friction: float) -> None:
-    """Checks that toes in space keep their modes if an impact changes a little."""
+    """Checks that toes keep their modes, "open", "stick" or "slip", if an impact changes a little.
+
+    Args:
+        modes: mode of each toe.
+        after: velocities of the toes after the impact, along the ground and normal to it, (m, 2) or (m, 3).
+        total: impulses on the toes, of the same shape.
+        friction: coefficient of friction.
+    """
     speed, push = np.abs(after).max() + DEGENERATE, np.abs(total).max() + 1e-300
-    for mode, (x, y, z), (px, py, pz) in zip(modes, after.tolist(), total.tolist(), strict=True):
+    for mode, (*along, up), (*pushed, normal) in zip(modes, after.tolist(), total.tolist(), strict=True):
         if mode == "open":
-            margin = z / speed
+            margin = up / speed
         elif mode == "slip":
-            margin = min(pz / push, math.hypot(x, y) / speed)
+            margin = min(normal / push, math.hypot(*along) / speed)
         else:
-            margin = min(pz, friction * pz - math.hypot(px, py)) / push
-        _check_margin(margin)
-
-
-def _check_margin(margin: float) -> None:
-    """Checks that an impact is not on the border between two outcomes."""
-    if margin < DEGENERATE:
-        raise NotDifferentiable(BORDER)
+            margin = min(normal, friction * normal - math.hypot(*pushed)) / push
+        if margin < DEGENERATE:
+            raise NotDifferentiable(BORDER)
 
 
 def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
@@ -202,17 +203,18 @@ def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: An
         raise NotDifferentiable(BORDER)
     # in the coordinates of the toes' own velocities the rule needs the inverse of A as the mass matrix
     impact = joint_impact(np.asarray(np.linalg.inv(values), dtype=np.float64), np.eye(size), feet.speeds, mu)
-    after, given = impact.v, impact.impulse.ravel()
-    _check_set(impact.slides, impact.leaves, after, given, mu)
+    after, outcomes = impact.v, zip(impact.slides, impact.leaves, strict=True)
+    modes = ["slip" if slides else "open" if leaves else "stick" for slides, leaves in outcomes]
+    _check_modes(modes, after.reshape(-1, 2), impact.impulse, mu)
     rows: list[int] = []
     directions: list[list[Any]] = []
-    for i, (slides, leaves) in enumerate(zip(impact.slides, impact.leaves, strict=True)):
+    for i, mode in enumerate(modes):
         unit = [[1.0 if k == j else 0.0 for k in range(size)] for j in (2 * i, 2 * i + 1)]
-        if slides:
+        if mode == "slip":
             grip = -friction if after[2 * i] > 0.0 else friction
             rows.append(2 * i + 1)
             directions.append([z + grip * x if x else z for x, z in zip(*unit, strict=True)])
-        elif not leaves:
+        elif mode == "stick":
             rows += [2 * i, 2 * i + 1]
             directions += unit
     matrix = [[dot(A[row], direction) for direction in directions] for row in rows]
@@ -220,24 +222,3 @@ def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: An
     impulses = [dot([direction[k] for direction in directions], found) for k in range(size)]
     speeds = [before[k] + dot(A[k], impulses) if impact.leaves[k // 2] else 0.0 for k in range(1, size, 2)]
     return impulses, speeds
-
-
-def _check_set(slides: Any, leaves: Any, after: Array, impulse: Array, friction: float) -> None:
-    speed, push = np.abs(after).max() + DEGENERATE, np.abs(impulse).max() + 1e-300
-    for i, (slide, leave) in enumerate(zip(slides, leaves, strict=True)):
-        along, up = impulse[2 * i : 2 * i + 2]
-        margin = after[2 * i + 1] / speed if leave else up / push
-        if slide:
-            margin = min(margin, abs(after[2 * i]) / speed)
-        elif not leave:
-            margin = min(margin, (friction * up - abs(along)) / push)
-        _check_margin(margin)
-
-
-def flat(held: Mapping[str, Any]) -> list[Any]:
-    """Returns the held values as numbers in the order of run-time parameters."""
-    return [item for value in held.values() for item in _items(value)]
-
-
-def _items(value: Any) -> list[Any]:
-    return [item for each in value for item in _items(each)] if isinstance(value, tuple) else [value]

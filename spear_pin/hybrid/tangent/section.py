@@ -31,7 +31,7 @@ ODD, LEAST = 1e-5, 1e-3  # of the largest derivative, or of this: what is smalle
 APART = 10.0 * ON_GROUND  # m: height of the second foot as the first one lands, beside a symmetric gait
 
 
-def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int, xi: Array | None = None) -> Array:
+def on_section(system: HybridSystem, local: Chart, seeds: Array, xi: Array | None = None) -> Array:
     """Returns derivatives of a state on the section, (2 nv, c).
 
     Closed toes stay on the ground and move along it only where they slide. Before an impact the lowest toe stays on it.
@@ -40,9 +40,9 @@ def on_section(system: HybridSystem, local: Chart, seeds: Array, d: int, xi: Arr
         system: the system.
         local: the chart about the gait's state.
         seeds: derivatives of the system's numbers, (p, c); the first d columns are the directions of ξ.
-        d: the section's dimension.
         xi: coordinates of the state, (d,); zero by default.
     """
+    d = local.dimension
     q, v = local.state(np.zeros(d) if xi is None else xi)
     y, nv, split = np.concatenate([q, v]), system.robot.nv, local.q_basis.shape[1]
     dy = np.zeros((2 * nv, seeds.shape[1]))
@@ -101,9 +101,8 @@ def cycle_on_section(
 
     See `on_section` for the arguments and `differentiated` for what is raised.
     """
-    d = local.dimension
-    y = np.concatenate(local.state(np.zeros(d) if xi is None else xi))
-    return differentiated(system, Recorder(system), y, on_section(system, local, seeds, d, xi), seeds, fineness)
+    y = np.concatenate(local.state(np.zeros(local.dimension) if xi is None else xi))
+    return differentiated(system, Recorder(system), y, on_section(system, local, seeds, xi), seeds, fineness)
 
 
 def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:

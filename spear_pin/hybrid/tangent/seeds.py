@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.identity import Reader
-from spear_pin.hybrid.fields import names_of
+from spear_pin.hybrid.fields import flattened, names_of
 from spear_pin.hybrid.parameters import number, numbers_of_robot, with_numbers
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.numbers import body_numbers
@@ -24,12 +24,9 @@ STEP = 2.0**-8
 ROUNDING = 1e-9  # size of a derivative that may result from rounding when a body's frame turns back and forth
 
 
-def numbers(system: HybridSystem, held: Mapping[str, Any] | None = None) -> Array:
-    """Returns the run-time parameters of a system, in the order of `structure.parameters`."""
-    others = list(structure.others(system).values())
-    robot = structure.robot_numbers(system, mechanism_of(system.robot))
-    found: Array = structure.parameters(system.law, others, robot, held or {}, 1)[:, 0]
-    return found
+def numbers(system: HybridSystem) -> Array:
+    """Returns the run-time parameters of a system without the held values, in the order of `structure.parameters`."""
+    return _everything(system)[_kept(system)]
 
 
 class Seeds(NamedTuple):
@@ -67,19 +64,15 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Seeds:
 
 def _everything(system: HybridSystem) -> Array:
     """Returns all numbers of a system, including zeros, in the order of `numbers`."""
-    others = list(structure.all_others(system).values())
     robot = structure.all_robot_numbers(system, mechanism_of(system.robot))
-    found: Array = structure.parameters(system.law, others, robot, {}, 1)[:, 0]
-    return found
+    return np.array(flattened((system.law, *structure.all_others(system).values(), *robot)), dtype=float)
 
 
 def _kept(system: HybridSystem) -> NDArray[np.bool_]:
     """Tells which of all numbers of a system `numbers` returns."""
-    others = structure.all_others(system)
-    robot = structure.all_robot_numbers(system, mechanism_of(system.robot))
-    of_law = len(structure.parameters(system.law, [], [], {}, 1))
-    beside = [value != 0.0 or name == "friction" for name, value in others.items()]
-    return np.array([*of_law * [True], *beside, *(value != 0.0 for value in robot)])
+    kept: NDArray[np.bool_] = _everything(system) != 0.0
+    kept[: len(flattened((system.law,)))] = True
+    return kept
 
 
 def changes(system: HybridSystem, names: Sequence[str], of: Callable[[HybridSystem], Array]) -> Array:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import chain
 from typing import Any, Self
@@ -28,7 +29,7 @@ class ArrayMechanism(Mechanism):
     """
 
     def __init__(self, mechanism: Mechanism) -> None:
-        self._plain, self._code = mechanism, _code(_Shape(mechanism))
+        self._plain, self._code = mechanism, _shared(_Code(mechanism.shape, mechanism))
         self.coordinates, self.nv = mechanism.coordinates, mechanism.nv
         self.bodies, self.frames, self.toes = mechanism.bodies, mechanism.frames, mechanism.toes
         self.lift, self.circle = mechanism.lift, mechanism.circle
@@ -57,24 +58,12 @@ class ArrayMechanism(Mechanism):
         return self._plain.position(frame, q, ops)
 
 
-class _Shape:
-    """A mechanism as a key: two of one shape have the same code."""
-
-    def __init__(self, mechanism: Mechanism) -> None:
-        self.mechanism, self.key = mechanism, mechanism.shape
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Shape) and self.key == other.key
-
-
+@dataclass(frozen=True)
 class _Code:
     """The equations of motion of all mechanisms of one shape, with their derivatives."""
 
-    def __init__(self, mechanism: Mechanism) -> None:
-        self._mechanism = mechanism
+    shape: Any
+    mechanism: Mechanism = field(compare=False)
 
     def __call__(self, scalars: Sequence[Any]) -> dict[str, Any]:
         """Returns the parts of `Terms`, of dual numbers or arrays of them."""
@@ -93,12 +82,12 @@ class _Code:
     @cached_property
     def _compiled(self) -> tuple[dict[str, Any], Any]:
         """Compiles the function, and returns its outputs with it; outputs that are no dual numbers never change."""
-        hy, nv, own = taylor.require(), self._mechanism.nv, self._mechanism.numbers
+        hy, nv, own = taylor.require(), self.mechanism.nv, self.mechanism.numbers
         count = 2 * nv + sum(number != 0.0 for number in own)
         variables = hy.make_vars(*[f"{kind}{i}" for kind in "xd" for i in range(count)])
         duals = [Dual(x, d) for x, d in zip(variables[:count], variables[count:], strict=True)]
         left, ops = iter(duals[2 * nv :]), operations(taylor.operations([]), hy.relup)
-        mechanism = self._mechanism.with_numbers([next(left) if number != 0.0 else 0.0 for number in own])
+        mechanism = self.mechanism.with_numbers([next(left) if number != 0.0 else 0.0 for number in own])
         terms = mechanism.terms(duals[:nv], duals[nv : 2 * nv], ops)
         outputs = {name: getattr(terms, name) for name in ("mass_matrix", "bias", "positions", "jacobians", "drifts")}
         outputs["frames"] = {frame: terms.position(frame) for frame in mechanism.frames}
@@ -118,5 +107,6 @@ def _mapped(function: Any, nested: Any) -> Any:
 
 
 @lru_cache(taylor.MOST)
-def _code(shape: _Shape) -> _Code:
-    return _Code(shape.mechanism)
+def _shared(code: _Code) -> _Code:
+    """Returns the code of this shape that was made first."""
+    return code

@@ -48,12 +48,11 @@ def derivative(system: HybridSystem, y: Array, names: tuple[str, ...] = ()) -> t
 
 def end(system: HybridSystem, y: Array) -> Array:
     """State at the end of a cycle, with the durations of its phases."""
-    recorder = Recorder(system)
-    arcs = recorder.cycle(y)
+    record = Recorder(system).lap(y)
     spent = [
         sum(
             arc.end
-            for arc in arcs
+            for arc in record.arcs
             if arc.event is not None
             and arc.event.reset is not None
             and arc.event.reset.phase is not None
@@ -61,7 +60,7 @@ def end(system: HybridSystem, y: Array) -> Array:
         )
         for phase in system.phases
     ]
-    return np.concatenate([recorder.end, spent])
+    return np.concatenate([record.y, spent])
 
 
 def by_coordinate(system: HybridSystem, around: Chart, j: int, step: float) -> Array:

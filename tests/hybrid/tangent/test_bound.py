@@ -31,9 +31,9 @@ def test_events_that_all_but_meet_are_told_apart():
     sizes = 10.0 ** np.linspace(-9.0, -3.0, 12)
     for size in sizes:
         state = section.state(size * draws.standard_normal(section.dimension))
-        recorder.cycle(np.concatenate(state))  # of these twelve a third was refused
+        found = recorder.lap(np.concatenate(state))  # of these twelve a third was refused
         after = np.concatenate(return_map(gait.system, state, 1e-11).state)
-        assert recorder.end == pytest.approx(after, abs=1e-9)
+        assert found.y == pytest.approx(after, abs=1e-9)
 
 
 def test_a_heavier_torso_costs_less_for_its_weight():

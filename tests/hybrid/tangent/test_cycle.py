@@ -40,8 +40,7 @@ class TestBounds:
 
         def end(step):
             recorder = Recorder(with_numbers(gait.system, {parameter: value + step}))
-            recorder.cycle(y)
-            return recorder.end
+            return recorder.lap(y).y
 
         h = H * abs(value)
         expected = (8.0 * (end(h) - end(-h)) - (end(2.0 * h) - end(-2.0 * h))) / (12.0 * h)
@@ -52,7 +51,7 @@ class TestBounds:
 def test_compiled_and_interpreted_say_the_same(hop):
     system, y = hop.system, np.concatenate(hop.state)
     recorder = Recorder(system)
-    arcs = recorder.cycle(y)
+    arcs = recorder.lap(y).arcs
     rng, own = np.random.default_rng(3), seeds(system, ["stiffness", "friction", "knee_mass"]).numbers
     for arc in arcs[:3]:
         field = tangent_field(Structure(system, arc.domain, arc.held, recorder.mechanism))
@@ -68,11 +67,12 @@ def test_an_engine_that_goes_on_elsewhere_is_noticed(hop):
     """Where the engine's impact is not the one that is differentiated, there is no derivative."""
 
     class Elsewhere(Recorder):
-        def cycle(self, y):
-            first, *others = super().cycle(y)
+        def lap(self, y):
+            record = super().lap(y)
+            first, *others = record.arcs
             lasting = next(i for i, arc in enumerate(others) if others[i - 1].event is not None and i)
             others[lasting] = others[lasting]._replace(y=others[lasting].y + 1e-5)
-            return [first, *others]
+            return replace(record, arcs=[first, *others])
 
     y = np.concatenate(hop.state)
     still = np.zeros((len(numbers(hop.system)), 1))

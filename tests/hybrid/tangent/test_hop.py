@@ -48,8 +48,7 @@ def test_multipliers_are_those_of_the_gait(gait, exact):
 def test_without_compiled_functions_derivatives_are_the_same(gait):
     recorder = Recorder(gait.system)
     random = np.random.default_rng(3)
-    arcs = recorder.cycle(np.concatenate(gait.state))
-    for arc in arcs:
+    for arc in recorder.lap(np.concatenate(gait.state)).arcs:
         field = recorder.field(arc.domain, arc.held)
         raw = np.concatenate([recorder.numbers, np.array([*arc.held.values()], dtype=float)])
         times, states = np.array([arc.t, arc.end]), np.column_stack([arc.y, arc.after])

@@ -22,8 +22,7 @@ def ends(system, y, name, steps):
     found = []
     for step in steps:
         recorder = Recorder(with_numbers(system, {name: number(system, name) + step}))
-        recorder.cycle(y)
-        found.append(recorder.end)
+        found.append(recorder.lap(y).y)
     return found
 
 

@@ -5,8 +5,9 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.tangent import record
-from spear_pin.hybrid.tangent.record import CompiledRunner, Recorder
+from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.reference_runner import ReferenceRunner
 
 pytestmark = [pytest.mark.extra("heyoka"), pytest.mark.slow]
@@ -16,14 +17,14 @@ pytestmark = [pytest.mark.extra("heyoka"), pytest.mark.slow]
 def ran(monkeypatch):
     """Notes which engine runs a cycle."""
     found = []
-    for runner in (CompiledRunner, ReferenceRunner):
+    for runner in (LoneRunner, ReferenceRunner):
 
         def noted(self, *asked, lap=runner.lap, kind=runner):
             found.append(kind)
             return lap(self, *asked)
 
         monkeypatch.setattr(runner, "lap", noted)
-    record.patience.cache_clear()
+    record.by_reference.cache_clear()
     return found
 
 
@@ -34,7 +35,7 @@ def test_the_second_way_takes_over_and_agrees(ran, monkeypatch):
     for _ in range(2):
         laps.append(Recorder(gait.system).lap(y))
     slow, fast = laps
-    assert ran == [ReferenceRunner, CompiledRunner]
+    assert ran == [ReferenceRunner, LoneRunner]
     np.testing.assert_allclose(fast.y, slow.y, rtol=0, atol=1e-9)
     assert fast.order == slow.order and fast.phase == slow.phase
     assert [arc.domain.name for arc in fast.arcs] == [arc.domain.name for arc in slow.arcs]

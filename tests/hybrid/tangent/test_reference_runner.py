@@ -54,13 +54,13 @@ class TestRefused:
     def test_a_cycle_that_does_not_close(self, hop):
         recorder = Recorder(hop.with_law(stance_torque=0.0).system)
         with pytest.raises(NotDifferentiable, match="does not close"):
-            recorder.cycle(np.concatenate(hop.state))
+            recorder.lap(np.concatenate(hop.state))
 
     def test_a_cycle_of_more_evaluations_than_any_gait_s(self, hop, monkeypatch):
         """A search tries such states, where one cycle may take half a minute."""
         monkeypatch.setattr(reference_runner, "EVALUATIONS", 100)
         with pytest.raises(NotDifferentiable, match="used up its right-hand side evaluations"):
-            Recorder(hop.system).cycle(np.concatenate(hop.state))
+            Recorder(hop.system).lap(np.concatenate(hop.state))
 
     @pytest.mark.parametrize(
         ("numbers", "q", "v"),
@@ -80,7 +80,7 @@ class TestRefused:
     def test_toes_that_alternate(self, hop, numbers, q, v):
         recorder = Recorder(with_numbers(hop.system, numbers))
         with pytest.raises(NotDifferentiable, match="without a derivative: toes alternate"):
-            recorder.cycle(np.array([*q, *v]))
+            recorder.lap(np.array([*q, *v]))
 
 
 @pytest.mark.slow
