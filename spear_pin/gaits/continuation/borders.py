@@ -13,7 +13,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
-from spear_pin.gaits.continuation.stepping import Point, ahead, along, corrected, placed, stepped
+from spear_pin.gaits.continuation.stepping import Point, along, corrected, placed, predicted, stepped
 from spear_pin.hybrid.orders import Order
 
 CLOSEST = 1e-8  # arc length up to which a border is approached
@@ -82,7 +82,7 @@ def border(problem: Problem, inner: Point, came: Array) -> Border:
         return Border(TURNED if back else CONTINUOUS, inner, outer, outer.local.order)
     for length in BEYOND:
         try:
-            residual, order = problem.glance(_predicted(problem, inner, length))
+            residual, order = problem.glance(predicted(problem, inner, inner.tangent, length))
         except NoValue as nothing:
             return Border(DISCONTINUOUS, inner, None, nothing.order, nothing.reason)
         if order != inner.local.order:
@@ -107,14 +107,14 @@ def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
     """Finds the first point of a branch that turns at the border, by the tangent beyond the border."""
     for length in BEYOND:
         try:
-            there = problem.local(_predicted(problem, inner, length))
+            there = problem.local(predicted(problem, inner, inner.tangent, length))
             if there.like(inner.local):
                 continue
             tangent = along(there, inner.tangent)
         except NoValue:
             continue
         for row in (tangent, -tangent):
-            start = ahead(problem, inner, row, length)
+            start = predicted(problem, inner, row, length)
             try:
                 found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
             except NoValue:
@@ -131,7 +131,3 @@ def _facing(local: Local, inner: Point) -> Point | None:
         return placed(local, local.u - inner.local.u)
     except NoValue:
         return None
-
-
-def _predicted(problem: Problem, inner: Point, length: float) -> Array:
-    return ahead(problem, inner, inner.tangent, length)

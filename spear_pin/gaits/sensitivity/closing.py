@@ -6,13 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
-from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.gaits.sensitivity.orbit import Orbit, equations, solved
+from spear_pin.hybrid.newton import root
 from spear_pin.hybrid.tangent.resets import REFUSALS
 
 CLOSED = 1e-10  # of coordinates and of what is kept
 MOST = 8  # cycles
-SLOWEST = 0.5  # factor by which the residual has to fall
 
 
 def closed(
@@ -29,30 +30,34 @@ def closed(
     Raises:
         NoGait: Newton's method does not converge to a gait within a few cycles.
     """
-    before = np.inf
-    for _ in range(MOST):
+    off = np.inf
+
+    def landing(orbit: Orbit) -> Orbit:
+        """Returns the orbit with those toes sliding as it begins that slide as it ends."""
         on_cycle()
-        try:
-            if (orbit.slides != orbit.slide_after).any():  # toes land otherwise
-                after = orbit.cycle.y - np.concatenate(orbit.state)
-                orbit = orbit.beside({}, after, orbit.names, orbit.slide_after)
-                continue
-            residual = np.concatenate([orbit.displacement, [orbit.measures[name].value - keep[name] for name in keep]])
-            size = float(np.abs(residual).max())
-            if size <= CLOSED:
-                return orbit
-            if not size < SLOWEST * before:
-                break
-            d, k = orbit.dimension, len(vary)
-            rows = orbit.columns[:, : d + k] - np.eye(d, d + k)
-            kept = [orbit.measures[name].derivative[: d + k] for name in keep]
-            step = np.linalg.solve(np.vstack([rows, *kept]), -residual)
-            change = dict(zip(vary, step[d:].tolist(), strict=True))
-            orbit = orbit.beside(change, orbit.start[:, : d + k] @ step, orbit.names)
-        except REFUSALS as error:
-            raise NoGait(str(error), before) from error
-        before = size
-    raise NoGait("Newton's method makes no progress", before, remedy="values to keep nearer to the gait's own")
+        if (orbit.slides == orbit.slide_after).all():
+            return orbit
+        on_cycle()
+        return orbit.beside({}, orbit.cycle.y - np.concatenate(orbit.state), orbit.names, orbit.slide_after)
+
+    def about(orbit: Orbit) -> tuple[Array, Array]:
+        nonlocal off
+        residual = np.array([*orbit.displacement, *(orbit.measures[name].value - keep[name] for name in keep)])
+        slopes, off = equations(orbit, keep)[:, : len(residual)], float(np.abs(residual).max())
+        return residual, slopes
+
+    def ahead(orbit: Orbit, step: Array) -> Orbit:
+        change = dict(zip(vary, step[orbit.dimension :].tolist(), strict=True))
+        return landing(orbit.beside(change, orbit.start[:, : len(step)] @ step, orbit.names))
+
+    size = 2 * orbit.system.robot.nv + len(vary)
+    try:
+        found, off = root(about, ahead, landing(orbit), CLOSED, size=size, calls=MOST)
+    except REFUSALS as error:
+        raise NoGait(str(error), off) from error
+    if not off <= CLOSED or (found.slides != found.slide_after).any():
+        raise NoGait("Newton's method makes no progress", off, remedy="values to keep nearer to the gait's own")
+    return found
 
 
 def led(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -198,10 +198,13 @@ def solved(orbit: Orbit, vary: Sequence[str], keep: Sequence[str]) -> tuple[Arra
     Returns:
         derivatives of ξ, (d, m), and of what is solved for, (k, m).
     """
-    d, k = orbit.dimension, len(vary)
-    rows = [orbit.columns - np.eye(d, orbit.columns.shape[1])]
-    if keep:
-        rows.append(np.array([orbit.measures[name].derivative for name in keep]))
-    whole = np.concatenate(rows)
-    found = np.asarray(-np.linalg.solve(whole[:, : d + k], whole[:, d + k :]), np.float64)
+    d = orbit.dimension
+    whole, free = equations(orbit, keep), d + len(vary)
+    found = np.asarray(-np.linalg.solve(whole[:, :free], whole[:, free:]), np.float64)
     return found[:d], found[d:]
+
+
+def equations(orbit: Orbit, keep: Iterable[str]) -> Array:
+    """Returns derivatives of ξ after the cycle less ξ before it, and of measures, (d + k, d + m)."""
+    moved = orbit.columns - np.eye(*orbit.columns.shape)
+    return np.concatenate([moved, *(orbit.measures[name].derivative[None] for name in keep)])
