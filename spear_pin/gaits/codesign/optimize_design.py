@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -9,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, NoGait
+from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.codesign.design import Design, assumed, design
 from spear_pin.gaits.codesign.problem import Problem
 from spear_pin.gaits.codesign.step import Local
@@ -183,14 +184,10 @@ def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> N
             raise BadValue(f"keep[{name!r}]", kept, "a value within at_least and at_most of the same measure")
     if len(problem.vary) != len(problem.keep):
         raise BadValue("keep", dict(problem.keep), f"as many measures as vary has parameters, {len(problem.vary)}")
-    if not (0.0 < tolerance < 1.0):
-        raise BadValue("tolerance", tolerance, "a number between 0 and 1")
-    if iterations < 1:
-        raise BadValue("iterations", iterations, "a whole number >= 1")
-    limit = problem.largest_multiplier
-    if limit is not None and not (np.isfinite(limit) and limit > 0.0):
-        raise BadValue("largest_multiplier", limit, "a number > 0, or None")
-    for what, limits in (("at_most", problem.at_most), ("at_least", problem.at_least), ("keep", problem.keep)):
+    require("tolerance", tolerance, lambda share: 0.0 < share < 1.0, "a number between 0 and 1")
+    require("iterations", iterations, lambda n: n >= 1, "a whole number >= 1")
+    if problem.largest_multiplier is not None:
+        require("largest_multiplier", problem.largest_multiplier, lambda limit: limit > 0.0, "a number > 0, or None")
+    for what, limits in (("at_most", problem.at_most), ("at_least", problem.at_least)):
         for name, bound in limits.items():
-            if not np.isfinite(bound):
-                raise BadValue(f"{what}[{name!r}]", bound, "a finite number")
+            require(f"{what}[{name!r}]", bound, math.isfinite, "a finite number")
