@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
+from spear_pin.gaits.continuation.problem import NoValue, Problem
 from spear_pin.gaits.continuation.stepping import Point, along, corrected, placed, predicted, stepped
 from spear_pin.hybrid.orders import Order
 
@@ -93,14 +93,8 @@ def border(problem: Problem, inner: Point, came: Array) -> Border:
 
 def _straight_on(problem: Problem, inner: Point) -> Point | None:
     """Finds the first point of the branch beyond the border, where the branch keeps its direction."""
-    for length in BEYOND:
-        try:
-            point = stepped(problem, inner, length, reach=BENT)
-        except NoValue:
-            continue
-        if not point.local.like(inner.local):
-            return _facing(point.local, inner)
-    return None
+    found = (_beyond(problem, inner, inner.tangent, length) for length in BEYOND)
+    return next((outer for outer in found if outer is not None), None)
 
 
 def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
@@ -114,20 +108,17 @@ def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
         except NoValue:
             continue
         for row in (tangent, -tangent):
-            start = predicted(problem, inner, row, length)
-            try:
-                found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
-            except NoValue:
-                continue
-            outer = None if found.like(inner.local) else _facing(found, inner)
+            outer = _beyond(problem, inner, row, length)
             if outer is not None and outer.tangent @ came > BACK:
                 return outer
     return None
 
 
-def _facing(local: Local, inner: Point) -> Point | None:
-    """Returns a solution with its tangent pointing away from the border."""
+def _beyond(problem: Problem, inner: Point, row: Array, length: float) -> Point | None:
+    """Finds the solution beyond the border at a length along a direction; its tangent points away from the border."""
     try:
-        return placed(local, local.u - inner.local.u)
+        start = predicted(problem, inner, row, length)
+        found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
+        return None if found.like(inner.local) else placed(found, found.u - inner.local.u)
     except NoValue:
         return None
