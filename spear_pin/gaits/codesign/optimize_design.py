@@ -24,6 +24,7 @@ from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch
 from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.periodic import eigenvalues
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
@@ -144,13 +145,12 @@ def optimize_design(
 
 def unconfirmed(orbit: Orbit, vary: Sequence[str]) -> Gait:
     """Returns the gait as the fast engine finds it."""
-    values = np.linalg.eigvals(orbit.jacobian)
     return Gait(
         system=orbit.system,
         state=orbit.state,
         parameters={name: number(orbit.system, name) for name in vary},
         residual=float(np.abs(orbit.displacement).max()),
-        multipliers=np.asarray(values[np.argsort(-np.abs(values))], np.complex128),
+        multipliers=eigenvalues(orbit.jacobian),
         durations={phase: float(seconds.x) for phase, seconds in orbit.cycle.durations.items()},
     )
 
