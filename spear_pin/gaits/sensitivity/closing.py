@@ -8,7 +8,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
-from spear_pin.gaits.sensitivity.orbit import Orbit, equations, solved
+from spear_pin.gaits.sensitivity.orbit import Orbit, branch, equations
 from spear_pin.hybrid.newton import root
 from spear_pin.hybrid.tangent.resets import REFUSALS
 
@@ -47,8 +47,7 @@ def closed(
         return residual, slopes
 
     def ahead(orbit: Orbit, step: Array) -> Orbit:
-        change = dict(zip(vary, step[orbit.dimension :].tolist(), strict=True))
-        return landing(orbit.beside(change, orbit.start[:, : len(step)] @ step, orbit.names))
+        return landing(orbit.along(step, orbit.names))
 
     size = 2 * orbit.system.robot.nv + len(vary)
     try:
@@ -79,12 +78,10 @@ def led(
     Raises:
         NoGait: Newton's method does not converge to a gait, or a number is not valid.
     """
-    dxi, dz = solved(orbit, vary, list(keep))
     by = np.array([change[name] for name in orbit.names[len(vary) :]])
-    step = np.concatenate([dxi @ by, dz @ by, by])
-    numbers = dict(zip(orbit.names, step[orbit.dimension :].tolist(), strict=True))
+    step = branch(orbit, list(keep)) @ by
     try:
-        begun = orbit.beside(numbers, orbit.start @ step, orbit.names)
+        begun = orbit.along(step, orbit.names)
     except SpearError as error:
         raise NoGait(str(error), np.inf) from None
     return closed(begun, vary, keep, on_cycle)

@@ -6,7 +6,7 @@ import pytest
 from spear_pin import Gait, find_gait, simulate
 from spear_pin.gaits.sensitivity.closing import closed, led
 from spear_pin.gaits.sensitivity.margins import margins, of_motion
-from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.gaits.sensitivity.orbit import Orbit, branch
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.tangent.collocation import TAIL, Fineness
 from spear_pin.hybrid.tangent.cycle import differentiated
@@ -38,8 +38,7 @@ def test_margins_of_what_begins_on_zero_are_not_zero(begun):
 
 
 def along(begun, found, name, j):
-    dxi, dz = solved(begun, VARY, list(KEEP))
-    return found.derivative @ np.concatenate([dxi, dz, np.eye(len(OVER))])[:, j]
+    return found.derivative @ branch(begun, list(KEEP))[:, j]
 
 
 @pytest.mark.parametrize("j", range(len(OVER)))
@@ -66,8 +65,7 @@ def test_an_event_at_once_by_derivatives_against_gaits_nearby(hop):
         h = 2e-4 * number(begun.system, name)
         others = dict.fromkeys(over, 0.0)
         a, b, c, d = (at_once(led(begun, (), {}, {**others, name: k * h}))[1] for k in (1, -1, 2, -2))
-        dxi, _ = solved(begun, (), [])
-        along = change @ np.concatenate([dxi, np.eye(len(over))])[:, j]
+        along = change @ branch(begun, ())[:, j]
         assert h * along == pytest.approx((8.0 * (a - b) - (c - d)) / 12.0, rel=1e-5, abs=1e-9 * found)
 
 
