@@ -76,7 +76,7 @@ def side_by_side(local: Neighbourhood) -> bool:
 
 
 def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Samples:
-    system, order = local.system, _order(local)
+    system, order = local.system, Recorder(local.system).lap(np.concatenate(local.state)).order
     given = dict(zip(local.over, parameters.T, strict=True))
     y, begin = local.predicted(parameters)
     target = dict(zip(local.keep, local.kept.tolist(), strict=True))
@@ -97,11 +97,6 @@ def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Sam
     alike = np.zeros(len(parameters), dtype=bool)
     alike[found] = [each == order for each in cycles.orders]
     return Samples(parameters, outputs, table.reason, table.largest, alike)
-
-
-def _order(local: Neighbourhood) -> object:
-    here = {name: np.array([value]) for name, value in zip(local.over, local.values.tolist(), strict=True)}
-    return measured(local.system, here, local.state[0][None], local.state[1][None]).orders[0]
 
 
 def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Samples:
