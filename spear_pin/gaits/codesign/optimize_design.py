@@ -109,14 +109,14 @@ def optimize_design(
 
     begun = Orbit(gait.system, gait.state, problem.names, problem.motors)
     problem.named(begun)
-    orbit = closed(begun, solved_for, problem.keep, count)
+    orbit = closed(begun, problem.keep, count)
     scale = abs(problem.values(orbit)[0]) or 1.0
 
     def value(x: Array, near: Local[Orbit]) -> Local[Orbit] | None:
         nonlocal why
         change = dict(zip(over, ((x - near.x) * problem.span).tolist(), strict=True))
         try:
-            there = led(near.more, solved_for, problem.keep, change, count)
+            there = led(near.more, problem.keep, change, count)
             if problem.hidden(there) and not problem.hidden(near.more):
                 raise NoGait("two multipliers leave the circle at once", np.nan)
             local = problem.local(there, scale, count)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -16,14 +16,11 @@ CLOSED = 1e-10  # of coordinates and of what is kept
 MOST = 8  # cycles
 
 
-def closed(
-    orbit: Orbit, vary: Sequence[str], keep: Mapping[str, float], on_cycle: Callable[[], object] = lambda: None
-) -> Orbit:
+def closed(orbit: Orbit, keep: Mapping[str, float], on_cycle: Callable[[], object] = lambda: None) -> Orbit:
     """Finds the gait near an orbit that is nearly one, with its derivatives.
 
     Args:
-        orbit: its names begin with those of `vary`.
-        vary: names of parameters that are solved for.
+        orbit: the first of its names are solved for.
         keep: as many measures, and the values that they keep.
         on_cycle: called before each cycle.
 
@@ -49,7 +46,7 @@ def closed(
     def ahead(orbit: Orbit, step: Array) -> Orbit:
         return landing(orbit.along(step, orbit.names))
 
-    size = 2 * orbit.system.robot.nv + len(vary)
+    size = 2 * orbit.system.robot.nv + len(keep)
     try:
         found, off = root(about, ahead, landing(orbit), CLOSED, size=size, calls=MOST)
     except REFUSALS as error:
@@ -61,7 +58,6 @@ def closed(
 
 def led(
     orbit: Orbit,
-    vary: Sequence[str],
     keep: Mapping[str, float],
     change: Mapping[str, float],
     on_cycle: Callable[[], object] = lambda: None,
@@ -69,19 +65,17 @@ def led(
     """Finds the gait for changed numbers: Newton's method from the state that derivatives predict.
 
     Args:
-        orbit: the gait's orbit; its names are those of `vary`, then those that may change.
-        vary: names of parameters that are solved for.
+        orbit: the gait's orbit; the first of its names are solved for.
         keep: as many measures, and the values that they keep.
-        change: changes of parameters, by name.
+        change: changes of the other parameters, by name.
         on_cycle: called before each cycle.
 
     Raises:
         NoGait: Newton's method does not converge to a gait, or a number is not valid.
     """
-    by = np.array([change[name] for name in orbit.names[len(vary) :]])
-    step = branch(orbit, list(keep)) @ by
+    by = np.array([change[name] for name in orbit.names[len(keep) :]])
     try:
-        begun = orbit.along(step, orbit.names)
+        begun = orbit.along(branch(orbit, list(keep)) @ by, orbit.names)
     except SpearError as error:
         raise NoGait(str(error), np.inf) from None
-    return closed(begun, vary, keep, on_cycle)
+    return closed(begun, keep, on_cycle)

@@ -115,7 +115,7 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
         try:
             near = with_numbers(system, dict(zip(local.vary, begin[i].tolist(), strict=True)))
             q, v = local.placed(near, y[i][None])
-            orbit = closed(Orbit(near, (q[0], v[0]), local.vary, local.motors), local.vary, kept)
+            orbit = closed(Orbit(near, (q[0], v[0]), local.vary, local.motors), kept)
         except (SpearError, np.linalg.LinAlgError) as error:
             plain = not isinstance(error.__cause__ or error, NotDifferentiable)
             reason[i] = NO_CONVERGENCE if plain else NOT_PLAIN
