@@ -79,7 +79,7 @@ class Followed:
     def __init__(self, over: Ranges) -> None:
         begun, self.over, self.cycles = hop(), over, 0
         self.problem = problem(over)
-        first = closed(Orbit(begun.system, begun.state, self.problem.names, MOTORS), VARY, KEEP)
+        first = closed(Orbit(begun.system, begun.state, self.problem.names, MOTORS), KEEP)
         self.known = {tuple(self.at(first)): first}
 
     def at(self, orbit: Orbit) -> Array:
@@ -96,7 +96,7 @@ class Followed:
         while done < 1.0:
             change = (x - near) * min(step, 1.0 - done) * self.problem.span
             try:
-                orbit = led(orbit, VARY, KEEP, dict(zip(self.over, change.tolist(), strict=True)), self._count)
+                orbit = led(orbit, KEEP, dict(zip(self.over, change.tolist(), strict=True)), self._count)
             except (NoGait, NotDifferentiable):
                 step *= 0.5
                 if step < 0.5**HALVINGS:

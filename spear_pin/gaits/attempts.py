@@ -106,7 +106,8 @@ class Search:
         """Finds the system and state from the fixed point of the system as it is; moves the targets step by step."""
         unasked = replace(sought(system, (), {}, self.rtol, self.on_iteration), effort=self.effort)
         system, state = unasked.roughly(system, state, self.wanted[:0])
-        begin = self.measure(system, return_map(system, state, self.rtol))
+        cycle = return_map(system, state, self.rtol)
+        begin = np.array([measure(system, cycle) for measure in self.measures], dtype=float)
 
         def solve(share: float, near: tuple[HybridSystem, State]) -> tuple[HybridSystem, State]:
             found = self.roughly(*near, begin + share * (self.wanted - begin))
@@ -175,10 +176,6 @@ class Search:
             self.effort.strained += 1
             if self.effort.strained == STRAINED:
                 raise Hopeless
-
-    def measure(self, system: HybridSystem, result: Run) -> Array:
-        """Returns the measures of a one-cycle run of a system."""
-        return np.array([measure(system, result) for measure in self.measures], dtype=float)
 
     def gait(self, system: HybridSystem, state: State) -> Gait:
         """Returns the gait at a solution, checked on the whole state and on the cycle after it."""

@@ -224,7 +224,8 @@ def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None,
     def trial(k: float | tuple[float, float]) -> Gait:
         return gait.with_law(speed_gain=k if isinstance(k, tuple) else (k, k), speed_nominal=speeds)
 
-    return _multiplied(trial(_best_gain(trial, rtol) if gain is None else gain), 1e-10)
+    found = trial(_best_gain(trial, rtol) if gain is None else gain)
+    return replace(found, multipliers=eigenvalues(linearized(found, ())[0]))
 
 
 def _best_gain(trial: Callable[[float], Gait], rtol: float) -> float:
@@ -262,8 +263,3 @@ def _has_feedback(system: HybridSystem) -> bool:
 def _check_without(gait: Gait) -> None:
     if _has_feedback(gait.system):
         raise BadValue("gait", "one with event feedback", "one without: without_feedback(gait)")
-
-
-def _multiplied(gait: Gait, rtol: float) -> Gait:
-    """Returns the gait with its multipliers computed again."""
-    return replace(gait, multipliers=eigenvalues(linearized(gait, (), rtol)[0]))

@@ -59,10 +59,10 @@ class LaneCycles:
         measured = np.column_stack(
             [MEASURES[name](self.system, q[can], batch) for name in self.measures] or [q[can, :0]]
         )
-        durations = {phase: _spread(seconds, can, n) for phase, seconds in batch.durations.items()}
-        q, v, measured = (_spread(part, can, n) for part in (batch.q, batch.v, measured))
+        durations = {phase: spread(seconds, can, n) for phase, seconds in batch.durations.items()}
+        q, v, measured = (spread(part, can, n) for part in (batch.q, batch.v, measured))
         orders = dict(zip(can.tolist(), batch.orders, strict=True))
-        reference = _spread(batch.repeated, can, n) == 1.0
+        reference = spread(batch.repeated, can, n) == 1.0
         return Cycles(q, v, measured, durations, reason, reference, [orders.get(i, ()) for i in range(n)])
 
     def alone(self, lane: int, state: State, values: Array) -> NDArray[np.complex128] | None:
@@ -75,7 +75,7 @@ class LaneCycles:
             return None
 
 
-def _spread(part: NDArray[np.generic], lanes: Lanes, n: int) -> Array:
+def spread(part: NDArray[np.generic], lanes: Lanes, n: int) -> Array:
     """Spreads numbers of some lanes over all n lanes, with NaN in the others."""
     whole = np.full((n, *part.shape[1:]), np.nan)
     whole[lanes] = part

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
+from spear_pin.hybrid.periodic import by_modulus
 
 ALONG, LATERAL = "along", "lateral"
 
@@ -39,7 +40,7 @@ def merged(parts: Mapping[bool | None, NDArray[np.complex128]]) -> Multipliers:
     names = {True: LATERAL, False: ALONG, None: None}
     values = np.concatenate([*parts.values()])
     kinds = [names[lateral] for lateral, part in parts.items() for _ in part]
-    order = _order(values)
+    order = by_modulus(values)
     return Multipliers(values[order], tuple(kinds[i] for i in order))
 
 
@@ -55,11 +56,6 @@ def parted(A: Array, symmetric: NDArray[np.bool_]) -> Multipliers:
         symmetric: whether each coordinate is symmetric, (n,).
     """
     values, vectors = np.linalg.eig(A)
-    order = _order(values)
+    order = by_modulus(values)
     shares = (np.linalg.pinv(vectors).T * vectors)[~symmetric].sum(axis=0).real
     return Multipliers(values[order].astype(np.complex128), tuple(LATERAL if shares[i] > 0.5 else ALONG for i in order))
-
-
-def _order(values: NDArray[np.complex128]) -> NDArray[np.int64]:
-    """Returns the order by decreasing modulus; of a pair the multiplier above the real axis comes first."""
-    return np.asarray(np.lexsort((-values.imag, -np.round(np.abs(values), 9))))

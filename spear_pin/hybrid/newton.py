@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from itertools import count
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.hybrid.per_lane import applied
 
+T = TypeVar("T")
 Lanes = NDArray[np.int64]
 Words = NDArray[np.object_]
 Evaluate = Callable[[Lanes, Array], tuple[Array, Words]]
@@ -28,12 +30,15 @@ OnIterates = Callable[[Lanes, NDArray[np.int64], Array], object]
 
 STEP = 1e-5  # of differences; their errors are of order STEP, of order STEP² for central ones, and rtol / STEP
 QUICK = 0.2  # if a step leaves less than this share of the residual, the Jacobian is updated instead of recomputed
-SHORTEST = 1.0 / 32.0  # smallest damping of a step
+SHORTEST = 1.0 / 32.0  # least damping of a step
 ITERATIONS, PATIENCE = 15, 7  # most iterations, and number of iterations that have to halve the residual
 NOISE = 10.0  # tolerances: below this, a residual that no step reduces is due to the evaluator's noise
 
 CONVERGED, NO_START, NO_NEIGHBOUR = "converged", "no_start", "no_neighbour"
 NO_PROGRESS, TOO_LONG = "no_progress", "too_long"
+
+
+NO_WORDS: Words = np.array([""], dtype=object)
 
 
 def ignored(lanes: Lanes, iteration: NDArray[np.int64], norm: Array) -> None:
@@ -110,6 +115,7 @@ def newton(
     always: bool = True,
     equations: int | None = None,
     longest: float = np.inf,
+    shortest: float = SHORTEST,
     on_iterates: OnIterates = ignored,
 ) -> Roots:
     """Finds roots by damped Newton's method, with exact Jacobians where they are known.
@@ -129,6 +135,7 @@ def newton(
         always: whether it is asked at each iterate, or only where differences would be taken otherwise.
         equations: number of residuals; None: as many as unknowns.
         longest: largest component of a step, in scales.
+        shortest: least damping of a step; with 1 steps are whole.
         on_iterates: called with the lanes that have taken a step (or a first value), their numbers of steps, and the
             residuals.
     """
@@ -155,12 +162,55 @@ def newton(
         better = _better(trials, steps, shares, values[:m], tolerance)
         took, refused = trying[better], trying[~better]
         lanes.put(took, _accepted(trials.take(better), steps[better], values[:m][better], tolerance, quick))
-        lanes.put(refused, _refused(trials.take(~better), why[:m][~better], tolerance))
+        lanes.put(refused, _refused(trials.take(~better), why[:m][~better], tolerance, shortest))
         lanes.put(differing, _differentiated(differences, values[m:].reshape(-1, k, r), why[m:].reshape(-1, k)))
         if len(took):
             on_iterates(took, lanes.iteration[took], lanes.norm[took])
     end = np.where(lanes.end == "", TOO_LONG, lanes.end).astype(object)
     return Roots(lanes.x * scale, lanes.norm, lanes.iteration, end, lanes.reason)
+
+
+def root(
+    about: Callable[[T], tuple[Array, Array]],
+    ahead: Callable[[T, Array], T],
+    start: T,
+    tolerance: float,
+    *,
+    size: int,
+    calls: int,
+) -> tuple[T, float]:
+    """Finds a root among points of any kind, each with coordinates of its own about it, by whole steps of `newton`.
+
+    Args:
+        about: returns the residual at a point, (r,), and its Jacobian by the coordinates about that point, (r, k).
+        ahead: returns the point that coordinates, (k,), about another point lead to.
+        start: the point at which it starts.
+        tolerance: tolerance on the residual's largest component.
+        size: bound of r and k, which may differ between points.
+        calls: most points.
+
+    Returns:
+        the last point, and the largest component of the residual there.
+    """
+    here = there = start
+    origin, jacobian = np.zeros(size), np.empty((0, 0))
+
+    def evaluate(lanes: Lanes, x: Array) -> tuple[Array, Words]:
+        nonlocal there, jacobian
+        step = (x[0] - origin)[: jacobian.shape[1]]
+        there = ahead(here, step) if step.any() else here
+        residual, jacobian = about(there)
+        known = np.isfinite(jacobian).all()
+        return np.pad(residual if known else residual * np.nan, (0, size - len(residual)))[None], NO_WORDS
+
+    def slopes(lanes: Lanes, x: Array) -> Array:
+        nonlocal here, origin
+        here, origin = there, x[0]
+        return np.pad(jacobian, [(0, size - n) for n in jacobian.shape])[None]
+
+    begin = np.zeros((1, size))
+    found = newton(evaluate, begin, begin + 1.0, tolerance, calls=calls, slopes=slopes, shortest=1.0)
+    return there if (found.x[0] != origin).any() else here, float(found.norm[0])
 
 
 def _begun(x: Array, r: int, iterations: int) -> _Iterates:
@@ -227,12 +277,12 @@ def _accepted(lanes: _Iterates, steps: Array, values: Array, tolerance: float, q
     )
 
 
-def _refused(lanes: _Iterates, why: Words, tolerance: float) -> _Iterates:
+def _refused(lanes: _Iterates, why: Words, tolerance: float, shortest: float) -> _Iterates:
     """Refuses steps that do not reduce the residual: recomputes an old Jacobian, or else shortens the step."""
     begins = lanes.iteration < 0
     damping = np.where(lanes.fresh, 0.5 * lanes.damping, 1.0)
     left = np.where(lanes.norm <= NOISE * tolerance, CONVERGED, NO_PROGRESS)
-    end = np.where(begins, NO_START, np.where(damping < SHORTEST, left, "")).astype(object)
+    end = np.where(begins, NO_START, np.where(damping < shortest, left, "")).astype(object)
     reason = np.where(begins, why, "").astype(object)
     return replace(lanes, damping=damping, differs=~lanes.fresh, end=end, reason=reason)
 

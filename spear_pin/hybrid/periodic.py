@@ -110,10 +110,14 @@ def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10) -> NDAr
 
 
 def eigenvalues(matrices: Array) -> NDArray[np.complex128]:
-    """Eigenvalues by decreasing modulus, (..., d).
+    """Returns eigenvalues in the order of `by_modulus`, (..., d)."""
+    values = np.linalg.eigvals(matrices).astype(np.complex128)
+    return np.take_along_axis(values, by_modulus(values), axis=-1)
+
+
+def by_modulus(values: NDArray[np.complex128]) -> NDArray[np.int64]:
+    """Returns the order of multipliers by decreasing modulus, (..., d).
 
     Of a conjugate pair, the one above the real axis comes first, independent of rounding.
     """
-    values = np.linalg.eigvals(matrices).astype(np.complex128)
-    order = np.lexsort((-values.imag, -np.round(np.abs(values), 9)), axis=-1)
-    return np.take_along_axis(values, order, axis=-1)
+    return np.asarray(np.lexsort((-values.imag, -np.round(np.abs(values), 9)), axis=-1))

@@ -104,7 +104,7 @@ def test_a_saved_gait_keeps_its_feedback(stabilised: Gait, tmp_path) -> None:
 
 
 def test_speed_feedback_adds_to_both_hips_and_nothing_on_the_orbit(gait: Gait, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(feedback, "_multiplied", lambda closed, rtol: closed)  # which takes long
+    monkeypatch.setattr(feedback, "linearized", lambda *_: (np.eye(1), np.empty((1, 0))))  # which takes long
     law = (quick := speed_regulated(gait, gain=20.0)).system.law
     assert law.speed_gain == (20.0, 20.0)
     assert law.speed_nominal[0] == gait.state[1][0]

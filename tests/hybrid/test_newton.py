@@ -15,6 +15,7 @@ from spear_pin.hybrid.newton import (
     broyden,
     jacobian,
     newton,
+    root,
 )
 
 
@@ -289,3 +290,23 @@ class TestMoreUnknownsThanEquations:
             assert found.end[0] == CONVERGED
             counts[always] = len(asked)
         assert counts[False] < counts[True]
+
+
+def test_points_of_any_kind_have_coordinates_of_their_own():
+    """A point of the unit circle with a given height; beyond half of it the angle about a point counts twice."""
+
+    def about(z):
+        return np.array([z.imag - 0.6]), np.array([[0.5 * z.real] * 2 if z.imag > 0.5 else [z.real]])
+
+    def ahead(z, step):
+        return z * np.exp(1j * (step[0] if len(step) == 1 else step.mean()))
+
+    found, off = root(about, ahead, 1.0 + 0.0j, 1e-14, size=3, calls=8)
+    assert off <= 1e-14 and found == pytest.approx(0.8 + 0.6j, abs=1e-12)
+    nearer, off = root(about, ahead, 1.0 + 0.0j, 1e-14, size=3, calls=2)
+    assert 1e-3 < off == abs(nearer.imag - 0.6) < 0.1
+
+
+def test_a_point_without_a_derivative_ends_where_it_began():
+    found, off = root(lambda x: (x - 1.0, np.full((1, 1), np.nan)), np.add, np.zeros(1), 1e-9, size=1, calls=3)
+    assert off == np.inf and found == 0.0

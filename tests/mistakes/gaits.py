@@ -173,7 +173,7 @@ MUTATIONS = [
                 "efficiency ** (-1.0 if drives else 1.0)",
                 "efficiency ** (1.0 if drives else -1.0)",
             ),
-            "electricity is given back": ("np.where(on, whole, 0.0)", "whole"),
+            "electricity is given back": ("np.where(power > 0.0, power, 0.0)", "power"),
             "power jumps where it stays": ("0.5 * h * (last - begin) * moved", "0.0 * moved"),
             "a reserve at half the no-load speed": ("2.0 * slope / c * change", "slope / c * change"),
             "gears help a reserve": ("in (efficiency, 1.0 / efficiency)", "in (1.0 / efficiency,)"),

@@ -7,10 +7,10 @@ import numpy as np
 from spear_pin import Gait, SpatialLaw, in_space, load, sagittal
 from spear_pin.gaits import library
 from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.footfalls.beside import trot_beside
 from spear_pin.gaits.footfalls.collocate import collocated
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
-from spear_pin.gaits.footfalls.trots import trot_beside
 from spear_pin.gaits.orbits.embedding import embedded
 from spear_pin.gaits.orbits.galloping import galloping
 from spear_pin.gaits.orbits.steering import turned

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -9,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, NoGait
+from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.codesign.design import Design, assumed, design
 from spear_pin.gaits.codesign.problem import Problem
 from spear_pin.gaits.codesign.step import Local
@@ -23,6 +24,7 @@ from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch
 from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.periodic import eigenvalues
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
@@ -108,14 +110,14 @@ def optimize_design(
 
     begun = Orbit(gait.system, gait.state, problem.names, problem.motors)
     problem.named(begun)
-    orbit = closed(begun, solved_for, problem.keep, count)
+    orbit = closed(begun, problem.keep, count)
     scale = abs(problem.values(orbit)[0]) or 1.0
 
     def value(x: Array, near: Local[Orbit]) -> Local[Orbit] | None:
         nonlocal why
         change = dict(zip(over, ((x - near.x) * problem.span).tolist(), strict=True))
         try:
-            there = led(near.more, solved_for, problem.keep, change, count)
+            there = led(near.more, problem.keep, change, count)
             if problem.hidden(there) and not problem.hidden(near.more):
                 raise NoGait("two multipliers leave the circle at once", np.nan)
             local = problem.local(there, scale, count)
@@ -144,13 +146,12 @@ def optimize_design(
 
 def unconfirmed(orbit: Orbit, vary: Sequence[str]) -> Gait:
     """Returns the gait as the fast engine finds it."""
-    values = np.linalg.eigvals(orbit.jacobian)
     return Gait(
         system=orbit.system,
         state=orbit.state,
         parameters={name: number(orbit.system, name) for name in vary},
         residual=float(np.abs(orbit.displacement).max()),
-        multipliers=np.asarray(values[np.argsort(-np.abs(values))], np.complex128),
+        multipliers=eigenvalues(orbit.jacobian),
         durations={phase: float(seconds.x) for phase, seconds in orbit.cycle.durations.items()},
     )
 
@@ -184,14 +185,10 @@ def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> N
             raise BadValue(f"keep[{name!r}]", kept, "a value within at_least and at_most of the same measure")
     if len(problem.vary) != len(problem.keep):
         raise BadValue("keep", dict(problem.keep), f"as many measures as vary has parameters, {len(problem.vary)}")
-    if not (0.0 < tolerance < 1.0):
-        raise BadValue("tolerance", tolerance, "a number between 0 and 1")
-    if iterations < 1:
-        raise BadValue("iterations", iterations, "a whole number >= 1")
-    limit = problem.largest_multiplier
-    if limit is not None and not (np.isfinite(limit) and limit > 0.0):
-        raise BadValue("largest_multiplier", limit, "a number > 0, or None")
-    for what, limits in (("at_most", problem.at_most), ("at_least", problem.at_least), ("keep", problem.keep)):
+    require("tolerance", tolerance, lambda share: 0.0 < share < 1.0, "a number between 0 and 1")
+    require("iterations", iterations, lambda n: n >= 1, "a whole number >= 1")
+    if problem.largest_multiplier is not None:
+        require("largest_multiplier", problem.largest_multiplier, lambda limit: limit > 0.0, "a number > 0, or None")
+    for what, limits in (("at_most", problem.at_most), ("at_least", problem.at_least)):
         for name, bound in limits.items():
-            if not np.isfinite(bound):
-                raise BadValue(f"{what}[{name!r}]", bound, "a finite number")
+            require(f"{what}[{name!r}]", bound, math.isfinite, "a finite number")

@@ -14,7 +14,7 @@ from spear_pin.errors import BadValue, NoGait, UnknownName, listed
 from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.codesign.step import Local
 from spear_pin.gaits.sensitivity.measure import Measure
-from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.gaits.sensitivity.orbit import Orbit, branch
 from spear_pin.gaits.targets import measures_of
 from spear_pin.hybrid.parameters import number
 from spear_pin.model.motor import Drive, Motor
@@ -140,13 +140,12 @@ class Problem:
         """
         others, goal = len(orbit.names) - len(self.vary), self.measure(orbit, self.minimize)
         assert goal is not None
-        dxi, dz = solved(orbit, self.vary, list(self.keep))
-        chain, rows = np.concatenate([dxi, dz, np.eye(others)]), []
+        chain, rows = branch(orbit, list(self.keep)), []
         for each in self.bounds:
             found = self.measure(orbit, each.measure)
             rows.append(np.zeros(others) if found is None else each.side * found.derivative @ chain / each.size)
         if self.largest_multiplier is not None:
-            of = slopes(orbit, self.vary, list(self.keep), self.largest_multiplier, on_cycle) if watch else None
+            of = slopes(orbit, list(self.keep), self.largest_multiplier, on_cycle) if watch else None
             rows.extend(np.zeros((len(STABILITY), others)) if of is None else of)
         return goal.derivative @ chain, np.array(rows).reshape(-1, others)
 

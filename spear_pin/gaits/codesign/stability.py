@@ -9,7 +9,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.multipliers import step_of
-from spear_pin.gaits.sensitivity.orbit import Orbit, solved
+from spear_pin.gaits.sensitivity.orbit import Orbit, branch
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 STEP = 1e-6  # relative to a parameter; one-sided steps are shorter than central ones
@@ -28,35 +28,27 @@ def borders(jacobian: Array, radius: float) -> Array:
     return np.array([np.prod(part).real for part in parts])
 
 
-def slopes(
-    orbit: Orbit, vary: Sequence[str], keep: Sequence[str], radius: float, on_cycle: Callable[[], object] = lambda: None
-) -> Array:
+def slopes(orbit: Orbit, keep: Sequence[str], radius: float, on_cycle: Callable[[], object] = lambda: None) -> Array:
     """Returns derivatives of `borders` by the other parameters along the branch, by differences of exact multipliers.
 
     The differences are one-sided and take a cycle each: five digits are enough for a search.
 
     Args:
-        orbit: the gait; its names are those of `vary`, then those that change.
-        vary: names of parameters that are solved for.
-        keep: names of measures that they keep.
+        orbit: the gait; the first of its names are solved for.
+        keep: names of as many measures that they keep.
         radius: radius of the circle.
         on_cycle: called before each cycle.
 
     Returns:
         (3, m), zero where there are none, for the order of events is another so near.
     """
-    over = orbit.names[len(vary) :]
-    dxi, dz = solved(orbit, vary, keep)
+    over, chain = orbit.names[len(keep) :], branch(orbit, keep)
     here, found = borders(orbit.jacobian, radius), np.zeros((3, len(over)))
     for j, name in enumerate(over):
-        along = np.concatenate([dxi[:, j], dz[:, j], np.eye(len(over))[j]])
-        change = {name: 1.0, **dict(zip(vary, dz[:, j].tolist(), strict=True))}
         h = step_of(orbit, name, STEP)
         for step in (h, -h):
             try:
-                there = orbit.beside(
-                    {each: step * slope for each, slope in change.items()}, orbit.start @ (step * along)
-                )
+                there = orbit.along(step * chain[:, j])
                 on_cycle()
                 if there.cycle.order == orbit.cycle.order:
                     found[:, j] = (borders(there.jacobian, radius) - here) / step

@@ -8,13 +8,13 @@ trials that were no better tell what is across the kink.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Generic, NamedTuple, TypeVar
+from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.codesign.step import FAILURES, Cut, Local, step_within
+from spear_pin.gaits.codesign.step import FAILURES, Cut, Local, Step, step_within
 
 T = TypeVar("T")
 FIRST, LARGEST = 0.1, 0.5  # radii, of the box
@@ -24,13 +24,8 @@ STILL = 1e-3  # a minimum has at most this gradient, relative to the function, o
 NEARBY = 1e-4  # relative to the box: distance at which a bound or kink holds a point
 BENT = 1e4  # relative curvature over the box; only a kink has a larger one
 REMEMBERED = 15.0  # radii: farther points across kinks do not count
-CONVERGED, STUCK, NO_VALUE, TOO_LONG = (
-    "converged",
-    "no step makes it better",
-    "there is no value beyond",
-    "iterations ran out",
-)
-UNSOLVED = "the quadratic model has no solution"
+CONVERGED, STUCK, NO_VALUE = "converged", "no step makes it better", "there is no value beyond"
+TOO_LONG, UNSOLVED = "iterations ran out", "the quadratic model has no solution"
 
 
 @dataclass(frozen=True)
@@ -52,8 +47,8 @@ class Minimum(Generic[T]):
     at_bounds: Array
     stationarity: float
     kinks: tuple[tuple[float, Cut[T]], ...]
-    path: tuple[tuple[float, float], ...]
-    reason: str
+    path: tuple[tuple[float, float], ...] = ()
+    reason: str = ""
 
     @property
     def converged(self) -> bool:
@@ -87,10 +82,8 @@ def minimised(
     path, reason, beyond = [(best.f, best.violation)], TOO_LONG, False
     across: list[Local[T]] = []
     for n in range(iterations):
-        low, high = np.maximum(lower - best.x, -radius), np.minimum(upper - best.x, radius)
-        near = [each for each in across if np.abs(each.x - best.x).max() <= REMEMBERED * radius]
         try:
-            ahead = step_within(best, hessian, low, high, near)
+            ahead = _ahead(best, hessian, lower, upper, across, radius)
         except FAILURES:
             if plain:
                 reason = UNSOLVED
@@ -103,11 +96,11 @@ def minimised(
         predicted = -(best.g @ step + 0.5 * step @ hessian @ step) + penalty * (best.violation - ahead.missed)
         size = float(np.abs(step).max())
         reach = radius if size > 0.9 * radius else 1.0  # a step that the region shortens gives little information
-        if predicted <= tolerance * max(abs(best.f), 1.0) * reach and ahead.on_kink and radius > NEARBY:
-            radius *= 0.3  # points across a kink far away give little information here
-            continue
         if predicted <= tolerance * max(abs(best.f), 1.0) * reach:
-            left = _held(best, hessian, lower, upper, across).stationarity
+            if ahead.on_kink and radius > NEARBY:
+                radius *= 0.3  # points across a kink far away give little information here
+                continue
+            left = _end(best, hessian, lower, upper, across).stationarity
             if left <= STILL * max(abs(best.f), 1.0) or steep:
                 reason = CONVERGED if best.violation <= tolerance else STUCK
                 break
@@ -136,8 +129,7 @@ def minimised(
         if radius < tolerance:
             reason = NO_VALUE if beyond else STUCK
             break
-    held = _held(best, hessian, lower, upper, across)
-    return Minimum(best, *held, tuple(path), reason)
+    return replace(_end(best, hessian, lower, upper, across), path=tuple(path), reason=reason)
 
 
 def _plain(local: Local[T]) -> Array:
@@ -157,30 +149,28 @@ def _known(local: Local[T]) -> bool:
         return False
 
 
-class _Held(NamedTuple, Generic[T]):
-    """Multipliers and stationarity, with the meanings in `Minimum`."""
+def _ahead(
+    local: Local[T], hessian: Array, lower: Array, upper: Array, across: Sequence[Local[T]], radius: float
+) -> Step[T]:
+    """Returns the step of the model within a radius and the bounds, by what points near enough are across kinks."""
+    low, high = np.maximum(lower - local.x, -radius), np.minimum(upper - local.x, radius)
+    near = [each for each in across if np.abs(each.x - local.x).max() <= REMEMBERED * radius]
+    return step_within(local, hessian, low, high, near)
 
-    multipliers: Array
-    at_bounds: Array
-    stationarity: float
-    kinks: tuple[tuple[float, Cut[T]], ...]
 
-
-def _held(local: Local[T], hessian: Array, lower: Array, upper: Array, across: Sequence[Local[T]]) -> _Held[T]:
-    """Returns the constraints, bounds and kinks that hold a point, and the gradient that they do not balance."""
-    low, high = np.maximum(lower - local.x, -NEARBY), np.minimum(upper - local.x, NEARBY)
-    near = [each for each in across if np.abs(each.x - local.x).max() <= REMEMBERED * NEARBY]  # as for a step that long
+def _end(local: Local[T], hessian: Array, lower: Array, upper: Array, across: Sequence[Local[T]]) -> Minimum[T]:
+    """Returns a point with what holds it: constraints, bounds and kinks, and the gradient that they do not balance."""
     try:
-        end = step_within(local, hessian, low, high, near)
+        end = _ahead(local, hessian, lower, upper, across, NEARBY)
     except FAILURES:
-        return _Held(np.zeros(len(local.c)), np.zeros((2, len(local.x))), np.inf, ())
+        return Minimum(local, np.zeros(len(local.c)), np.zeros((2, len(local.x))), np.inf, ())
     found = np.where(local.c >= -NEARBY, end.multipliers, 0.0)  # what is missed has no price
     prices = np.where(local.c >= -NEARBY, end.prices, 0.0)
-    at_bounds = np.where(np.array([low > -NEARBY, high < NEARBY]), end.at_bounds, 0.0)
+    at_bounds = np.where([lower - local.x > -NEARBY, upper - local.x < NEARBY], end.at_bounds, 0.0)
     left = local.g - local.A.T @ found - at_bounds[0] + at_bounds[1]
     for price, cut in end.kinks:
         left = left - price * cut.row
-    return _Held(prices, at_bounds, float(np.abs(left).max()), end.kinks)
+    return Minimum(local, prices, at_bounds, float(np.abs(left).max()), end.kinks)
 
 
 def _updated(hessian: Array, step: Array, change: Array) -> Array:

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
-from spear_pin.gaits.continuation.stepping import Point, ahead, along, corrected, placed, stepped
+from spear_pin.gaits.continuation.problem import NoValue, Problem
+from spear_pin.gaits.continuation.stepping import Point, along, corrected, placed, predicted, stepped
 from spear_pin.hybrid.orders import Order
 
 CLOSEST = 1e-8  # arc length up to which a border is approached
@@ -82,7 +82,7 @@ def border(problem: Problem, inner: Point, came: Array) -> Border:
         return Border(TURNED if back else CONTINUOUS, inner, outer, outer.local.order)
     for length in BEYOND:
         try:
-            residual, order = problem.glance(_predicted(problem, inner, length))
+            residual, order = problem.glance(predicted(problem, inner, inner.tangent, length))
         except NoValue as nothing:
             return Border(DISCONTINUOUS, inner, None, nothing.order, nothing.reason)
         if order != inner.local.order:
@@ -93,45 +93,32 @@ def border(problem: Problem, inner: Point, came: Array) -> Border:
 
 def _straight_on(problem: Problem, inner: Point) -> Point | None:
     """Finds the first point of the branch beyond the border, where the branch keeps its direction."""
-    for length in BEYOND:
-        try:
-            point = stepped(problem, inner, length, reach=BENT)
-        except NoValue:
-            continue
-        if not point.local.like(inner.local):
-            return _facing(point.local, inner)
-    return None
+    found = (_beyond(problem, inner, inner.tangent, length) for length in BEYOND)
+    return next((outer for outer in found if outer is not None), None)
 
 
 def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
     """Finds the first point of a branch that turns at the border, by the tangent beyond the border."""
     for length in BEYOND:
         try:
-            there = problem.local(_predicted(problem, inner, length))
+            there = problem.local(predicted(problem, inner, inner.tangent, length))
             if there.like(inner.local):
                 continue
             tangent = along(there, inner.tangent)
         except NoValue:
             continue
         for row in (tangent, -tangent):
-            start = ahead(problem, inner, row, length)
-            try:
-                found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
-            except NoValue:
-                continue
-            outer = None if found.like(inner.local) else _facing(found, inner)
+            outer = _beyond(problem, inner, row, length)
             if outer is not None and outer.tangent @ came > BACK:
                 return outer
     return None
 
 
-def _facing(local: Local, inner: Point) -> Point | None:
-    """Returns a solution with its tangent pointing away from the border."""
+def _beyond(problem: Problem, inner: Point, row: Array, length: float) -> Point | None:
+    """Finds the solution beyond the border at a length along a direction; its tangent points away from the border."""
     try:
-        return placed(local, local.u - inner.local.u)
+        start = predicted(problem, inner, row, length)
+        found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
+        return None if found.like(inner.local) else placed(found, found.u - inner.local.u)
     except NoValue:
         return None
-
-
-def _predicted(problem: Problem, inner: Point, length: float) -> Array:
-    return ahead(problem, inner, inner.tangent, length)

@@ -235,8 +235,7 @@ class Branch(Shown):
 
     def _gait(self, index: int) -> Gait:
         solved = {name: float(values[index]) for name, values in self.solved.items()}
-        known = self.over in self.family.names
-        numbers = {**solved, self.over: float(self.values[index])} if known else solved
+        numbers = {**solved, self.over: float(self.values[index])}
         return Gait(
             system=self.family.member([numbers[name] for name in self.family.names]),
             state=(self.q[index].copy(), self.v[index].copy()),

@@ -18,7 +18,7 @@ from spear_pin.hybrid.batch import FEW, has_lanes, may_vary
 from spear_pin.hybrid.parameters import number, numbers_of_robot, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import one_by_one, return_map
 from spear_pin.hybrid.result import Run, State
-from spear_pin.hybrid.shooting import Cycles
+from spear_pin.hybrid.shooting import Cycle, Cycles
 from spear_pin.hybrid.tangent.record import Recorder, many
 from spear_pin.hybrid.tangent.seeds import Seeds, seeds
 
@@ -78,7 +78,9 @@ class Family:
 
     def run(self, q: Array, v: Array, values: Array) -> Cycles:
         """Runs one cycle from each state with its values of the numbers, (m, k)."""
-        return self._runner(q, v, values)
+        if self._in_lanes:
+            return self._by_lanes(q, v, values)
+        return self._by_reference(np.arange(len(q)), q, v, values)
 
     @cached_property
     def differentiable(self) -> bool:
@@ -102,11 +104,8 @@ class Family:
         return Recorder(self.system, many(self.system, given))
 
     @cached_property
-    def _runner(self) -> Callable[[Array, Array, Array], Cycles]:
-        return self._by_lanes if self._has_lanes() else self._by_reference
-
-    def _has_lanes(self) -> bool:
-        """Tells whether lanes, which are faster, can run the cycles."""
+    def _in_lanes(self) -> bool:
+        """Whether lanes, which are faster, can run the cycles."""
         return has_lanes(self.system, self._own) and all(measure in MEASURES for measure in self.measures)
 
     @property
@@ -142,7 +141,7 @@ class Family:
         return run(np.arange(len(q)), q, v, values)
 
     @cached_property
-    def _by_reference(self) -> Callable[[Array, Array, Array], Cycles]:
+    def _by_reference(self) -> Cycle:
         def cycle(begun: State, values: Array) -> Run:
             return return_map(self.member(values.tolist()), begun, self.rtol)
 
@@ -150,5 +149,4 @@ class Family:
             measure = measure_of(self.system, name)
             return lambda result, values: measure(self.member(values.tolist()), result)
 
-        run = one_by_one(self.system, cycle, [measured(name) for name in self.measures])
-        return lambda q, v, values: run(np.arange(len(q)), q, v, values)
+        return one_by_one(self.system, cycle, [measured(name) for name in self.measures])

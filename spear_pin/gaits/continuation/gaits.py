@@ -94,10 +94,9 @@ class Gaits:
         multipliers = eigenvalues(jacobian[:d, :d] + np.eye(d))
         about = About(charts, durations, float(np.abs(residual[:d]).max()))
         (q,), (v,) = charts.states(np.zeros((1, d)))
-        u, slides = self.point((q, v), values), None
+        local = Local(self.point((q, v), values), residual, jacobian, directions, multipliers, cycle.orders[0], about)
         after = charts.sliding(cycle.q, cycle.v)
-        slides = None if (after == charts.slides).all() else after
-        return Local(u, residual, jacobian, directions, multipliers, cycle.orders[0], about), slides
+        return local, None if (after == charts.slides).all() else after
 
     def _exact(self, charts: Charts, values: Array) -> tuple[Array, Array, Array, Cycles] | None:
         """Returns what `_differenced` does, with exact derivatives; None where there are none."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.problem import Local, NoValue, Problem
+from spear_pin.hybrid.newton import root
 
 TOLERANCE = 1e-10  # of the equations
 ITERATIONS = 8  # of Newton's method
@@ -65,12 +66,12 @@ def stepped(problem: Problem, base: Point, length: float, reach: float = FARTHES
         NoValue: there is no such point; the reason says why.
     """
     row = base.tangent
-    start = ahead(problem, base, row, length)
+    start = predicted(problem, base, row, length)
     found = corrected(problem, start, row, float(row @ base.local.u) + length, reach * abs(length))
     return placed(found, row)
 
 
-def ahead(problem: Problem, base: Point, direction: Array, length: float) -> Array:
+def predicted(problem: Problem, base: Point, direction: Array, length: float) -> Array:
     """Returns the point that a direction leads to from another point."""
     return problem.moved(base.local, length * base.local.coordinates(direction))
 
@@ -84,7 +85,7 @@ def landed(problem: Problem, base: Point, parameter: float) -> Point:
     row = np.zeros_like(base.tangent)
     row[-1] = 1.0
     length = (parameter - base.local.u[-1]) / base.slope
-    start = ahead(problem, base, base.tangent, length)
+    start = predicted(problem, base, base.tangent, length)
     found = corrected(problem, start, row, parameter, FARTHEST * abs(length) + TOLERANCE)
     return placed(found, base.tangent)
 
@@ -102,19 +103,19 @@ def corrected(problem: Problem, start: Array, row: Array, value: float, reach: f
     Raises:
         NoValue: there is no such solution; the reason says why.
     """
-    u, last = start, np.inf
-    for _ in range(ITERATIONS):
-        local = problem.local(u)
-        off = np.append(local.residual, row @ u - value)
-        size = float(np.abs(off).max())
-        if size <= TOLERANCE or (size <= NOISE * TOLERANCE and size > 0.5 * last):
-            return local
-        last = size
-        matrix = np.vstack([local.jacobian, row @ local.directions])
-        try:
-            u = problem.moved(local, np.linalg.solve(matrix, -off).astype(np.float64))
-        except np.linalg.LinAlgError:
-            raise NoValue(SINGULAR, local.order) from None
+
+    def about(local: Local) -> tuple[Array, Array]:
+        off = np.append(local.residual, row @ local.u - value)
+        return off, np.vstack([local.jacobian, row @ local.directions])
+
+    def ahead(local: Local, step: Array) -> Local:
+        u = problem.moved(local, step)
         if not np.linalg.norm(u - start) <= max(reach, 10.0 * TOLERANCE):
             raise NoValue(FAR, local.order)
-    raise NoValue(NO_CONVERGENCE, local.order)
+        return problem.local(u)
+
+    size = len(start) + 1
+    found, off = root(about, ahead, problem.local(start), TOLERANCE, size=size, calls=ITERATIONS)
+    if not off <= NOISE * TOLERANCE:
+        raise NoValue(NO_CONVERGENCE, found.order)
+    return found

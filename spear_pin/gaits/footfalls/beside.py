@@ -1,4 +1,4 @@
-"""From a collocated gait's law and state to the nearby orbit of the event-exact simulation."""
+"""From a collocated trot, pace or pronk to the nearby orbit of the event-exact simulation."""
 
 from __future__ import annotations
 
@@ -8,39 +8,199 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue, NoGait
+from spear_pin.gaits.bounding_law import LEGS, PAIR, BoundingLaw
 from spear_pin.gaits.footfalls.course import CollocatedGait, Swing
+from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.request import StanceLaw, SwingLaw
-from spear_pin.gaits.footfalls.sequence import Footfalls
+from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
+from spear_pin.gaits.spatial.law import SpatialLaw
+from spear_pin.gaits.spatial.legs import FLIGHTS
+from spear_pin.gaits.spatial.pronking import pronking
+from spear_pin.gaits.spatial.trot_law import TrotLaw
+from spear_pin.gaits.spatial.trotting import ALIKE, halfway, pacing, trotting
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
+from spear_pin.hybrid.symmetry import evened, headed, lopsided, mirror_of
+from spear_pin.kinds import typed
 
 SPEED_BY, LANDS_AT = "posterior_hip_torque", "anterior_leg_touchdown"
 APART = (0.0, 0.004, -0.004)  # rad: changes of the fore legs' landing angle, against kinks
+NOTHING = ((0.0,) * 4,) * 2  # coefficients of motions that no leg of a pronk makes
+NO_SPAN = -0.4  # rad: span of a stance, over which no leg swings
 
 
-def laws_of(gait: CollocatedGait, among: Sequence[Footfalls], called: str) -> tuple[StanceLaw, SwingLaw]:
+@typed
+def trot_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gait:
+    """Finds the trot, or pace, of the event-exact simulation near a collocated one, at the requested speed.
+
+    Where both feet of a pair land at once, the return map has a kink, because either foot may be first. If Newton's
+    method stalls there, the function changes the angle at which the fore legs land. For a robot whose left and right
+    differ, it first finds the gait of a robot with mean inertias, which is half a stride long, and starts from there.
+
+    Args:
+        gait: a mirrored trot or pace with a law on the ground and in the air.
+        apart: changes of that angle, in rad, which are tried in turn.
+
+    Raises:
+        BadValue: the gait is not such a trot or pace, or `apart` is empty.
+        NoGait: there is no fixed point nearby.
+
+    Example:
+        >>> from spear_pin import load
+        >>> from spear_pin.gaits.footfalls.beside import trot_beside
+        >>> from spear_pin.gaits.footfalls.collocate import collocated
+        >>> from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
+        >>> robot, asked = load("q_spear_full", base="chain"), FootfallRequest(law=StanceLaw(), swing=SwingLaw())
+        >>> trot = trot_beside(collocated(robot, asked))  # half a minute  # doctest: +SKIP
+    """
+    robot, mirror, last = gait.robot, mirror_of(gait.robot), gait.stretches[-1]
+    law, uneven = law_of_trot(gait), lopsided(robot) > ALIKE
+    build = trotting if gait.request.footfalls.phases == FOOTFALLS["trot"].phases else pacing
+    system = build(evened(robot) if uneven else robot, law, gait.request.spring)
+    start = headed(mirror(last.q[-1]), mirror(last.v[-1]))
+    found = _orbit_beside(system, start, gait.request.speed, apart, halfway)
+    if not uneven:
+        return found
+    return _nearby(build(robot, found.system.law, found.system.spring), found.state, gait.request.speed)
+
+
+@typed
+def pronk_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gait:
+    """Finds the pronk of the event-exact simulation near a collocated one; see `trot_beside` for the arguments.
+
+    Raises:
+        BadValue: the gait is not such a pronk, or `apart` is empty.
+        NoGait: there is no fixed point nearby.
+
+    Example:
+        >>> from spear_pin import load
+        >>> from spear_pin.gaits.footfalls.beside import pronk_beside
+        >>> from spear_pin.gaits.footfalls.collocate import collocated
+        >>> from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
+        >>> from spear_pin.gaits.footfalls.sequence import FOOTFALLS
+        >>> robot = load("q_spear_full", base="chain")
+        >>> asked = FootfallRequest(footfalls=FOOTFALLS["pronk"], law=StanceLaw(), swing=SwingLaw())
+        >>> pronk = pronk_beside(collocated(robot, asked))  # some minutes  # doctest: +SKIP
+    """
+    last = gait.stretches[-1]
+    system = pronking(gait.robot, law_of_pronk(gait), gait.request.spring)
+    start = headed(last.q[-1], last.v[-1])
+    return _orbit_beside(system, start, gait.request.speed, apart, lambda system, cycle: cycle.state)
+
+
+def law_of_trot(gait: CollocatedGait) -> TrotLaw:
+    """Returns the law of a collocated trot or pace.
+
+    Raises:
+        BadValue: the gait is not a mirrored trot or pace with a law on the ground and in the air.
+    """
+    law, swing = _laws_of(gait, ("trot", "pace"), "mirrored trot or pace")
+    stance, flight = gait.stretches
+    numbers: dict[str, Any] = {}
+    for name, leg in legs_of(gait.robot).items():
+        end = leg.end
+        if name in stance.bearing:
+            hip, knee, upright = gait.constants[name]
+            trailing = flight.evolutions[name]
+            numbers |= {
+                f"{end}_hip_torque": leg.signs[1] * hip,
+                f"{end}_knee_torque": knee,
+                f"{end}_squeeze": -leg.lateral * leg.signs[0] * upright,
+                f"{end}_trailing": _shape(trailing),
+            }
+            continue
+        landing = flight.evolutions[name]
+        numbers |= {
+            f"{end}_swing": _shape(stance.evolutions[name]),
+            f"{end}_landing": tuple(landing.alpha[:, 2].tolist()),
+            f"{end}_leg_touchdown": float(landing.alpha[0, -1]),
+            f"{end}_spread": leg.lateral * leg.signs[0] * landing.adduction,
+            "stance_span": stance.evolutions[name].span,
+            "flight_span": landing.span,
+        }
+    return TrotLaw(
+        leg_stiffness=law.stiffness,
+        knee_rest=law.knee_rest,
+        knee_touchdown=law.knee_rest,
+        adduction_stiffness=law.adduction_stiffness,
+        adduction_damping=law.adduction_damping,
+        adduction_epsilon=swing.adduction_epsilon,
+        epsilon=swing.epsilon,
+        **numbers,
+    )
+
+
+def law_of_pronk(gait: CollocatedGait) -> SpatialLaw:
+    """Returns the law of a collocated pronk: that of its left legs, from which the right legs hardly differ.
+
+    Raises:
+        BadValue: the gait is not a pronk with a law on the ground and in the air.
+    """
+    law, swing = _laws_of(gait, ("pronk",), "pronk")
+    _, flight = gait.stretches
+    plane: dict[str, Any] = {
+        **{f"{each}_trailing": NOTHING for each in FLIGHTS},
+        **{f"{end}_stance_swing": NOTHING for end in LEGS},
+        **{f"{end}_stance_span": NO_SPAN for end in LEGS},
+    }
+    across: dict[str, Any] = {}
+    landings = dict(zip(LEGS, FLIGHTS[::-1], strict=True))  # a bound's, before the touchdown of each pair
+    for name, leg in legs_of(gait.robot).items():
+        if leg.lateral < 0:
+            continue
+        hip, knee, upright = gait.constants[name]
+        landing = flight.evolutions[name]
+        plane |= {
+            f"{leg.end}_hip_torque": PAIR * leg.signs[1] * hip,
+            f"{leg.end}_knee_torque": PAIR * knee,
+            f"{leg.end}_leg_touchdown": float(landing.alpha[0, -1]),
+            f"{landings[leg.end]}_landing": tuple(landing.alpha[:, 2].tolist()),
+            **{f"{each}_span": landing.span for each in FLIGHTS},
+        }
+        across |= {
+            f"{leg.end}_spread": leg.signs[0] * landing.adduction,
+            f"{leg.end}_squeeze": -leg.signs[0] * upright,
+        }
+    return SpatialLaw(
+        BoundingLaw(
+            **plane,
+            virtual_stiffness=PAIR * law.stiffness,
+            knee_rest=law.knee_rest,
+            knee_touchdown=law.knee_rest,
+            epsilon=swing.epsilon,
+        ),
+        **across,
+        adduction_stiffness=law.adduction_stiffness,
+        adduction_damping=law.adduction_damping,
+        adduction_epsilon=swing.adduction_epsilon,
+    )
+
+
+def _laws_of(gait: CollocatedGait, among: Sequence[str], called: str) -> tuple[StanceLaw, SwingLaw]:
     """Returns the laws on the ground and in the air of a gait with one of some footfalls, on any mesh.
 
     Raises:
         BadValue: the gait has other footfalls, or no such laws.
     """
     law, swing, own = gait.request.law, gait.request.swing, gait.request.footfalls
-    known = any((each.phases, each.mirrored) == (own.phases, own.mirrored) for each in among)
+    known = any(
+        (each.phases, each.mirrored) == (own.phases, own.mirrored) for each in map(FOOTFALLS.__getitem__, among)
+    )
     if law is None or swing is None or not known:
         raise BadValue("gait", own.phases, f"a {called} whose request has law=StanceLaw(...) and swing=SwingLaw(...)")
     return law, swing
 
 
-def shape(swing: Swing) -> tuple[tuple[float, ...], ...]:
+def _shape(swing: Swing) -> tuple[tuple[float, ...], ...]:
     """Returns a leg's Bézier coefficients from the third on."""
     return tuple(tuple(row) for row in swing.alpha[:, 2:].tolist())
 
 
-def orbit_beside(
+def _orbit_beside(
     system: HybridSystem,
     state: State,
     speed: float,
@@ -49,14 +209,11 @@ def orbit_beside(
 ) -> Gait:
     """Finds the fixed point near a state, at a speed, after a cycle that puts legs in the air on their polynomials.
 
-    Where feet of a group land at once, the return map has a kink, because either foot may be first. If Newton's method
-    stalls there, the function changes the angle at which the fore legs land.
-
     Args:
         system: a system with the law of the collocated gait.
         state: headed state just before the touchdown.
         speed: wanted speed, in m/s.
-        apart: changes of that angle, in rad, which are tried in turn.
+        apart: changes of the angle at which the fore legs land; see `trot_beside`.
         after: returns the state after a cycle, at which Newton's method begins.
 
     Raises:
@@ -73,7 +230,7 @@ def orbit_beside(
             if not cycle.cycles:
                 raise NoGait(f"the stride of the collocated gait does not close: {cycle.message}", np.inf)
             settled = chart(changed, after(changed, cycle)).state(origin)
-            return nearby(changed, settled, speed)
+            return _nearby(changed, settled, speed)
         except NoGait as failure:
             failures.append(failure)
     if not failures:
@@ -81,7 +238,7 @@ def orbit_beside(
     raise min(failures, key=lambda failure: failure.residual)
 
 
-def nearby(system: HybridSystem, state: State, speed: float) -> Gait:
+def _nearby(system: HybridSystem, state: State, speed: float) -> Gait:
     """Finds the fixed point by Newton's method from a nearby state, at a speed; the law keeps it.
 
     Args:

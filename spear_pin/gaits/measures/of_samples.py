@@ -89,16 +89,14 @@ class Sampled(Signals):
 
         Round a post it is that of the hip along its circle, positive to the left.
         """
-        one, chosen = self.trajectory, self.curves.chosen
+        one, rows = self.trajectory, np.flatnonzero(self.curves.chosen)
         if self.robot.arm is not None:
-            rows = np.flatnonzero(chosen)
             return self.robot.arm * float(one.q[rows[-1], 0] - one.q[rows[0], 0]) / self.count
         x, y = (
             next((i for i, name in enumerate(one.coordinates) if name.endswith(axis)), None) for axis in ("_x", "_y")
         )
         if x is None:
             return None
-        rows = np.flatnonzero(chosen)
         if y is None:
             return float(one.q[rows[-1], x] - one.q[rows[0], x]) / self.count
         ends = [*(int(np.argmax(one.cycle == n)) for n in self.cycles or [one.cycle[rows[0]]]), int(rows[-1])]

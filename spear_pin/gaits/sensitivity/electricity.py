@@ -116,10 +116,10 @@ def _drawn(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> 
                 drives = still or bool(_at(0.5 * (left + right), U) * _at(0.5 * (left + right), W) >= 0.0)
                 x = np.concatenate([left + (right - left) * rule(POINTS).nodes, [left, right]])
                 weights = 0.5 * h * (right - left) * rule(POINTS).weights
-                power = _Power(_at(x, U), _at(x, W), drives, joint)
-                total += float(weights @ power.value[:-2])
-                change = change + power.along(_at(x, dU), _at(x, dW), joint.change)[:, :-2] @ weights
-                begin, end = power.value[-2:].tolist()
+                power, slopes = _power(_at(x, U), _at(x, W), _at(x, dU), _at(x, dW), drives, joint)
+                total += float(weights @ power[:-2])
+                change = change + slopes[:, :-2] @ weights
+                begin, end = power[-2:].tolist()
                 if last is None:
                     change = change - begin * u.stretch.since
                 elif left in turns:
@@ -141,29 +141,25 @@ def _returns(U: Array, W: Array, joint: _Joint) -> Array:
     return np.asarray(resistance * efficiency / joint.constant**2 * U + W)
 
 
-class _Power:
-    """Power max(V i, 0) of one motor, R i² + N kt ω i, as `Drive.bus_power` of the current `Drive.current`.
+def _power(u: Array, w: Array, du: Array, dw: Array, drives: bool, joint: _Joint) -> tuple[Array, Array]:
+    """Returns the power max(V i, 0) of one motor, R i² + N kt ω i, and its derivatives, (c, points).
+
+    It is as `Drive.bus_power` of the current `Drive.current`.
 
     Args:
-        u: torques of a motor at the joint, in N·m.
-        w: speeds of the joint, in rad/s.
+        u: torques of a motor at the joint, in N·m, (points,).
+        w: speeds of the joint, in rad/s, (points,).
+        du: derivatives of the torques, (c, points).
+        dw: derivatives of the speeds, (c, points).
         drives: whether the motor drives, or brakes.
         joint: the drive.
     """
-
-    def __init__(self, u: Array, w: Array, drives: bool, joint: _Joint) -> None:
-        share = joint.drive.gearbox.efficiency ** (-1.0 if drives else 1.0)
-        heat = joint.drive.motor.known("resistance") * (share / joint.constant) ** 2
-        whole = heat * u * u + share * u * w
-        on = whole > 0.0
-        self.value = np.where(on, whole, 0.0)
-        self._by_u = np.where(on, 2.0 * heat * u + share * w, 0.0)
-        self._by_w = np.where(on, share * u, 0.0)
-        self._by_constant = np.where(on, -2.0 * heat * u * u / joint.constant, 0.0)
-
-    def along(self, du: Array, dw: Array, dconstant: Array) -> Array:
-        """Returns the derivatives of the power, (c, points)."""
-        return np.asarray(self._by_u * du + self._by_w * dw + self._by_constant * dconstant[:, None])
+    share = joint.drive.gearbox.efficiency ** (-1.0 if drives else 1.0)
+    heat = joint.drive.motor.known("resistance") * (share / joint.constant) ** 2
+    power = heat * u * u + share * u * w
+    slopes = (2.0 * heat * u + share * w) * du + share * u * dw
+    slopes -= 2.0 * heat * u * u / joint.constant * joint.change[:, None]
+    return np.where(power > 0.0, power, 0.0), np.where(power > 0.0, slopes, 0.0)
 
 
 def _reserve(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> tuple[float, Array]:

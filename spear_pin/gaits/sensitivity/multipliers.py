@@ -12,6 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.periodic import by_modulus
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 Multipliers = NDArray[np.complex128]
@@ -39,7 +40,7 @@ def along_branch(
         dz: derivatives of what is solved for, by name, (m,) each.
     """
     values, left, right = scipy.linalg.eig(orbit.jacobian, left=True, right=True)
-    order = np.lexsort((-values.imag, -np.abs(values).round(12)))
+    order = by_modulus(values)
     values, left, right = values[order], left[:, order], right[:, order]
     slopes = np.full((len(values), len(over)), np.nan, complex)
     for j, name in enumerate(over):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -157,6 +157,11 @@ class Orbit:
         local = chart(system, (y[:nv], y[nv:]), self.slides if slides is None else slides)
         return Orbit(system, local.state(np.zeros(local.dimension)), names, self.motors)
 
+    def along(self, step: Array, names: tuple[str, ...] = ()) -> Orbit:
+        """Returns the orbit `beside` by a step of ξ and of the first parameters, (d + j,)."""
+        change = zip(self.names, step[self.dimension :].tolist(), strict=False)
+        return self.beside({name: by for name, by in change if by}, self.start[:, : len(step)] @ step, names)
+
 
 def orbit_of_gait(
     system: HybridSystem,
@@ -191,21 +196,19 @@ def orbit_of_gait(
     return orbit
 
 
-def solved(orbit: Orbit, vary: Sequence[str], keep: Sequence[str]) -> tuple[Array, Array]:
-    """Returns how the fixed point moves with each parameter that is not solved for.
+def branch(orbit: Orbit, keep: Sequence[str]) -> Array:
+    """Returns how ξ and the orbit's parameters change along the branch of gaits, (d + k + m, m).
 
     Args:
-        orbit: its names begin with those of `vary`.
-        vary: names of parameters that are solved for.
-        keep: names of as many measures that keep their values.
-
-    Returns:
-        derivatives of ξ, (d, m), and of what is solved for, (k, m).
+        orbit: the orbit of a gait; k of its parameters are solved for, the first ones, and the branch is over the rest.
+        keep: names of k measures that keep their values.
     """
-    d, k = orbit.dimension, len(vary)
-    rows = [orbit.columns - np.eye(d, orbit.columns.shape[1])]
-    if keep:
-        rows.append(np.array([orbit.measures[name].derivative for name in keep]))
-    whole = np.concatenate(rows)
-    found = np.asarray(-np.linalg.solve(whole[:, : d + k], whole[:, d + k :]), np.float64)
-    return found[:d], found[d:]
+    whole, free = equations(orbit, keep), orbit.dimension + len(keep)
+    found = -np.linalg.solve(whole[:, :free], whole[:, free:])
+    return np.concatenate([found, np.eye(found.shape[1])])
+
+
+def equations(orbit: Orbit, keep: Iterable[str]) -> Array:
+    """Returns derivatives of ξ after the cycle less ξ before it, and of measures, (d + k, d + m)."""
+    moved = orbit.columns - np.eye(*orbit.columns.shape)
+    return np.concatenate([moved, *(orbit.measures[name].derivative[None] for name in keep)])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.gait_table import CONVERGED, NO_CONVERGENCE
+from spear_pin.gaits.lane_cycles import NOT_VALID, spread
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
 from spear_pin.gaits.sensitivity.closing import closed
@@ -25,7 +26,7 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.motor import Drive, Motor
 
 OnLanes = Callable[[int], object]
-NOT_VALID, NOT_PLAIN = "not_valid", "not_plain"
+NOT_PLAIN = "not_plain"
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def side_by_side(local: Neighbourhood) -> bool:
 
 
 def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Samples:
-    system, order = local.system, _order(local)
+    system, order = local.system, Recorder(local.system).lap(np.concatenate(local.state)).order
     given = dict(zip(local.over, parameters.T, strict=True))
     y, begin = local.predicted(parameters)
     target = dict(zip(local.keep, local.kept.tolist(), strict=True))
@@ -87,7 +88,7 @@ def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Sam
     cycles = measured(system, own, table.q[found], table.v[found], motors, on_lanes)
     on_lanes(len(parameters) - len(found))
     outputs = {name: table.parameters[name] for name in local.vary}
-    outputs |= {name: _spread(values, found, len(parameters)) for name, values in cycles.values.items()}
+    outputs |= {name: spread(values, found, len(parameters)) for name, values in cycles.values.items()}
     moduli = np.full((len(parameters), len(local.multipliers)), np.nan)
     for i in found:
         moduli[i] = local.moduli(table.multipliers[i])
@@ -96,17 +97,6 @@ def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Sam
     alike = np.zeros(len(parameters), dtype=bool)
     alike[found] = [each == order for each in cycles.orders]
     return Samples(parameters, outputs, table.reason, table.largest, alike)
-
-
-def _order(local: Neighbourhood) -> object:
-    here = {name: np.array([value]) for name, value in zip(local.over, local.values.tolist(), strict=True)}
-    return measured(local.system, here, local.state[0][None], local.state[1][None]).orders[0]
-
-
-def _spread(values: Array, lanes: NDArray[np.intp], n: int) -> Array:
-    whole = np.full(n, np.nan)
-    whole[lanes] = values
-    return whole
 
 
 def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Samples:
@@ -125,7 +115,7 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
         try:
             near = with_numbers(system, dict(zip(local.vary, begin[i].tolist(), strict=True)))
             q, v = local.placed(near, y[i][None])
-            orbit = closed(Orbit(near, (q[0], v[0]), local.vary, local.motors), local.vary, kept)
+            orbit = closed(Orbit(near, (q[0], v[0]), local.vary, local.motors), kept)
         except (SpearError, np.linalg.LinAlgError) as error:
             plain = not isinstance(error.__cause__ or error, NotDifferentiable)
             reason[i] = NO_CONVERGENCE if plain else NOT_PLAIN

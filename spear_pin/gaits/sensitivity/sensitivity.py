@@ -15,7 +15,7 @@ from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.measure import MULTIPLIER, rounding
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
-from spear_pin.gaits.sensitivity.orbit import orbit_of_gait, solved
+from spear_pin.gaits.sensitivity.orbit import branch, orbit_of_gait
 from spear_pin.gaits.sensitivity.spread import covariance_of
 from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
 from spear_pin.hybrid.automaton import HybridSystem
@@ -207,9 +207,8 @@ def sensitivity(
         NotDifferentiable: the cycle has no derivative.
     """
     orbit = orbit_of_gait(system, state, over, vary, keep, motors)
-    dxi, dz = solved(orbit, vary, keep)
-    chain = np.concatenate([dxi, dz, np.eye(len(over))])
-    solved_for = dict(zip(vary, dz, strict=True))
+    chain = branch(orbit, keep)
+    solved_for = dict(zip(vary, chain[orbit.dimension :], strict=False))
     multipliers, slopes = along_branch(orbit, over, orbit.start @ chain, solved_for)
     outputs = {name: number(system, name) for name in vary}
     outputs |= {name: measure.value for name, measure in orbit.measures.items()}

@@ -21,7 +21,7 @@ from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, mount, overload
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
 from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg
-from spear_pin.gaits.spatial.torques import LegLaw, law_of
+from spear_pin.gaits.spatial.torques import LegLaw, law_of, nominal_start
 from spear_pin.gaits.virtual_constraints import progress
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, WAYS, Contact
@@ -50,9 +50,19 @@ def in_groups(
     ground: Ground | None,
     *,
     build: Callable[..., HybridSystem],
-    guess: Callable[[], State],
+    guess: Callable[[], State] | None = None,
 ) -> HybridSystem:
     """Returns the system of an automaton; see `bounding_in_space` for spring, contact and ground.
+
+    Args:
+        kind: the system's kind.
+        automaton: the automaton.
+        law: parameters of the controller.
+        spring: the knee spring of one leg.
+        contact: friction of level ground.
+        ground: the ground, instead of `contact`.
+        build: returns such a system for a robot, a law, a spring and a contact.
+        guess: returns a section state to start from; by default the one that the law holds.
 
     Raises:
         BadValue: both contact and ground are given, the ground is not level at height zero, or the spring never
@@ -79,7 +89,7 @@ def in_groups(
         mirrored_toes=second[0] if mirrored else (),
         cyclic=("torso_x", "torso_y", "yaw"),
         build=build,
-        guess=guess,
+        guess=guess or (lambda: nominal_start(robot, law, automaton.closing[0])),
         measures=OF_HALVES if mirrored else MEASURES,
         phase_limit=LONGEST * scale.time,
         overlap=OVERLAP * scale.time,

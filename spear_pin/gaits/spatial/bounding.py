@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.law import SpatialLaw
-from spear_pin.gaits.spatial.legs import Groups, Z, moving, pairs_of, placed
+from spear_pin.gaits.spatial.legs import Z, moving, pairs_of, placed
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
@@ -53,26 +52,14 @@ def bounding_in_space(
         'posterior_touchdown'
     """
     pairs = pairs_of(robot)
-    return in_groups(
-        "bounding_in_space",
-        Automaton(robot, pairs, (SECTION,), pairs[:1], law.lift_off),
-        law,
-        spring,
-        contact,
-        ground,
-        build=bounding_in_space,
-        guess=lambda: _guess(robot, law, pairs),
-    )
+    automaton = Automaton(robot, pairs, (SECTION,), pairs[:1], law.lift_off)
 
+    def guess() -> State:
+        if not law.plane.nominal:
+            expected = "the numbers of a section state; or give a state to start from"
+            raise BadValue("SpatialLaw.plane.nominal", law.plane.nominal, expected)
+        q = placed(robot, pairs, np.array([0.0, *law.plane.nominal[:6]]))
+        q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in pairs[0])
+        return q, moving(robot, pairs, np.array(law.plane.nominal[6:]))
 
-def _guess(robot: Robot, law: SpatialLaw, pairs: Groups) -> tuple[Any, Any]:
-    if not law.plane.nominal:
-        raise BadValue(
-            "SpatialLaw.plane.nominal",
-            law.plane.nominal,
-            "the numbers of a section state; or give a state to start from",
-        )
-    q, v = np.array([0.0, *law.plane.nominal[:6]]), np.array(law.plane.nominal[6:])
-    q, v = placed(robot, pairs, q), moving(robot, pairs, v)
-    q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in pairs[0])
-    return q, v
+    return in_groups("bounding_in_space", automaton, law, spring, contact, ground, build=bounding_in_space, guess=guess)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import together
-from spear_pin.gaits.spatial.torques import nominal_start
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import Ground
@@ -27,19 +26,10 @@ def pronking(
 ) -> HybridSystem:
     """Returns the pronking automaton: that of `bounding_in_space` with all legs as one group, and one flight.
 
-    The section lies just before the first touchdown, with all legs at their touchdown angles. The law is the bound's.
-    No other group is on the ground while a leg is in the air, so legs move to their touchdown angles from lift-off on:
-    posterior legs by `flight_2_landing` and anterior legs by `flight_1_landing`, all over `flight_1_span`. Spans of
-    stance, coefficients of swing and trailing, and `flight_2_span` have no effect.
-
-    Args:
-        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, whose toes are those of its four
-            legs.
-        law: parameters of the controller.
-        spring: the knee spring of one leg; by default 56 N·m/rad (source: Table 5.1), without damping, scaled with m g
-            l for a robot of another size.
-        contact: friction of level ground; by default 0.8 (assumption).
-        ground: the ground, instead of `contact`.
+    See there for the arguments. The section lies just before the first touchdown, with all legs at their touchdown
+    angles. The law is the bound's. No other group is on the ground while a leg is in the air, so legs move to their
+    touchdown angles from lift-off on: posterior legs by `flight_2_landing` and anterior legs by `flight_1_landing`, all
+    over `flight_1_span`. Spans of stance, coefficients of swing and trailing, and `flight_2_span` have no effect.
 
     Raises:
         BadValue: the robot is not such a quadruped, or another argument is not valid; see `bounding_in_space`.
@@ -51,13 +41,5 @@ def pronking(
         'touchdown'
     """
     groups = together(robot)
-    return in_groups(
-        "pronking",
-        Automaton(robot, groups, (SECTION,), groups, law.lift_off),
-        law,
-        spring,
-        contact,
-        ground,
-        build=pronking,
-        guess=lambda: nominal_start(robot, law, groups[0]),
-    )
+    automaton = Automaton(robot, groups, (SECTION,), groups, law.lift_off)
+    return in_groups("pronking", automaton, law, spring, contact, ground, build=pronking)

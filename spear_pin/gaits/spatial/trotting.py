@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.legs import Groups, diagonals_of, laterals_of
-from spear_pin.gaits.spatial.torques import nominal_start
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
@@ -33,19 +30,10 @@ def trotting(
 ) -> HybridSystem:
     """Returns the trotting automaton: that of `bounding_in_space` with diagonal pairs, and flights between stances.
 
-    A cycle is half a stride. The section lies just before the first touchdown of a pair. Where that is the pair of the
-    posterior right leg, the state is seen in the mirror. So a gait is a fixed point, and the multipliers of a whole
-    stride are the squares of the gait's. If left and right of the robot are not quite mirror images, `lopsided`, a
-    cycle is a whole stride.
-
-    Args:
-        robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, whose toes are those of its four
-            legs.
-        law: parameters of the controller.
-        spring: the knee spring of one leg; by default 56 N·m/rad (source: Table 5.1), without damping, scaled with m g
-            l for a robot of another size.
-        contact: friction of level ground; by default 0.8 (assumption).
-        ground: the ground, instead of `contact`.
+    See there for the arguments. A cycle is half a stride. The section lies just before the first touchdown of a pair.
+    Where that is the pair of the posterior right leg, the state is seen in the mirror. So a gait is a fixed point, and
+    the multipliers of a whole stride are the squares of the gait's. If left and right of the robot are not quite mirror
+    images, `lopsided`, a cycle is a whole stride.
 
     Raises:
         BadValue: the robot is not such a quadruped, or another argument is not valid; see `bounding_in_space`.
@@ -56,7 +44,8 @@ def trotting(
         >>> trotting(trot.robot, trot.law).section
         'diagonal_touchdown'
     """
-    return _halved("trotting", trotting, diagonals_of(robot), SECTION, robot, law, spring, contact, ground)
+    automaton = _in_halves(robot, law, diagonals_of(robot), SECTION)
+    return in_groups("trotting", automaton, law, spring, contact, ground, build=trotting)
 
 
 @typed
@@ -79,7 +68,8 @@ def pacing(
         >>> pacing(pace.robot, pace.law).section
         'lateral_touchdown'
     """
-    return _halved("pacing", pacing, laterals_of(robot), LATERAL, robot, law, spring, contact, ground)
+    automaton = _in_halves(robot, law, laterals_of(robot), LATERAL)
+    return in_groups("pacing", automaton, law, spring, contact, ground, build=pacing)
 
 
 def halfway(system: HybridSystem, cycle: Run) -> State:
@@ -97,24 +87,7 @@ def halfway(system: HybridSystem, cycle: Run) -> State:
     return mirror(q), mirror(v)
 
 
-def _halved(
-    kind: str,
-    build: Callable[..., HybridSystem],
-    pairs: Groups,
-    section: str,
-    robot: Robot,
-    law: TrotLaw,
-    spring: Spring | None,
-    contact: Contact | None,
-    ground: Ground | None,
-) -> HybridSystem:
-    return in_groups(
-        kind,
-        Automaton(robot, pairs, (section, section if lopsided(robot) <= ALIKE else HALFWAY), pairs[::-1], law.lift_off),
-        law,
-        spring,
-        contact,
-        ground,
-        build=build,
-        guess=lambda: nominal_start(robot, law, pairs[1]),
-    )
+def _in_halves(robot: Robot, law: TrotLaw, pairs: Groups, section: str) -> Automaton:
+    """Returns the automaton of strides whose halves are mirror images, as far as those of the robot are."""
+    sections = (section, section if lopsided(robot) <= ALIKE else HALFWAY)
+    return Automaton(robot, pairs, sections, pairs[::-1], law.lift_off)

@@ -15,7 +15,7 @@ from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.measures.catalogue import SHOWN, STANDARD
 from spear_pin.gaits.sensitivity.measure import Measure, ratio
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
-from spear_pin.gaits.sensitivity.orbit import Orbit, orbit_of_gait, solved
+from spear_pin.gaits.sensitivity.orbit import Orbit, branch, orbit_of_gait
 from spear_pin.hybrid.parameters import number
 from spear_pin.studies.explore.figures import figures, of_kind
 from spear_pin.studies.explore.legs import RATIO
@@ -114,9 +114,7 @@ def _branch(motion: Motion) -> _Branch:
             for name in without:
                 refused[name] = str(error)
                 del moved[name]
-    k, whole = len(held), len(orbit.names)
-    kept = np.concatenate([*solved(orbit, list(held), list(held.values())), np.eye(whole - k)])
-    free = np.concatenate([solved(orbit, (), ())[0], np.eye(whole)])
+    kept, free = branch(orbit, list(held.values())), branch(orbit, ())
     ways = {}
     for name, parts in moved.items():
         if parts:

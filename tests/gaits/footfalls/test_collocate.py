@@ -11,12 +11,12 @@ import pytest
 
 from spear_pin import load, trotting
 from spear_pin.errors import BadValue, Infeasible, NoGait
+from spear_pin.gaits.footfalls.beside import law_of_trot
 from spear_pin.gaits.footfalls.checking import violations
 from spear_pin.gaits.footfalls.collocate import collocated
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, opposite
-from spear_pin.gaits.footfalls.trots import law_of_trot
 from spear_pin.gaits.objectives import in_its_unit
 from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Sum, errors, value

@@ -7,8 +7,8 @@ import pytest
 
 from spear_pin import load
 from spear_pin.errors import BadValue
+from spear_pin.gaits.footfalls.beside import law_of_pronk, pronk_beside
 from spear_pin.gaits.footfalls.collocate import collocated
-from spear_pin.gaits.footfalls.pronks import law_of_pronk, pronk_beside
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.spatial.pronking import pronking
