@@ -97,7 +97,7 @@ MUTATIONS = [
             "no saving where one start shows none": ("share * max(group.costs) for", "share * min(group.costs) for"),
             "one start is as good as two": ("STARTS = 2 ", "STARTS = 1 "),
             "any two stiffnesses are one": ("<= SAME * max(one, other)", "<= 9.0 * max(one, other)"),
-            "a finer mesh is a start": ("sum(not outcome.again for outcome in here)", "len(here)"),
+            "a finer mesh is a start": ("for outcome in here if not outcome.again)", "for outcome in here)"),
         },
     ),
     *mistakes_in(

@@ -78,7 +78,8 @@ def _outcome(end: SearchEnd, study: Study | None = None) -> Outcome:
     point, figures = end.point, end.figures
     stiffness = point.stiffness if point.stiffness is not None else figures.stiffness if figures else float(np.nan)
     again = study is not None and end.key in {each.key for each in study.finer.values()}
-    return Outcome(point.kind, stiffness, end.cost, point.stiffness is None, again)
+    starts = figures.starts if figures else 1
+    return Outcome(point.kind, stiffness, end.cost, point.stiffness is None, again, starts)
 
 
 def _largest(values: Iterable[float]) -> float:

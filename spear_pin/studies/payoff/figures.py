@@ -40,6 +40,7 @@ class Figures:
         residual: residual of the fixed point.
         ledger: gap of the energy ledger over the energy that the motors draw.
         held: bounds of the search that are active at the gait, in words.
+        starts: number of starts of the search that ended at this cost.
     """
 
     stiffness: float
@@ -60,6 +61,7 @@ class Figures:
     residual: float
     ledger: float
     held: tuple[str, ...]
+    starts: int = 1
 
 
 @typed
@@ -72,6 +74,7 @@ def figures(
     speed: float,
     friction: float,
     held: tuple[str, ...] = (),
+    starts: int = 1,
 ) -> Figures:
     """Returns figures of a gait from the event-exact simulation of one cycle.
 
@@ -83,6 +86,7 @@ def figures(
         speed: mean forward speed, in m/s; for a hop in place its flight time, in s.
         friction: friction used, as of the catalogue of measures.
         held: bounds of the search that are active at the gait, in words.
+        starts: number of starts of the search that ended at this cost.
     """
     robot = gait.system.robot
     shares: dict[str, float] = {}
@@ -120,6 +124,7 @@ def figures(
         residual=gait.residual,
         ledger=float(np.abs(trajectory.ledger.residual).max()) / (cost * work),
         held=held,
+        starts=starts,
     )
 
 

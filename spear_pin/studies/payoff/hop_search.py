@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,6 +37,7 @@ FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked fo
 FIRST, SHORTEST = 0.5, 0.03  # of the way to another point: the first step, and the least
 LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
 MISSED = 1e-3  # of limits, together: a hop that misses more keeps them not
+ALIKE = 0.01  # of a cost
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,21 @@ class Task:
         return [name for name in self.ranges if name != TORQUE]
 
 
-def best_hop(task: Task, begun: Gait) -> tuple[Gait, Design]:
+class Best(NamedTuple):
+    """The best of some descents.
+
+    Attributes:
+        gait: its hop.
+        design: what it chose, and what held it.
+        starts: number of descents that ended alike: at this cost, within `ALIKE`.
+    """
+
+    gait: Gait
+    design: Design
+    starts: int
+
+
+def best_hop(task: Task, begun: Gait) -> Best:
     """Finds the hop of least cost among the ends of descents from a hop and from starts around it.
 
     Raises:
@@ -88,7 +104,8 @@ def best_hop(task: Task, begun: Gait) -> tuple[Gait, Design]:
     if not within:
         _, nearest = min(found, key=lambda each: each[1].missed)
         raise NoGait(f"every hop exceeds a limit; in the nearest one {_missed(nearest)}", 0.0)
-    return min(within, key=lambda each: each[1].objective)
+    gait, design = min(within, key=lambda each: each[1].objective)
+    return Best(gait, design, sum(each.objective <= (1.0 + ALIKE) * design.objective for _, each in within))
 
 
 def _missed(design: Design) -> str:

@@ -26,7 +26,7 @@ from spear_pin.studies.hop_of_another import scaled_hopping
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
-from spear_pin.studies.payoff.hop_search import TORQUE, Task, best_hop, first_hops, led_to
+from spear_pin.studies.payoff.hop_search import TORQUE, Best, Task, best_hop, first_hops, led_to
 from spear_pin.studies.payoff.motors import Motors
 from spear_pin.studies.payoff.searches import Search, rebuilt
 from spear_pin.studies.payoff.study import Study, studied
@@ -104,20 +104,20 @@ def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
     return chosen | ({"stiffness": times(STIFFNESS, stiffness)} if free else {})
 
 
-def figures_of(gait: Gait, motors: Motors, design: Design | None = None, samples: int = MESH) -> Figures:
+def figures_of(gait: Gait, motors: Motors, best: Best | None = None, samples: int = MESH) -> Figures:
     """Returns figures of a hop.
 
     Args:
         gait: a hop in place.
         motors: motors that drive it.
-        design: the design that found it, which says what holds it.
+        best: the search that found it, which says what holds it.
         samples: number of samples of each phase.
     """
     robot, flight = gait.system.robot, gait.durations["flight"]
     trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
     friction, done = Sampled(robot, trajectory).largest("friction_used"), work(robot, flight)
-    held = () if design is None else _held(design, done)
-    return figures(gait, motors, trajectory, work=done, speed=flight, friction=friction, held=held)
+    held, starts = ((), 1) if best is None else (_held(best.design, done), best.starts)
+    return figures(gait, motors, trajectory, work=done, speed=flight, friction=friction, held=held, starts=starts)
 
 
 def _held(design: Design, work: float) -> tuple[str, ...]:
@@ -129,7 +129,7 @@ def _held(design: Design, work: float) -> tuple[str, ...]:
     )
 
 
-def _from_cold(robot: Robot, point: Point, task: Task) -> tuple[Gait, Design]:
+def _from_cold(robot: Robot, point: Point, task: Task) -> Best:
     """Finds the best hop near ones by SPEAR-II's scaled law.
 
     The flight time of these is SPEAR-II's for the leg's size, or the wanted one.
@@ -173,16 +173,16 @@ class Hops(Gaits):
         """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
         task = _task(robot, motors, "electricity", asked)
         if asked.start is None or asked.start.gait is None:
-            gait, design = _from_cold(robot, asked.point, task)
+            best = _from_cold(robot, asked.point, task)
         else:
             near = rebuilt(self.kind, robot, asked.start.gait)
-            gait, design = best_hop(task, led_to(asked.point, asked.start.point.kind, near))
-        return gait, figures_of(gait, motors, design, asked.meshes[0]), None
+            best = best_hop(task, led_to(asked.point, asked.start.point.kind, near))
+        return best.gait, figures_of(best.gait, motors, best, asked.meshes[0]), None
 
     def reference(self, robot: Robot, speed: float) -> Gait:
         """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
         asked = Search(Point(NONE, speed), None, self.meshes)
-        return _from_cold(robot, asked.point, _task(robot, None, "effort", asked))[0]
+        return _from_cold(robot, asked.point, _task(robot, None, "effort", asked)).gait
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
         """Returns default flight times for the robot's size."""

@@ -36,6 +36,7 @@ class Outcome:
         chosen: whether the optimiser chose the stiffness.
         again: whether the search began with a gait of the same knee, on a finer mesh: then it is not a start of its
             own.
+        starts: number of starts of the search that ended at this cost.
     """
 
     kind: str
@@ -43,6 +44,7 @@ class Outcome:
     cost: float
     chosen: bool = False
     again: bool = False
+    starts: int = 1
 
     @property
     def found(self) -> bool:
@@ -180,7 +182,7 @@ def _knee(kind: str, table: Sequence[Outcome], stiffnesses: Sequence[float]) -> 
     for stiffness in stiffnesses:
         here = [outcome for outcome in own if _same(outcome.stiffness, stiffness)]
         asked = [outcome for outcome in here if not outcome.chosen]
-        starts = sum(not outcome.again for outcome in here)
+        starts = sum(outcome.starts for outcome in here if not outcome.again)
         if here:
             groups.append(_Group(stiffness, tuple(outcome.cost for outcome in here)))
         if not asked:

@@ -153,12 +153,13 @@ class TestBest:
 
             monkeypatch.setattr(hop_search, "descended", down)
             monkeypatch.setattr(hop_search, "starts", lambda task, begun: range(len(found)))
-            return best_hop(task(start.system.robot), start)[0]
+            return best_hop(task(start.system.robot), start)
 
         return given
 
     def test_the_cheapest_within_limits(self, ends):
-        assert ends((5.0, 0.0), NoGait("none", 1.0), (3.0, 0.5), (4.0, 1e-6)) == 4.0
+        best = ends((5.0, 0.0), NoGait("none", 1.0), (3.0, 0.5), (4.0, 1e-6), (4.03, 0.0))
+        assert (best.gait, best.starts) == (4.0, 2)
 
     def test_the_limit_that_is_missed_is_named(self, ends):
         with pytest.raises(NoGait, match="in the nearest one reserve knee at least 0 is -2"):

@@ -105,6 +105,10 @@ class TestCannotTell:
         again = [Outcome(NONE, 0.0, 10.0, again=True)]
         assert judge(table((10.0,), (5.0, 5.0), (6.0, 6.0), more=again), (6.0,)).verdict == UNKNOWN
 
+    def test_unless_starts_of_that_search_ended_alike(self):
+        agreed = [Outcome(NONE, 0.0, 10.0, starts=2)]
+        assert judge(table((), (5.0, 5.0), (6.0, 6.0), more=agreed), (6.0,)).verdict == FIXED
+
     def test_without_a_gait_without_a_spring(self):
         found = judge(table((LOST, LOST), (5.0, 5.0), (6.0, 6.0)), (6.0,))
         assert found.verdict == UNKNOWN and found.why == "no gait was found without a spring"
