@@ -143,7 +143,7 @@ class TestBest:
         def given(*found):
             left = iter(found)
 
-            def down(task, start):
+            def down(task, start, wary):
                 end = next(left)
                 if isinstance(end, Exception):
                     raise end
@@ -181,12 +181,14 @@ class TestDescent:
         cycle = simulate(gait.system, gait.state, samples=480, progress=False)
         return sum(energy_drawn(points_of(gait.system.robot, cycle, part), getattr(motors, part)) for part in PARTS)
 
-    @pytest.mark.parametrize(("kind", "stiffness"), [(SWITCHED, 48.84), (FIXED, 100.0)])
-    def test_it_leads_down_within_limits(self, start, motors, kind, stiffness):
+    @pytest.mark.parametrize(
+        ("kind", "stiffness", "wary"), [(SWITCHED, 48.84, False), (FIXED, 100.0, False), (FIXED, 100.0, True)]
+    )
+    def test_it_leads_down_within_limits(self, start, motors, kind, stiffness, wary):
         """Costs, torques and load are those of samples, which the descent does not use."""
         begun = led_to(Point(kind, 0.2, stiffness), SWITCHED, start)
         wanted = task(start.system.robot, motors)
-        end, design = descended(wanted, begun)
+        end, design = descended(wanted, begun, wary=wary)
         assert self.drawn(end, motors) == pytest.approx(design.objective, rel=1e-4)
         assert self.drawn(end, motors) < 0.9 * self.drawn(begun, motors) and design.missed < 1e-3
         assert end.durations["flight"] == pytest.approx(0.2, abs=1e-8) and end.residual < 1e-9
