@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property, lru_cache
 from itertools import count
 from typing import Any
@@ -41,7 +41,7 @@ def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
 
 
 @lru_cache(taylor.MOST)
-def by_reference(structure: Structure) -> count[int]:
+def by_reference(structure: Structure) -> Iterator[int]:
     """Returns what counts the cycles that the reference engine runs before the fast one is compiled."""
     return count()
 

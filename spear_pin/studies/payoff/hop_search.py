@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spear_pin.errors import MissingExtra, NoGait, SpearError
-from spear_pin.gaits.codesign.design import Design
+from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.codesign.optimize_design import optimize_design
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.leading import Way, led
@@ -78,7 +78,7 @@ class Best(NamedTuple):
     """
 
     gait: Gait
-    design: Design
+    design: codesign.Design
     starts: int
 
 
@@ -89,7 +89,7 @@ def best_hop(task: Task, begun: Gait) -> Best:
         MissingExtra: heyoka is not installed.
         NoGait: no descent ends in a hop within its limits.
     """
-    found: list[tuple[Gait, Design]] = []
+    found: list[tuple[Gait, codesign.Design]] = []
     failures: list[SpearError] = []
     for i, start in enumerate(starts(task, begun)):
         try:
@@ -108,7 +108,7 @@ def best_hop(task: Task, begun: Gait) -> Best:
     return Best(gait, design, sum(each.objective <= (1.0 + ALIKE) * design.objective for _, each in within))
 
 
-def _missed(design: Design) -> str:
+def _missed(design: codesign.Design) -> str:
     """Names the bound that a design misses most, relative to the bound, with value and bound."""
 
     def miss(label: str) -> float:
@@ -157,7 +157,7 @@ def _hop(system: HybridSystem, near: Gait, flight_time: float) -> Gait:
     return gait_beside(begun, near.state, [TORQUE], {"flight_time": flight_time})
 
 
-def descended(task: Task, start: Gait, *, wary: bool = False) -> tuple[Gait, Design]:
+def descended(task: Task, start: Gait, *, wary: bool = False) -> tuple[Gait, codesign.Design]:
     """Leads a hop down to the minimum near it, with the task's flight time.
 
     Args:
@@ -175,7 +175,7 @@ def descended(task: Task, start: Gait, *, wary: bool = False) -> tuple[Gait, Des
     return _down(task, start, LANDED)
 
 
-def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, Design]:
+def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, codesign.Design]:
     """Leads a hop down; `loaded` is the margin of the toe's load that is kept."""
     system = start.system
     at_most, at_least = limits(system.robot, task.motors)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from spear_pin.errors import NoGait
-from spear_pin.gaits.codesign.design import Design
+from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.gaits.measures.of_samples import Sampled
@@ -120,7 +120,7 @@ def figures_of(gait: Gait, motors: Motors, best: Best | None = None, samples: in
     return figures(gait, motors, trajectory, work=done, speed=flight, friction=friction, held=held, starts=starts)
 
 
-def _held(design: Design, work: float) -> tuple[str, ...]:
+def _held(design: codesign.Design, work: float) -> tuple[str, ...]:
     """Lists the active bounds of a design, with their prices, in words."""
     return tuple(
         f"{label.replace('_', ' ')} ({price / work:+.2g} of the cost for one SI unit more)"
