@@ -314,7 +314,7 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
         ("" if i else "saved", f"{words.pace.format(speed)}: {', '.join(share(saved, kind) for kind in saved.saving)}")
         for i, (speed, saved) in enumerate(found.by_speed.items())
     ]
-    spread = "the best points had one start each"
+    spread = "one search each found the best points"
     if not math.isnan(found.spread):
         spread = f"starts of the best points, each with one stiffness, differ by {100 * found.spread:.2g} %"
     mesh = "none of them was found" if math.isnan(found.mesh) else f"they change by {100 * found.mesh:.2g} %"

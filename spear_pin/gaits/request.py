@@ -21,7 +21,7 @@ OBJECTIVES: dict[str, tuple[str, str]] = {
     "peak": ("N·m", "largest torque of a motor"),
     "electrical": (
         "1",
-        "cost of transport of the power that the motors draw, of hips without a drive their positive power",
+        "cost of transport of the power that the motors draw, of joints without a drive their positive power",
     ),
     "violation": ("N·m", "most that a knee motor's envelope is exceeded by"),
 }

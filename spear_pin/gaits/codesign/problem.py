@@ -109,7 +109,11 @@ class Problem:
         for name in self.keep:
             if name not in kept:
                 raise UnknownName("measure to keep", name, kept)
+        events = {event.name for domain in orbit.system.domains for event in (*domain.guards, domain.switch) if event}
         for name in (self.minimize, *self.at_most, *self.at_least):
+            _, _, other = name.partition(BEFORE)
+            if name.startswith(MARGIN) and other and other not in events:
+                raise UnknownName("event", other, sorted(events))
             if self.measure(orbit, name) is None:
                 if re.fullmatch(OF_MOTORS, name):
                     named = listed([*self.motors]) or "none"

@@ -33,7 +33,7 @@ def collocated(
     iterations: int = PATIENCE,
     on_iteration: Progress | None = None,
 ) -> CollocatedGait:
-    """Finds a gait that meets a request with locally least effort.
+    """Finds a gait that meets a request with a local minimum of its objective.
 
     Args:
         robot: a quadruped on a chain, such as `load("q_spear_full", base="chain")`, or another robot whose legs have

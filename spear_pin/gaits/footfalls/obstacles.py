@@ -28,16 +28,17 @@ REMEDIES: Mapping[str, Callable[[Any, float], str]] = {
 
 def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | NoGait:
     """Finds the obstacle to a request: the wish that a relaxed solve misses most, counted in its scale."""
+    asked = transcription.room.request
     relaxed, margins = transcription.programme.relaxed(resampled(solution))
     loosened = relaxed.solve(iterations=PATIENCE)
     if not loosened.success:
         reason = f"the optimiser ended with {solution.status} and its relaxed search with {loosened.status}"
-        return _stopped(reason, solution, f"speed={SLOWER * transcription.room.request.speed:.3g}, or another seed")
+        return _stopped(reason, solution, f"speed={SLOWER * asked.speed:.3g}, or {_again(asked)}")
     missed = {label: float(loosened.values[margin.unknown][0]) for label, margin in margins.items()}
     worst = max(missed, key=lambda label: missed[label])
     if missed[worst] < MET:
         reason = f"the optimiser ended with {solution.status}, though every wish can be met"
-        return _stopped(reason, solution, "another seed")
+        return _stopped(reason, solution, _again(asked))
     by = missed[worst] * margins[worst].scale
     return Infeasible(worst, by, margins[worst].unit, remedy(transcription.room.request, worst, by))
 
@@ -56,8 +57,15 @@ def remedy(request: Wishes, wish: str, missed: float) -> str:
         wish: label of the wish.
         missed: by how much the wish is missed, in its unit.
     """
+    if wish.startswith("torque") and "hip" not in wish:
+        return f"speed={SLOWER * request.speed:.3g}"
     known = (say for begin, say in REMEDIES.items() if wish.startswith(begin))
     return next((say(request, missed) for say in known), "")
+
+
+def _again(asked: Any) -> str:
+    """Suggests another beginning: in space a search has no seed."""
+    return "start= of a gait that is near" if hasattr(asked, "footfalls") else "another seed"
 
 
 def _longer_or_shorter(asked: Any, by: float) -> str:

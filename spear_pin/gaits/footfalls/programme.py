@@ -164,8 +164,9 @@ class _Writer:
             return 0.0
         own, aims = opposite(leg) if self.footfalls.mirrored and leg.endswith("right") else leg, self.result.aims
         if own not in aims:
-            most = self.room.configurations[1][limb.adduction]
-            aims[own] = self.programme.variable(f"{own} adduction lands at", 0.0, -most, most)
+            i = self.limbs[own].adduction  # type: ignore[union-attr]
+            least, most = (bound[i] for bound in self.room.configurations)
+            aims[own] = self.programme.variable(f"{own} adduction lands at", 0.0, least, most)
         if leg not in aims:
             aims[leg] = -aims[own]
         return aims[leg]

@@ -1,8 +1,8 @@
 """The hop of least cost of a point: descents by exact derivatives from many starts.
 
-A descent keeps the flight time and the limits of joints and motors. It also keeps the toe on the ground while the knee
-flexes, and the spring taut until it releases: beyond these limits hops are of another kind, and their cost jumps. So
-one descent ends in one valley; starts elsewhere lead to others.
+A descent keeps the flight time and the limits of joints and motors. It also keeps the toe on the ground until the
+torque switches to extension, and the spring taut until it releases: beyond these limits hops are of another kind, and
+their cost jumps. So one descent ends in one valley; starts elsewhere lead to others.
 """
 
 from __future__ import annotations
@@ -13,14 +13,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from spear_pin.errors import MissingExtra, NoGait, SpearError
+from spear_pin.errors import MissingExtra, NoGait
 from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.codesign.optimize_design import optimize_design
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.leading import Way, led
+from spear_pin.gaits.measures.catalogue import described
 from spear_pin.gaits.search import gait_beside
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, rebuilt
+from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.motor import NO_MOTORS
 from spear_pin.model.robot import Robot
@@ -32,7 +34,7 @@ from spear_pin.studies.payoff.motors import PARTS, Motors
 TORQUE = "stance_torque"  # what is solved for the flight time
 FOOTING = 0.05  # of the weight: what the law lets rest on the toe at least while the knee flexes
 TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far a descent keeps from a toe that leaves, a spring that is slack
-LOADED, LANDED = "margin_lift_off", "margin_lift_off_before_torque_switch"  # in stance, and until the knee extends
+LOADED, LANDED = "margin_lift_off", "margin_lift_off_before_torque_switch"  # in stance, and until the torque switches
 FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
 FIRST, SHORTEST = 0.5, 0.03  # of the way to another point: the first step, and the least
 LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
@@ -90,20 +92,28 @@ def best_hop(task: Task, begun: Gait) -> Best:
         NoGait: no descent ends in a hop within its limits.
     """
     found: list[tuple[Gait, codesign.Design]] = []
-    failures: list[SpearError] = []
+    failures: list[str] = []
+    low, high = task.ranges[TORQUE]
     for i, start in enumerate(starts(task, begun)):
         try:
-            found.append(descended(task, start, wary=i % 2 == 1))
+            end = descended(task, start, wary=i % 2 == 1)
         except MissingExtra:
             raise
-        except SpearError as error:
-            failures.append(error)
+        except REFUSALS as error:
+            failures.append(error.reason if isinstance(error, NoGait) else str(error))
+            continue
+        if low <= number(end[0].system, TORQUE) <= high:
+            found.append(end)
+        else:
+            failures.append(f"it ends with a stance torque beyond {low:.3g} to {high:.3g} N·m")
     if not found:
-        raise NoGait(f"no descent to a hop succeeds: {failures[0]}", np.inf)
+        raise NoGait(f"no descent to a hop succeeds; of the first: {failures[0]}", np.inf)
     within = [each for each in found if each[1].missed <= MISSED]
     if not within:
-        _, nearest = min(found, key=lambda each: each[1].missed)
-        raise NoGait(f"every hop exceeds a limit; in the nearest one {_missed(nearest)}", 0.0)
+        nearest, design = min(found, key=lambda each: each[1].missed)
+        cause = f"in the nearest one {_missed(design)}"
+        remedy = "a stronger motor, another spring, or another flight time"
+        raise NoGait("every hop exceeds a limit", nearest.residual, cause, remedy)
     gait, design = min(within, key=lambda each: each[1].objective)
     return Best(gait, design, sum(each.objective <= (1.0 + ALIKE) * design.objective for _, each in within))
 
@@ -117,7 +127,9 @@ def _missed(design: codesign.Design) -> str:
 
     worst = max(design.bounds, key=miss)
     value, bound = design.bounds[worst]
-    return f"{worst.replace('_', ' ')} {bound:.3g} is {value:.3g}"
+    measure = worst.rsplit(" ", 2)[0]
+    unit = "N" if measure in (LOADED, LANDED) else described(measure).unit
+    return f"{measure.replace('_', ' ')} is {value:.3g} instead of {worst[len(measure) + 1 :]} {bound:.3g} {unit}"
 
 
 def starts(task: Task, begun: Gait) -> Iterator[Gait]:
@@ -145,7 +157,7 @@ def _led(solve: Callable[[float, Gait], Gait], begun: Gait) -> Way[Gait]:
             return solve(reach, last)
         except NoGait:
             raise
-        except SpearError as error:
+        except REFUSALS as error:
             raise NoGait(str(error), np.inf) from None
 
     return led(safely, begun, first=FIRST, shortest=SHORTEST)

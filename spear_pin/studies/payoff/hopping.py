@@ -36,7 +36,7 @@ SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
 TOLERANCES = {MESH: 1e-5, FINER: 1e-6}  # of the search: the relative gain that ends a descent
 # starts besides the first: of a first hop, of one whose stiffness is chosen, and of one beside a neighbour's
-COLD, FREELY, BESIDE = 12, 6, {NONE: 1, FIXED: 3, SWITCHED: 1}
+COLD, FREELY, BESIDE = 12, 6, {NONE: 3, FIXED: 3, SWITCHED: 1}
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 RATES, TORQUES, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
 WORDS = Words(
@@ -135,16 +135,14 @@ def _from_cold(robot: Robot, point: Point, task: Task) -> Best:
     The flight time of these is SPEAR-II's for the leg's size, or the wanted one.
 
     Raises:
-        NoGait: there is no hop near any of them.
+        NoGait: near none of them is a hop within limits; the first failure is raised.
     """
     failures = []
     for hop in first_hops(robot, (USUAL * scale_of(robot).time, point.speed)):
         try:
-            near = led_to(point, SWITCHED, hop)
+            return best_hop(task, led_to(point, SWITCHED, hop))
         except NoGait as error:
             failures.append(error)
-            continue
-        return best_hop(task, near)
     raise failures[0]
 
 

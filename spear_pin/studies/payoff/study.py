@@ -124,7 +124,7 @@ def studied(
         tell: called with messages about progress, in words.
 
     Raises:
-        NoGait, Infeasible: not even a gait without springs was found.
+        NoGait, Infeasible: no gait was found for the motors, or to begin with.
         BadFile: the store belongs to another study, or cannot be written.
         BadValue: an argument is not valid.
         MissingExtra: joblib is not installed, which several processes need.

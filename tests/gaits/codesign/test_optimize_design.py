@@ -143,6 +143,8 @@ def test_names_that_are_none(hop):
     for given in ({"at_most": {"nope": 1.0}}, {"at_least": {"margin_nope": 1.0}}, {"motors": {"toe": MOTORS["knee"]}}):
         with pytest.raises(UnknownName, match=r"nope|toe"):
             best(hop, {"stiffness": (42.0, 60.0)}, **given)
+    with pytest.raises(UnknownName, match="event.*nope.*torque_switch"):
+        best(hop, {"stiffness": (42.0, 60.0)}, at_least={"margin_lift_off_before_nope": 1.0})
     with pytest.raises(UnknownName, match="nope"):
         best(hop, {"nope": (42.0, 60.0)})
     with pytest.raises(UnknownName, match="nope"):

@@ -147,27 +147,31 @@ class TestBest:
                 end = next(left)
                 if isinstance(end, Exception):
                     raise end
-                cost, missed = end
+                cost, missed, *beyond = end
+                system = with_values(start.system, {"stance_torque": beyond[0] if beyond else 8.0})
                 bounds = {"reserve_knee at least": (-5.0 * missed, 0.0), "peak_speed_knee at most": (9.0, 10.0)}
-                return cost, SimpleNamespace(objective=cost, missed=missed, bounds=bounds)
+                gait = SimpleNamespace(system=system, cost=cost, residual=0.0)
+                return gait, SimpleNamespace(objective=cost, missed=missed, bounds=bounds)
 
             monkeypatch.setattr(hop_search, "descended", down)
-            monkeypatch.setattr(hop_search, "starts", lambda task, begun: range(len(found)))
+            monkeypatch.setattr(hop_search, "starts", lambda task, begun: [begun] * len(found))
             return best_hop(task(start.system.robot), start)
 
         return given
 
     def test_the_cheapest_within_limits(self, ends):
-        best = ends((5.0, 0.0), NoGait("none", 1.0), (3.0, 0.5), (4.0, 1e-6), (4.03, 0.0))
-        assert (best.gait, best.starts) == (4.0, 2)
+        best = ends((5.0, 0.0), NoGait("none", 1.0), (3.0, 0.5), (2.0, 0.0, 1e3), (4.0, 1e-6), (4.03, 0.0))
+        assert (best.gait.cost, best.starts) == (4.0, 2)
 
     def test_the_limit_that_is_missed_is_named(self, ends):
-        with pytest.raises(NoGait, match="in the nearest one reserve knee at least 0 is -2"):
+        with pytest.raises(
+            NoGait, match="in the nearest one reserve knee is -2 instead of at least 0 N·m; try a stronger motor"
+        ):
             ends((5.0, 0.8), (6.0, 0.4))
 
     def test_no_descent(self, ends):
-        with pytest.raises(NoGait, match="no descent to a hop succeeds: toes alternate"):
-            ends(NotDifferentiable("toes alternate"), NoGait("none", 1.0))
+        with pytest.raises(NoGait, match="no descent to a hop succeeds; of the first: toes alternate"):
+            ends(NotDifferentiable("toes alternate"), NoGait("none", 1.0), ZeroDivisionError())
 
     def test_that_heyoka_is_missing_is_told(self, ends):
         with pytest.raises(MissingExtra, match="fast"):
