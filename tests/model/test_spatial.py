@@ -9,6 +9,7 @@ import pytest
 
 from spear_pin import load
 from spear_pin.errors import BadValue
+from spear_pin.model.planar import Planar
 from spear_pin.model.spatial import Spatial
 from tests.model.spatial_arm import ARM
 
@@ -73,26 +74,45 @@ def close(actual, expected, tolerance=1e-12):
     np.testing.assert_allclose(actual, expected, rtol=0, atol=tolerance * max(1.0, np.abs(expected).max()))
 
 
+def mechanisms(robot):
+    return [Spatial(robot), Planar(robot)] if robot.planar else [Spatial(robot)]
+
+
 def test_forces_as_by_pinocchio(robot):
-    spatial = Spatial(robot)
-    for q, v, a, pushes in motions(robot):
-        jacobians = {toe: robot.toe_jacobian(q, toe) for toe in robot.toes}
-        pulled = sum(jacobians[toe].T @ world(push, robot) for toe, push in pushes.items())
-        given = {toe: tuple(push.tolist()) for toe, push in pushes.items()}
-        needed = spatial.forces(q.tolist(), v.tolist(), a.tolist(), math, given)
-        close(needed, robot.mass_matrix(q) @ a + robot.bias(q, v) - pulled)
-        rest = [0.0] * robot.nv
-        close(spatial.forces(q.tolist(), rest, a.tolist(), math, gravity=False), robot.mass_matrix(q) @ a)
+    """In the plane from the mass matrix too, which knows pushes along x and z only."""
+    for mechanism in mechanisms(robot):
+        for q, v, a, pushes in motions(robot):
+            jacobians = {toe: robot.toe_jacobian(q, toe) for toe in robot.toes}
+            pulled = sum(jacobians[toe].T @ world(push, robot) for toe, push in pushes.items())
+            flat = len(mechanism.lift) == 2
+            given = {toe: tuple((world(push, robot) if flat else push).tolist()) for toe, push in pushes.items()}
+            needed = mechanism.forces(q.tolist(), v.tolist(), a.tolist(), math, given)
+            close(needed, robot.mass_matrix(q) @ a + robot.bias(q, v) - pulled)
+            rest = [0.0] * robot.nv
+            close(mechanism.forces(q.tolist(), rest, a.tolist(), math, gravity=False), robot.mass_matrix(q) @ a)
 
 
 def test_toes_as_by_pinocchio(robot):
-    spatial = Spatial(robot)
-    for q, v, a, _ in motions(robot):
-        for toe, foot in spatial.moving_feet(q.tolist(), v.tolist(), a.tolist(), math).items():
-            jacobian = robot.toe_jacobian(q, toe)
-            close(world(foot.position, robot), robot.toe_position(q, toe))
-            close(world(foot.velocity, robot), jacobian @ v)
-            close(world(foot.acceleration, robot), jacobian @ a + robot.toe_drift(q, v, toe))
+    for mechanism in mechanisms(robot):
+        flat = len(mechanism.lift) == 2
+        for q, v, a, _ in motions(robot):
+            for toe, foot in mechanism.moving_feet(q.tolist(), v.tolist(), a.tolist(), math).items():
+                jacobian = robot.toe_jacobian(q, toe)
+                found = [np.array(part) if flat else world(part, robot) for part in foot]
+                close(found[0], robot.toe_position(q, toe))
+                close(found[1], jacobian @ v)
+                close(found[2], jacobian @ a + robot.toe_drift(q, v, toe))
+
+
+def test_a_toe_of_the_world_stays_and_carries_its_push(robot):
+    q, v, a, _ = next(motions(robot))
+    motion = [part.tolist() for part in (q, v, a)]
+    for mechanism in mechanisms(robot):
+        place = (0.1, 0.2, 0.3)[: len(mechanism.lift)]
+        free, still = mechanism.forces(*motion, math), tuple(0.0 for _ in place)
+        mechanism.toes = {"peg": (-1, place)}
+        assert mechanism.moving_feet(*motion, math)["peg"] == (place, still, still)
+        assert mechanism.forces(*motion, math, {"peg": (50.0,) * len(place)}) == free
 
 
 def test_terms_as_by_pinocchio(robot):

@@ -11,7 +11,8 @@ from spear_pin.gaits.footfalls.limbs import hip_heights, legs_of
 from spear_pin.gaits.footfalls.nodes import Room, Support, limits, within
 from spear_pin.gaits.footfalls.plan import Plan
 from spear_pin.gaits.footfalls.request import FootfallRequest
-from spear_pin.gaits.footfalls.swing import STEEPEST
+from spear_pin.gaits.footfalls.swing import WIDEST
+from spear_pin.gaits.request import FLEXED
 from spear_pin.gaits.spatial.legs import Leg
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.robot import Robot
@@ -21,7 +22,7 @@ from spear_pin.model.spatial import Spatial
 BASE = len(CHAIN)
 FARTHEST, LOWEST, HIGHEST = 3.0, -0.3, 0.9  # m of Q-SPEAR: along, aside; of the torso above the ground
 TURNED, SWUNG = 1.5, 1.9  # rad: yaw; a hip from straight down
-STRAIGHT, FLEXED = 0.15, 2.4  # rad: flexion of a knee
+STRAIGHT = 0.15  # rad: least flexion of a knee
 FASTEST = (10.0, 20.0)  # m/s and rad/s of Q-SPEAR
 FALLS, RISES = 0.1, 1.0  # m/s, m/s² for Q-SPEAR: least of a foot that lands, that lifts off
 
@@ -76,7 +77,7 @@ def in_space(robot: Robot, request: FootfallRequest) -> Room:
         posture=lambda phase, s: plan.q(time(phase, s), nv),
         guess=guess,
         height=height,
-        landing=(-STEEPEST, STEEPEST),
+        landing=(-WIDEST, WIDEST),
         falls=FALLS * scale.speed,
         rises=RISES * scale.length / scale.time**2,
         support=_support(request),

@@ -17,7 +17,7 @@ from spear_pin.model.chain import CHAIN
 from spear_pin.model.scale import Scale
 
 X, Y, Z, YAW = (CHAIN.index(name) for name in ("torso_x", "torso_y", "torso_z", "yaw"))
-FLEXED = math.radians(45.0)  # of a knee that bears
+BENT = math.radians(45.0)  # of a knee that bears
 FLIGHT, CONTACTS, SWEEP = 0.06, (0.1, 0.22), 0.4  # s, s and m of Q-SPEAR: a flight, a foot on the ground
 INSTANT = 1e-4  # s: time step of the differences for velocities
 
@@ -84,7 +84,7 @@ class Plan:
     def q(self, time: float, nv: int) -> Array:
         """Returns the configuration, (nv,)."""
         request = self.request
-        height = float(np.mean([length(limb.lengths, FLEXED) - self.hips[name] for name, limb in self.limbs.items()]))
+        height = float(np.mean([length(limb.lengths, BENT) - self.hips[name] for name, limb in self.limbs.items()]))
         turned = request.turn * time / self.stride
         q, along = np.zeros(nv), request.speed * time * float(np.sinc(0.5 * turned / math.pi))
         q[[X, Y, Z, YAW]] = along * math.cos(0.5 * turned), along * math.sin(0.5 * turned), height, turned

@@ -11,6 +11,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.gaits.collocation import Programme, casadi
 from spear_pin.gaits.footfalls.nodes import Node, Room, Support
+from spear_pin.gaits.request import FLEXED
 from spear_pin.gaits.spatial.legs import Leg as LegInSpace
 from spear_pin.gaits.virtual_constraints import (
     Evolution,
@@ -30,7 +31,7 @@ END = {
     False: 1.02,
 }  # s at the end of a phase with legs on the ground, where it is not to run out, and of a flight
 FREE, SAMPLES = 4, 13  # coefficients from the third on; points that their guess is fitted to
-STEEPEST, FLEXED = 1.3, 2.4  # rad: limits of the coefficients of leg angles and knees
+WIDEST = 1.3  # rad: limit of the coefficients of leg angles
 SWEEP = (-1.5, -0.05)  # rad: limits of the change of the supporting legs' mean angle in a phase
 SLOWEST, FASTEST = 0.3, 30.0  # rad/s of Q-SPEAR: of it
 
@@ -108,7 +109,7 @@ class Swings:
         angles, knees = (_fitted(gone, [float(value(variable, q)) for q in rough]) for variable in limb.controlled)
         flexed = sorted((-0.2 * limb.bends, FLEXED * limb.bends))
         count = 1 if lands else FREE
-        angle = [self.programme.variable(f"{name} angle {i}", angles[i], -STEEPEST, STEEPEST) for i in range(count)]
+        angle = [self.programme.variable(f"{name} angle {i}", angles[i], -WIDEST, WIDEST) for i in range(count)]
         knee = [self.programme.variable(f"{name} knee {i}", knees[i], *flexed) for i in range(count)]
         if lands:
             angle += 3 * [self.programme.variable(f"{name} lands at", angles[-1], *self.room.landing)]

@@ -39,7 +39,7 @@ FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked fo
 FIRST, SHORTEST = 0.5, 0.03  # of the way to another point: the first step, and the least
 LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
 MISSED = 1e-3  # of limits, together: a hop that misses more keeps them not
-ALIKE = 0.01  # of a cost
+ALIKE, APART = 0.01, 0.1  # of a cost; of a range: starts nearer than that are one
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Best(NamedTuple):
     Attributes:
         gait: its hop.
         design: what it chose, and what held it.
-        starts: number of descents that ended alike: at this cost, within `ALIKE`.
+        starts: number of descents that ended alike, at this cost within `ALIKE`, from starts that are `APART`.
     """
 
     gait: Gait
@@ -91,7 +91,7 @@ def best_hop(task: Task, begun: Gait) -> Best:
         MissingExtra: heyoka is not installed.
         NoGait: no descent ends in a hop within its limits.
     """
-    found: list[tuple[Gait, codesign.Design]] = []
+    found: list[tuple[Gait, codesign.Design, bool]] = []
     failures: list[str] = []
     low, high = task.ranges[TORQUE]
     for i, start in enumerate(starts(task, begun)):
@@ -103,19 +103,29 @@ def best_hop(task: Task, begun: Gait) -> Best:
             failures.append(error.reason if isinstance(error, NoGait) else str(error))
             continue
         if low <= number(end[0].system, TORQUE) <= high:
-            found.append(end)
+            found.append((*end, start is begun or _apart(task, begun, start)))
         else:
             failures.append(f"it ends with a stance torque beyond {low:.3g} to {high:.3g} N·m")
     if not found:
         raise NoGait(f"no descent to a hop succeeds; of the first: {failures[0]}", np.inf)
     within = [each for each in found if each[1].missed <= MISSED]
     if not within:
-        nearest, design = min(found, key=lambda each: each[1].missed)
+        nearest, design, _ = min(found, key=lambda each: each[1].missed)
         cause = f"in the nearest one {_missed(design)}"
         remedy = "a stronger motor, another spring, or another flight time"
         raise NoGait("every hop exceeds a limit", nearest.residual, cause, remedy)
-    gait, design = min(within, key=lambda each: each[1].objective)
-    return Best(gait, design, sum(each.objective <= (1.0 + ALIKE) * design.objective for _, each in within))
+    gait, design, _ = min(within, key=lambda each: each[1].objective)
+    most = (1.0 + ALIKE) * design.objective
+    return Best(gait, design, max(sum(far and each.objective <= most for _, each, far in within), 1))
+
+
+def _apart(task: Task, one: Gait, other: Gait) -> bool:
+    """Tells whether two hops differ in a chosen number by a good part of its range."""
+    shares = (
+        abs(number(one.system, name) - number(other.system, name)) / (task.ranges[name][1] - task.ranges[name][0])
+        for name in task.chosen
+    )
+    return max(shares) >= APART
 
 
 def _missed(design: codesign.Design) -> str:

@@ -140,8 +140,11 @@ class TestBest:
 
     @pytest.fixture
     def ends(self, start, monkeypatch):
-        def given(*found):
-            left = iter(found)
+        def given(*found, away=()):
+            left, span = iter(found), np.ptp(ranges(start.system.robot, free=False)["frequency"])
+            shares = [*away, *(len(found) - len(away)) * [0.5]]
+            own = start.system.law.frequency
+            begun = [replace(start, system=with_values(start.system, {"frequency": own + x * span})) for x in shares]
 
             def down(task, start, wary):
                 end = next(left)
@@ -154,7 +157,7 @@ class TestBest:
                 return gait, SimpleNamespace(objective=cost, missed=missed, bounds=bounds)
 
             monkeypatch.setattr(hop_search, "descended", down)
-            monkeypatch.setattr(hop_search, "starts", lambda task, begun: [begun] * len(found))
+            monkeypatch.setattr(hop_search, "starts", lambda task, given: begun)
             return best_hop(task(start.system.robot), start)
 
         return given
@@ -162,6 +165,10 @@ class TestBest:
     def test_the_cheapest_within_limits(self, ends):
         best = ends((5.0, 0.0), NoGait("none", 1.0), (3.0, 0.5), (2.0, 0.0, 1e3), (4.0, 1e-6), (4.03, 0.0))
         assert (best.gait.cost, best.starts) == (4.0, 2)
+
+    def test_starts_beside_each_other_are_one(self, ends):
+        assert ends((4.0, 0.0), (4.01, 0.0), away=(0.5, 0.09)).starts == 1
+        assert ends((4.0, 0.0), (4.01, 0.0), away=(0.5, 0.11)).starts == 2
 
     def test_the_limit_that_is_missed_is_named(self, ends):
         with pytest.raises(
