@@ -90,6 +90,7 @@ class TestSearch:
         [
             {"stiffness": 80.0, "hardening": 100.0, "preload": 4.0},
             {"stiffness": 0.0, "table": ((0.0, 0.0), (0.2, 20.0), (0.4, 50.0), (0.8, 130.0))},
+            {"stiffness": 80.0, "preload": 4.0, "knee_touchdown": 0.75},
         ],
         ids=str,
     )
@@ -158,6 +159,13 @@ class TestTranscription:
         found = programme.solve()
         assert found.success and max(found.violations.values()) < 1e-6
         assert found.objective < 0.99 * before
+
+    def test_hip_torque_of_a_pair(self, q_spear, coarse):
+        hips = [f"{leg} hip" for leg in ("posterior", "anterior")]
+        most = 0.8 * max(abs(coarse[1].values[name][0]) for name in hips)
+        found = warm(q_spear, Request(hip_torque=most), COARSE, coarse[1]).solve()
+        assert found.success and max(found.violations.values()) < 1e-6
+        assert max(abs(found.values[name][0]) for name in hips) == pytest.approx(most, rel=1e-6)
 
     def test_largest_torque(self, q_spear, coarse):
         transcription = transcribe(in_plane(q_spear, Request(objective="peak"), COARSE), resampled(coarse[1]))
