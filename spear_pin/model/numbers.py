@@ -7,14 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import hypot
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.model.equations import mechanism_of
+from spear_pin.model.equations import REMEMBERED, mechanism_of
 from spear_pin.model.robot import Robot
 
 UNITS: Mapping[str, str] = {
@@ -49,7 +51,8 @@ class Number:
     unit: str
 
 
-def body_numbers(robot: Robot) -> dict[str, Number]:
+@lru_cache(maxsize=REMEMBERED)
+def body_numbers(robot: Robot) -> Mapping[str, Number]:
     """Returns the nonzero numbers of a robot's bodies, by name.
 
     "knee_mass" is the mass of the body that the knee moves, "hip_to_knee" and "knee_to_toe" are lengths. In space
@@ -68,7 +71,7 @@ def body_numbers(robot: Robot) -> dict[str, Number]:
             found[f"{robot.coordinates[body.parent]}_to_{joint}"] = Number(hypot(*body.placement), "m")
     for toe, (i, offset) in mechanism.toes.items():
         found[f"{robot.coordinates[i]}_to_{toe}"] = Number(hypot(*offset), "m")
-    return {name: number for name, number in found.items() if number.value != 0.0}
+    return MappingProxyType({name: number for name, number in found.items() if number.value != 0.0})
 
 
 def _of_body(body: pin.Inertia, turn: Any, planar: bool) -> dict[str, float]:

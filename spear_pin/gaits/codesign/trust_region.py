@@ -107,8 +107,12 @@ def minimised(
             hessian, steep = np.eye(len(best.x)) * left, True  # the first curvature came from steeper directions
             continue
         there = value(best.x + step, best)
-        beyond = there is None
-        gained = -np.inf if there is None else best.f - there.f + penalty * (best.violation - there.violation)
+        beyond, gained = there is None, _gain(best, there, penalty)
+        if there is not None and gained < BAD * predicted and multipliers.any():
+            bent = _bent(best, there, hessian, lower, upper, across, radius)
+            nearer = None if bent is None else value(best.x + bent, best)
+            if bent is not None and _gain(best, nearer, penalty) > gained:
+                there, step, gained = nearer, bent, _gain(best, nearer, penalty)
         if there is not None and gained > 0.0:
             try:
                 change = _of_lagrange(there, multipliers) - _of_lagrange(best, multipliers)
@@ -130,6 +134,33 @@ def minimised(
             reason = NO_VALUE if beyond else STUCK
             break
     return replace(_end(best, hessian, lower, upper, across), path=tuple(path), reason=reason)
+
+
+def _gain(best: Local[T], there: Local[T] | None, penalty: float) -> float:
+    """Returns by how much a point is better, with violations at a price; -inf where there is no value."""
+    if there is None:
+        return -np.inf
+    return best.f - there.f + penalty * (best.violation - there.violation)
+
+
+def _bent(
+    best: Local[T],
+    there: Local[T],
+    hessian: Array,
+    lower: Array,
+    upper: Array,
+    across: Sequence[Local[T]],
+    radius: float,
+) -> Array | None:
+    """Returns the step corrected by what a trial says of the constraints' curvature; None where there is none.
+
+    Without it short steps follow a curved border: Nocedal and Wright, Numerical Optimization, section 18.11.
+    """
+    curved = replace(best, c=there.c - best.A @ (there.x - best.x), slopes=lambda: (best.g, best.A))
+    try:
+        return _ahead(curved, hessian, lower, upper, across, radius).s
+    except FAILURES:
+        return None
 
 
 def _plain(local: Local[T]) -> Array:

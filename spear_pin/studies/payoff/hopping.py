@@ -34,7 +34,7 @@ from spear_pin.studies.payoff.study import Study, studied
 USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
-TOLERANCES = {MESH: 1e-5, FINER: 1e-6}  # of the search: the relative gain that ends a descent
+TOLERANCES = {MESH: 1e-4, FINER: 1e-5}  # of the search: the relative gain that ends a descent
 # starts besides the first: of a first hop, of one whose stiffness is chosen, and of one beside a neighbour's
 COLD, FREELY, BESIDE = 12, 6, {NONE: 3, FIXED: 3, SWITCHED: 1}
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits

@@ -57,6 +57,20 @@ def test_multiplier_of_a_circle():
     assert not end.at_bounds.any() and end.stationarity < 1e-5
 
 
+def test_a_curved_border_is_followed_by_long_steps():
+    """Of Maratos: by the linear border alone long steps along the circle leave it, and are no better."""
+    value, calls = problem(
+        lambda x: float(30.0 * (x @ x - 1.0) - x[0]),
+        lambda x: 60.0 * x - [1.0, 0.0],
+        lambda x: np.array([x @ x - 1.0]),
+        lambda x: 2.0 * x[None],
+    )
+    end = found(value, (np.cos(1.0), np.sin(1.0)))
+    assert end.converged and end.local.x == pytest.approx([1.0, 0.0], abs=1e-4)
+    assert end.multipliers == pytest.approx([29.5], abs=1e-3)
+    assert len(calls) < 50  # more than a hundred, and no end, with short steps alone
+
+
 def test_multiplier_of_a_bound():
     value, _ = problem(lambda x: float(3.0 * x[0] + x[1] ** 2), lambda x: np.array([3.0, 2.0 * x[1]]))
     end = found(value, (0.5, 1.0))
