@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from math import pi
 from typing import Literal, get_args
+
+import numpy as np
 
 from spear_pin.errors import UnknownName, require
 from spear_pin.kinds import typed
@@ -49,23 +51,78 @@ Entry = Mapping[str, Quantity]
 
 @typed
 def scaled(motor: Motor, power: float) -> Motor:
-    """Scales a motor to another power, as an assumption where its numbers are not known.
-
-    The result acts like r = power / rated_power equal motors on one shaft and one supply, where r need not be an
-    integer. Torques, currents, inertia and mass are multiplied by r, resistance and inductance are divided by r; torque
-    constant, voltage and speeds stay the same. A manufacturer's larger motor will differ.
+    """Scales a motor to another power, as an assumption where its numbers are not known: `sized`, r times the power.
 
     Args:
         motor: a motor with a known `rated_power`.
         power: the new rated power, in W.
     """
     require("power", power, lambda p: p > 0, "a number > 0, in W")
-    ratio = power / motor.known("rated_power")
-    grow = ("rated_power", "nominal_torque", "nominal_current", "no_load_current", "rotor_inertia", "mass")
-    factors = dict.fromkeys(grow, ratio) | dict.fromkeys(("resistance", "inductance"), 1.0 / ratio)
+    name = f"{motor.name} scaled to {power:g} W (assumption)"
+    return replace(sized(motor, power / motor.known("rated_power")), name=name)
+
+
+@typed
+def sized(motor: Motor, size: float) -> Motor:
+    """Returns a motor of another size, an assumption: a manufacturer's larger motor will differ.
+
+    Its electrical numbers and its rotor are those of r equal motors on one shaft and one supply, where the size r need
+    not be an integer. Torques, currents, power and rotor inertia are multiplied by r, resistance and inductance are
+    divided by r; torque constant, voltage and speeds stay the same. The mass follows `mass_law` from the motor's own:
+    it is multiplied by r^k.
+
+    Args:
+        motor: the motor of size 1; its numbers that are not known stay so.
+        size: r, the continuous torque relative to that of the motor.
+    """
+    require("size", size, lambda r: r > 0, "a number > 0")
+    grow = ("rated_power", "nominal_torque", "nominal_current", "no_load_current", "rotor_inertia")
+    factors = dict.fromkeys(grow, size) | dict.fromkeys(("resistance", "inductance"), 1.0 / size)
+    if motor.mass is not None:
+        factors["mass"] = size ** mass_law().exponent
     numbers = {field: getattr(motor, field) for field in factors}
     changes = {field: number * factors[field] for field, number in numbers.items() if number is not None}
-    return replace(motor, name=f"{motor.name} scaled to {power:g} W (assumption)", **changes)
+    return replace(motor, name=f"{motor.name} of size {size:g} (assumption)", **changes)
+
+
+@dataclass(frozen=True)
+class MassLaw:
+    """The assumed mass of a motor, c T^k of its continuous torque T.
+
+    Attributes:
+        exponent: k.
+        constant: c, in kg for 1 N·m.
+        spread: factor by which motors typically are lighter or heavier.
+        motors: names of the motors to which it is fitted.
+    """
+
+    exponent: float
+    constant: float
+    spread: float
+    motors: tuple[str, ...]
+
+    def __str__(self) -> str:
+        fit = f"fitted to {len(self.motors)} motors of the catalogue within a factor of {self.spread:.2f}"
+        return f"mass ∝ torque^{self.exponent:.2f}, {fit} (assumption)"
+
+
+@cache
+def mass_law() -> MassLaw:
+    """Fits c T^k to the catalogue's motors, by least squares in logarithms.
+
+    A motor counts if its mass and its continuous torque are known and not assumptions.
+    """
+    names = tuple(name for name, entry in MOTORS.items() if _weighed(entry))
+    torque = np.log([motor(name).continuous_torque for name in names])
+    mass = np.log([motor(name).known("mass") for name in names])
+    k, c = np.polyfit(torque, mass, 1)
+    spread = np.sqrt(np.square(mass - k * torque - c).sum() / (len(names) - 2))
+    return MassLaw(float(k), float(np.exp(c)), float(np.exp(spread)), names)
+
+
+def _weighed(entry: Entry) -> bool:
+    torque = ("nominal_torque",) if "nominal_torque" in entry else ("torque_constant", "nominal_current")
+    return all(name in entry and entry[name].verification != "assumption" for name in ("mass", *torque))
 
 
 @typed
@@ -105,7 +162,7 @@ _assumption = partial(_given, "assumption")
 def _assumed(base: str, power: float) -> Entry:
     """Returns an entry for a scaled motor."""
     larger = scaled(motor(base), power)
-    source = f"{base} scaled to {power:g} W as equal motors on one shaft"
+    source = f"{base} scaled to {power:g} W"
     return _assumption(source, **{field: getattr(larger, field) for field in MOTORS[base]})
 
 
@@ -126,6 +183,7 @@ MOTORS: dict[str, Entry] = {
         **_stated("Section 2.4: EC-60 Flat 100W", rated_power=100.0),
         **_given("computed", "Table 2.4: 0.027 kg·m² at the joint / 15²", rotor_inertia=0.027 / 15**2),
         **_assumption("that of ec_60_flat_100w_48v", resistance=1.1, inductance=0.86e-3, nominal_torque=0.227),
+        **_assumption("that of ec_60_flat_100w_48v, a recollection", mass=0.470),
     },
     "ec_60_flat_100w_24v": {
         **_second(_NOTES, torque_constant=0.0534, nominal_voltage=24.0, rated_power=100.0),
@@ -188,9 +246,9 @@ MOTORS: dict[str, Entry] = {
 MOTORS["assumed_600w"] = _assumed("ec_90_flat_260w", 600.0)
 
 _GEARS = "maxon catalogue of GP 52 C, from memory"
-_ONE_STAGE = _recalled(_GEARS, efficiency=0.91, max_torque=4.0)
-_TWO_STAGES = _recalled(_GEARS, efficiency=0.83, max_torque=15.0)
-_THREE_STAGES = _recalled(_GEARS, efficiency=0.75, max_torque=30.0)
+_ONE_STAGE = _recalled(_GEARS, efficiency=0.91, max_torque=4.0, mass=0.46)
+_TWO_STAGES = _recalled(_GEARS, efficiency=0.83, max_torque=15.0, mass=0.62)
+_THREE_STAGES = _recalled(_GEARS, efficiency=0.75, max_torque=30.0, mass=0.77)
 
 GEARBOXES: dict[str, Entry] = {
     "spear_ii_knee_gear": {**_stated("Table 2.4", ratio=15.0), **_TWO_STAGES},

@@ -109,20 +109,23 @@ class Gearbox:
         efficiency: η, power out over power in.
         inertia: inertia of the gears at the motor's shaft, in kg·m²; 0 neglects it.
         max_torque: largest continuous torque at the joint, in N·m; None if not known.
+        mass: mass, in kg; None if not known.
     """
 
     ratio: float
     efficiency: float = 1.0
     inertia: float = 0.0
     max_torque: float | None = None
+    mass: float | None = None
 
     def __post_init__(self) -> None:
         """Checks the fields."""
         require("Gearbox.ratio", self.ratio, lambda n: n > 0, "a number > 0")
         require("Gearbox.efficiency", self.efficiency, lambda eta: 0 < eta <= 1, "a number in (0, 1]")
         require("Gearbox.inertia", self.inertia, lambda j: j >= 0, "a number >= 0, in kg·m²")
-        if self.max_torque is not None:
-            require("Gearbox.max_torque", self.max_torque, lambda x: x > 0, "a number > 0, in N·m, or None")
+        for name in ("max_torque", "mass"):
+            if (value := getattr(self, name)) is not None:
+                require(f"Gearbox.{name}", value, lambda x: x > 0, f"a number > 0, in {UNITS[name]}, or None")
 
 
 def geared_constant(motor: Motor, gearbox: Gearbox) -> float:

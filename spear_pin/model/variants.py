@@ -10,12 +10,14 @@ from dataclasses import dataclass
 from math import copysign
 from numbers import Real
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
+import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.kinds import typed
+from spear_pin.model.catalogue import mass_law, motor
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.fitting import hold
@@ -29,6 +31,11 @@ MONOPODS = ("spear_ii", "spear_ii_series")
 ALL = (*MONOPODS, *QUADRUPEDS, "biped")
 TABLE, TABLES, ASSUMPTION = "source Table 5.1", "source Tables 2.4 and 5.1", "assumption"
 COMPUTED = f"computed from {TABLES}"
+MASS, SIZE = "motor_mass", "motor_size"
+CURVED = (MASS, SIZE)
+"""Ends of names of parameters of which the equations' numbers are no polynomials."""
+OWN = {"hip": motor("faulhaber_3863h024cr").known("mass"), "knee": motor("spear_ii_knee").known("mass")}
+"""Mass of the motor that a shipped robot has at each joint of a kind, in kg."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +67,10 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
         "knee_ratio": Parameter(15.0, "1", TABLES, "turns of a knee's rotor per turn of the knee", ALL),
         "hip_rotor": Parameter(0.047 / 60**2, "kg·m²", COMPUTED, "inertia of a hip's rotor, not reflected", ALL),
         "knee_rotor": Parameter(0.027 / 15**2, "kg·m²", COMPUTED, "inertia of a knee's rotor, not reflected", ALL),
+        "hip_motor_mass": Parameter(OWN["hip"], "kg", ASSUMPTION, "mass of a hip's motor of size 1", ALL),
+        "knee_motor_mass": Parameter(OWN["knee"], "kg", ASSUMPTION, "mass of a knee's motor of size 1", ALL),
+        "hip_motor_size": Parameter(1.0, "1", ASSUMPTION, "continuous torque of a hip's motor over its own's", ALL),
+        "knee_motor_size": Parameter(1.0, "1", ASSUMPTION, "continuous torque of a knee's motor over its own's", ALL),
         "boom_damping": Parameter(0.0, "N·s/m", ASSUMPTION, "viscous friction of the slider", MONOPODS),
         "adduction_ratio": Parameter(60.0, "1", ASSUMPTION, "turns of an adduction rotor per turn of its joint", FULL),
     }
@@ -69,13 +80,19 @@ PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 def parameters_of(robot: Robot) -> tuple[str, ...]:
     """Returns the names of the parameters that a robot has; a cut has those of the shipped robot that it is like.
 
-    A cut has parameters of gears for its joints with motors.
+    A cut has parameters of gears for its joints with motors; the masses of its motors are not known.
     """
     source = robot.source if robot.cut is None else LIKE[robot.cut.kind]
     names = [name for name, parameter in PARAMETERS.items() if source in parameter.robots]
     if robot.cut is None:
         return tuple(names)
+    names = [name for name in names if not name.endswith(CURVED)]
     return tuple(name for name in names if _kind(name) is None or any(_is(joint, name) for joint in robot.actuated))
+
+
+def motor_size(robot: Robot, joint: str) -> float:
+    """Returns the size of a joint's motor relative to the robot's own, which is 1 if `vary` has not changed it."""
+    return next((x for name, x in robot.varied.items() if name.endswith(SIZE) and _is(joint, name)), 1.0)
 
 
 def value_of(robot: Robot, name: str) -> float:
@@ -109,7 +126,9 @@ def vary(robot: Robot, **values: float) -> Robot:
     """Returns a robot with other numbers; the given one is left unchanged.
 
     A rotor keeps its own inertia J unless that is changed, so with another ratio N the joint's reflected
-    inertia is N² J.
+    inertia is N² J. Another size of a motor multiplies its rotor's inertia and its mass as `catalogue.sized` does. A
+    motor is a point on the hip's axis (assumption): the knee's moves with the thigh, the hip's with the torso or the
+    slider. The masses of gears stay.
     Shapes that are drawn keep their size.
 
     Args:
@@ -158,8 +177,14 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     for name, value in varied.items():
         if _kind(name) is None:
             _change(model, name, value)
-        else:
+        elif not name.endswith(CURVED):
             _set_gears(model, name, value, motors)
+    if any(name.endswith(CURVED) for name in varied):  # of which sizes multiply what the others set
+        for kind, own in OWN.items():
+            size = varied.get(f"{kind}_{SIZE}", 1.0)
+            mass = varied.get(f"{kind}_{MASS}", own) * size ** mass_law().exponent
+            pair = 2.0 if robot.source == "q_spear" else 1.0
+            _set_motors(model, f"{kind}_{SIZE}", size, pair * (mass - own))
     return hold(model, robot.locked)
 
 
@@ -179,8 +204,8 @@ def _change(model: pin.Model, name: str, value: float) -> None:
 
 def _kind(parameter: str) -> str | None:
     """Returns the kind of joints of a parameter of gears, such as "knee"; None for other parameters."""
-    kind, _, of = parameter.rpartition("_")
-    return kind if of in ("ratio", "rotor") else None
+    ends = (f"_{of}" for of in ("ratio", "rotor", *CURVED))
+    return next((parameter.removesuffix(end) for end in ends if parameter.endswith(end)), None)
 
 
 def _is(joint: str, parameter: str) -> bool:
@@ -210,6 +235,24 @@ def _set_gears(model: pin.Model, name: str, value: float, motors: Mapping[str, i
             else:
                 rotors[row] = motors[joint] * value
             armature[row] = ratios[row] ** 2 * rotors[row]
+
+
+def _set_motors(model: pin.Model, name: str, size: float, more: float) -> None:
+    """Multiplies the rotors of motors by their size, and adds a mass, in kg, for each where it sits."""
+    added: dict[int, Any] = {}
+    for index, joint in enumerate(model.names):
+        if _is(joint, name):
+            row, body = model.joints[index].idx_v, int(model.parents[index])
+            model.rotorInertia[row] *= size
+            model.armature[row] *= size
+            place = model.jointPlacements[index].translation * (_kind(name) != "knee")
+            while not model.inertias[body].mass:  # as an adduction has none
+                body, place = int(model.parents[body]), model.jointPlacements[body].act(place)
+            added[body] = added.get(body, 0.0) + more * pin.Inertia(1.0, place, np.zeros((3, 3))).toDynamicParameters()
+    for body, inertia in added.items():
+        if more:
+            numbers = model.inertias[body].toDynamicParameters() + inertia
+            model.inertias[body] = pin.Inertia.FromDynamicParameters(numbers)
 
 
 def _move_hips(model: pin.Model, torso: int, axis: int, distance: float) -> None:

@@ -19,9 +19,10 @@ from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.actuator import Actuator, Thermal
 from spear_pin.model.bridge import Battery
-from spear_pin.model.catalogue import gearbox, motor
+from spear_pin.model.catalogue import gearbox, motor, sized
 from spear_pin.model.motor import Gearbox, Motor
 from spear_pin.model.robot import Robot
+from spear_pin.model.variants import motor_size
 
 HOPS = 11  # of Fig. 4.13
 RTOL = 1e-7  # of runs by the hundred: a hop is then right to a micrometre
@@ -55,7 +56,7 @@ class Rig:
     sensing: Sensing | None = None
 
     def on(self, robot: Robot) -> Hardware:
-        """Returns the hardware for a robot with motors on its joints "hip" and "knee"; gear ratios are the robot's.
+        """Returns the hardware for a robot with motors on its joints "hip" and "knee", of the robot's gears and sizes.
 
         Raises:
             BadValue: the robot has a motor at another joint.
@@ -68,6 +69,8 @@ class Rig:
                 expected = "hip and knee alone; for other joints make a Hardware with an Actuator for each motor"
                 raise BadValue("robot.actuated", joint, expected)
             machine, efficiency = parts[joint]
+            if (size := motor_size(robot, joint)) != 1.0:
+                machine = sized(machine, size)
             actuators.append(Actuator(machine, Gearbox(robot.gear_ratio(joint), efficiency), *shared))
         return Hardware(tuple(actuators), self.sensing)
 

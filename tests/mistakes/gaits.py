@@ -60,7 +60,10 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/tangent/seeds",
         ["hybrid/tangent/test_seeds"],
-        {"derivatives by lengths that a law has built in": ("if name in body_numbers(system.robot):", "if False:")},
+        {
+            "derivatives by lengths that a law has built in": ("if name in body_numbers(system.robot):", "if False:"),
+            "one step for curves": ("if name.endswith(CURVED):", "if False:"),
+        },
     ),
     *mistakes_in(
         "gaits/continuation/stepping",
@@ -175,7 +178,8 @@ MUTATIONS = [
             ),
             "electricity is given back": ("np.where(power > 0.0, power, 0.0)", "power"),
             "power jumps where it stays": ("0.5 * h * (last - begin) * moved", "0.0 * moved"),
-            "a reserve at half the no-load speed": ("2.0 * slope / c * change", "slope / c * change"),
+            "a reserve at half the no-load speed": ("slope * (2.0 * change + wider)", "slope * (change + wider)"),
+            "a resistance that no size changes": ("* (2.0 * joint.change + joint.wider)", "* (2.0 * joint.change)"),
             "gears help a reserve": ("in (efficiency, 1.0 / efficiency)", "in (1.0 / efficiency,)"),
         },
     ),

@@ -160,4 +160,21 @@ MUTATIONS = [
             "a cut is not looked at again": ("= not _again(robot)", "= False"),
         },
     ),
+    *mistakes_in(
+        "model/catalogue",
+        ["model/test_motor"],
+        {
+            "a mass that grows as the torque": ("size ** mass_law().exponent", "size"),
+            "a law of assumptions": ('entry[name].verification != "assumption"', "True"),
+        },
+    ),
+    *mistakes_in(
+        "model/variants",
+        ["model/test_variants"],
+        {
+            "a knee's motor on the knee": ('* (_kind(name) != "knee")', ""),
+            "a rotor of every size": ("model.armature[row] *= size", "pass"),
+            "one motor of a pair": ('2.0 if robot.source == "q_spear"', '1.0 if robot.source == "q_spear"'),
+        },
+    ),
 ]

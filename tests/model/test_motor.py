@@ -14,8 +14,10 @@ from spear_pin.model.catalogue import (
     MOTORS,
     VERIFICATIONS,
     gearbox,
+    mass_law,
     motor,
     scaled,
+    sized,
 )
 from spear_pin.model.loading import load
 from spear_pin.model.motor import UNITS, Drive, Gearbox, Motor, drawn_power
@@ -215,6 +217,8 @@ class TestErrors:
             (lambda: Gearbox(10.0, 1.1), "efficiency"),
             (lambda: Gearbox(10.0, inertia=-1.0), "inertia"),
             (lambda: Gearbox(10.0, max_torque=0.0), "max_torque"),
+            (lambda: Gearbox(10.0, mass=0.0), r"Gearbox.mass is 0.0; expected a number > 0, in kg, or None"),
+            (lambda: sized(motor("ec_90_flat_260w"), 0.0), "size is 0.0; expected a number > 0"),
             (lambda: drive(bus=0.0), "bus"),
             (lambda: drive(limit=-1.0), "current_limit"),
             (lambda: drawn_power(1.0, 1.1), "regeneration"),
@@ -263,6 +267,30 @@ class TestScaled:
         assert {number.verification for number in MOTORS["assumed_600w"].values()} == {"assumption"}
         assumed = motor("assumed_600w")
         assert replace(scaled(motor("ec_90_flat_260w"), 600.0), name=assumed.name) == assumed
+
+    def test_its_mass_follows_the_law_of_the_catalogue(self):
+        one, law = motor("ec_90_flat_260w"), mass_law()
+        assert sized(one, 1.0) == replace(one, name="ec_90_flat_260w of size 1 (assumption)")
+        assert sized(one, 2.0).mass == pytest.approx(1.0 * 2.0**law.exponent)
+        assert sized(one, 2.0) == replace(scaled(one, 520.0), name="ec_90_flat_260w of size 2 (assumption)")
+
+    def test_the_law_is_the_line_of_least_squares_through_what_is_known(self):
+        """Without motors of which mass or torque is an assumption, such as those that follow the law."""
+        law = mass_law()
+        assert len(law.motors) == 6 and not {"assumed_600w", "antigravity_4004_300kv"} & set(law.motors)
+        x = np.log([motor(name).continuous_torque for name in law.motors])
+        off = np.log([motor(name).mass for name in law.motors]) - law.exponent * x - np.log(law.constant)
+        assert [off.sum(), off @ x] == pytest.approx([0.0, 0.0], abs=1e-12)
+        assert np.log(law.spread) ** 2 == pytest.approx(off @ off / 4)
+        assert str(law) == (
+            "mass ∝ torque^0.49, fitted to 6 motors of the catalogue within a factor of 1.31 (assumption)"
+        )
+
+    def test_rotors_of_a_makers_series_grow_as_their_torques(self):
+        """So they do within a quarter, over four times the torque: the assumption of sizes."""
+        series = [motor(f"ec_{name}") for name in ("60_flat_100w_24v", "90_flat_90w_48v", "90_flat_260w")]
+        ratios = [each.rotor_inertia / each.continuous_torque for each in series]
+        assert max(ratios) < 1.25 * min(ratios)
 
     def test_what_is_unknown_stays_unknown(self):
         assert scaled(motor("ec_60_flat_150w"), 300.0).resistance is None

@@ -8,9 +8,10 @@ import pinocchio as pin
 import pytest
 
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.catalogue import mass_law, motor, sized
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
-from spear_pin.model.variants import PARAMETERS, vary
+from spear_pin.model.variants import PARAMETERS, motor_size, vary
 
 LEG_MASS = 1.72 + 0.47
 EACH = [(name, robot) for name, parameter in PARAMETERS.items() for robot in parameter.robots]
@@ -159,11 +160,39 @@ class TestByHand:
         np.testing.assert_allclose(robot.frame_position(q, "posterior_left_thigh"), [-distance / 2, 0.1, 0], atol=1e-15)
         np.testing.assert_allclose(robot.frame_position(q, "anterior_right_thigh"), [distance / 2, -0.1, 0], atol=1e-15)
 
+    def test_a_size_of_motors_is_rotor_and_mass(self):
+        """A knee's motor of the hip's axis adds its mass to slider and hip, and no inertia about the hip."""
+        small, own = sized(motor("spear_ii_knee"), 0.5), motor("spear_ii_knee")
+        rotor, mass = small.rotor_inertia - own.rotor_inertia, small.mass - own.mass
+        assert_adds(
+            difference("spear_ii", [0.0, 0.5, 0.4, 1.0], knee_motor_size=0.5),
+            {(0, 0): mass, (1, 1): mass, (3, 3): 15.0**2 * rotor},
+        )
+        assert_adds(
+            difference("spear_ii", [0.0, 0.5, 0.4, 1.0], knee_motor_size=0.5, hip_motor_mass=1.39),
+            {(0, 0): mass + 1.0, (1, 1): mass + 1.0, (3, 3): 15.0**2 * rotor},
+        )
+        assert_adds(
+            difference("spear_ii", [0.0, 0.5, 0.4, 1.0], knee_motor_mass=own.mass + 1.0), {(0, 0): 1.0, (1, 1): 1.0}
+        )
+        change = difference("q_spear", hip_motor_mass=1.39)  # at the hips, 0.35 m before and behind the torso's centre
+        assert_adds(change, {(0, 0): 4.0, (1, 1): 4.0, (2, 2): 4.0 * 0.35**2})
+
+    def test_a_size_multiplies_what_else_is_set_in_any_order(self):
+        values = {"knee_motor_size": 2.0, "knee_rotor": 1e-4, "knee_motor_mass": 0.3, "knee_ratio": 20.0}
+        robot = vary(load("spear_ii"), **values)
+        again = load("spear_ii")
+        for name, value in reversed(values.items()):
+            again = vary(again, **{name: value})
+        assert robot.model == again.model and motor_size(robot, "knee") == 2.0 and motor_size(robot, "hip") == 1.0
+        assert robot.model.armature[robot.index("knee")] == pytest.approx(20.0**2 * 2.0 * 1e-4)
+        assert robot.mass - load("spear_ii").mass == pytest.approx(0.3 * 2.0 ** mass_law().exponent - 0.47)
+
     def test_pairs_are_four_legs(self):
         """What both have, changed in both, changes them alike: the legs of the sagittal robot are pairs."""
         both = {name: value for name, value in PARAMETERS.items() if {"q_spear", "q_spear_full"} <= set(value.robots)}
         values = {name: 1.4 * parameter.default for name, parameter in both.items()}
-        assert len(values) == 7
+        assert len(values) == 11
         pairs, legs = vary(load("q_spear"), **values), vary(load("q_spear_full"), **values)
         embedding = np.zeros((18, 7))
         embedding[0, 0] = embedding[2, 1] = 1.0
@@ -254,11 +283,13 @@ class TestRefusals:
         assert caught.value.valid == (
             *("hip_distance", "torso_mass", "torso_inertia"),
             *("hip_ratio", "knee_ratio", "hip_rotor", "knee_rotor"),
+            *("hip_motor_mass", "knee_motor_mass", "hip_motor_size", "knee_motor_size"),
         )
 
     def test_of_another_robot(self):
         """The monopod has motors, but no torso."""
-        gears = "hip_ratio, knee_ratio, hip_rotor, knee_rotor, boom_damping"
+        motors = "hip_motor_mass, knee_motor_mass, hip_motor_size, knee_motor_size"
+        gears = f"hip_ratio, knee_ratio, hip_rotor, knee_rotor, {motors}, boom_damping"
         with pytest.raises(UnknownName, match=f"^unknown parameter 'hip_distance'; valid: {gears}$"):
             vary(load("spear_ii"), hip_distance=0.9)
 

@@ -12,12 +12,13 @@ from numpy.polynomial import legendre
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.sensitivity.along_arcs import powered
-from spear_pin.gaits.sensitivity.heat import motors_of_joint, ratio_of
+from spear_pin.gaits.sensitivity.heat import drive_of, motors_of_joint
 from spear_pin.gaits.sensitivity.measure import Group, Measure, total
 from spear_pin.gaits.sensitivity.signals import Pieces, peak, roots
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 from spear_pin.hybrid.tangent.derivative import Derivative
+from spear_pin.model.catalogue import sized
 from spear_pin.model.motor import Drive, Motor
 
 ELECTRICITY, RESERVE = "electricity", "reserve_"
@@ -31,13 +32,17 @@ class _Joint(NamedTuple):
         drive: the drive of each motor.
         motors: number of motors that share the joint's torque.
         constant: N kt with the robot's ratio, in N·m/A.
-        change: derivative of `constant`, (c,).
+        change: relative derivative of `constant`, (c,).
+        resistance: resistance of a motor of the robot's size, in Ω.
+        wider: relative derivative of that size, minus that of the resistance, (c,).
     """
 
     drive: Drive
     motors: int
     constant: float
     change: Array
+    resistance: float
+    wider: Array
 
 
 def electricity(cycle: Derivative, drives: Mapping[str, Drive], names: Sequence[str], d: int) -> tuple[Group, ...]:
@@ -46,8 +51,8 @@ def electricity(cycle: Derivative, drives: Mapping[str, Drive], names: Sequence[
     `electricity_JOINT` is ∫ max(V i, 0) dt over a cycle, for all motors of the joint: energy that motors give back is
     not stored. `reserve_JOINT` is the least torque that a motor has to spare, at the joint. It is negative where the
     motor cannot give its torque. Where the motor brakes, the help of the gears is not counted. A motor's greatest speed
-    does not enter. Gears have the robot's ratio, which may vary, and the drive's efficiency. The sum exists where all
-    joints have drives.
+    does not enter. Gears have the robot's ratio, which may vary, and the drive's efficiency. The drive's motor is that
+    of size 1. The sum exists where all joints have drives.
 
     Args:
         cycle: the cycle.
@@ -94,9 +99,9 @@ def check_gears(system: HybridSystem, motors: Mapping[str, Motor | Drive]) -> No
 
 def _joint(system: HybridSystem, name: str, drive: Drive, names: Sequence[str], d: int) -> _Joint:
     motors, kt = motors_of_joint(system, name), drive.motor.known("torque_constant")
-    drive.motor.known("resistance")
-    ratio, change = ratio_of(system, name, names, d)
-    return _Joint(drive, motors, ratio * kt, change * kt)
+    (ratio, size), (of_ratio, of_size) = drive_of(system, name, names, d)
+    resistance = sized(drive.motor, float(size)).known("resistance")
+    return _Joint(drive, motors, ratio * kt, of_ratio / ratio, resistance, of_size / size)
 
 
 def _drawn(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -> tuple[float, Array]:
@@ -137,8 +142,7 @@ def _at(x: Any, coefficients: Any) -> Any:
 
 def _returns(U: Array, W: Array, joint: _Joint) -> Array:
     """Returns R η u / (N kt)² + ω, which changes sign where a braking motor begins or ends to give power back."""
-    resistance, efficiency = joint.drive.motor.known("resistance"), joint.drive.gearbox.efficiency
-    return np.asarray(resistance * efficiency / joint.constant**2 * U + W)
+    return np.asarray(joint.resistance * joint.drive.gearbox.efficiency / joint.constant**2 * U + W)
 
 
 def _power(u: Array, w: Array, du: Array, dw: Array, drives: bool, joint: _Joint) -> tuple[Array, Array]:
@@ -155,10 +159,10 @@ def _power(u: Array, w: Array, du: Array, dw: Array, drives: bool, joint: _Joint
         joint: the drive.
     """
     share = joint.drive.gearbox.efficiency ** (-1.0 if drives else 1.0)
-    heat = joint.drive.motor.known("resistance") * (share / joint.constant) ** 2
+    heat = joint.resistance * (share / joint.constant) ** 2
     power = heat * u * u + share * u * w
     slopes = (2.0 * heat * u + share * w) * du + share * u * dw
-    slopes -= 2.0 * heat * u * u / joint.constant * joint.change[:, None]
+    slopes -= heat * u * u * (2.0 * joint.change + joint.wider)[:, None]
     return np.where(power > 0.0, power, 0.0), np.where(power > 0.0, slopes, 0.0)
 
 
@@ -168,18 +172,18 @@ def _reserve(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: _Joint) -
     The envelope is N kt i η, with the largest current i that supply and amplifier give. Above the no-load speed, where
     i always brakes, it is N kt i / η.
     """
-    drive, c, change = joint.drive, joint.constant, joint.change
-    resistance, efficiency, missed = drive.motor.known("resistance"), drive.gearbox.efficiency, list[Pieces]()
+    drive, c, change, wider = joint.drive, joint.constant, joint.change, joint.wider
+    resistance, efficiency, missed = joint.resistance, drive.gearbox.efficiency, list[Pieces]()
     for side in (1.0, -1.0):
         asked = [each.times(side / joint.motors) for each in torque]
         for share in (efficiency, 1.0 / efficiency):  # the smaller envelope counts, for driving or braking current
             stall, slope = share * c * drive.bus / resistance, side * share * c**2 / resistance
             missed += [
-                one.plus(other.times(slope, 2.0 * slope / c * change)).plus(-stall, -stall / c * change)
+                one.plus(other.times(slope, slope * (2.0 * change + wider))).plus(-stall, -stall * (change + wider))
                 for one, other in zip(asked, speed, strict=True)
             ]
         if drive.current_limit is not None:
             most = efficiency * c * drive.current_limit
-            missed += [one.plus(-most, -most / c * change) for one in asked]
+            missed += [one.plus(-most, -most * change) for one in asked]
     value, along = peak(missed)
     return -value, -along

@@ -12,7 +12,10 @@ from spear_pin.gaits.sensitivity.measure import Group, Measure, total
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.parameters import number, with_numbers
+from spear_pin.model.catalogue import sized
 from spear_pin.model.motor import Gearbox, Motor, geared_constant
+from spear_pin.model.robot import Robot
+from spear_pin.model.variants import SIZE, motor_size
 
 WORK, ENERGY, HEAT = "work", "energy", "heat_"
 
@@ -21,7 +24,7 @@ def heat(system: HybridSystem, motors: Mapping[str, Motor], names: Sequence[str]
     """Returns the measures `heat_JOINT`, R / (N kt)² ∫ u² dt of a joint's motors, and `energy`, work plus heat, in J.
 
     A joint without a motor here adds only its work. Gears have the robot's ratio and lose nothing; see `electricity`
-    for drives with losses in gears.
+    for drives with losses in gears. The motors given are those of size 1.
 
     Args:
         system: the system.
@@ -44,11 +47,11 @@ def heat(system: HybridSystem, motors: Mapping[str, Motor], names: Sequence[str]
 def _heat(
     of: Mapping[str, Measure], system: HybridSystem, joint: str, motor: Motor, names: Sequence[str], d: int
 ) -> Measure:
-    factor, (ratio, change) = heating(system, joint, motor), ratio_of(system, joint, names, d)
+    factor, ((ratio, size), (of_ratio, of_size)) = heating(system, joint, motor), drive_of(system, joint, names, d)
     rms, period = of[f"rms_torque_{joint}"], of["period"]
     value = factor * rms.value**2 * period.value
     of_rms = 2.0 * factor * rms.value * period.value * rms.derivative
-    of_rest = factor * rms.value**2 * period.derivative - 2.0 * value / ratio * change
+    of_rest = factor * rms.value**2 * period.derivative - value * (2.0 * of_ratio / ratio + of_size / size)
     return Measure(value, of_rms + of_rest, "J")
 
 
@@ -60,7 +63,8 @@ def heating(system: HybridSystem, joint: str, motor: Motor) -> float:
         BadValue: the motor's resistance or torque constant is not known.
     """
     count, gears = motors_of_joint(system, joint), Gearbox(system.robot.gear_ratio(joint))
-    return motor.known("resistance") / geared_constant(motor, gears) ** 2 * count
+    there = sized(motor, motor_size(system.robot, joint))
+    return there.known("resistance") / geared_constant(there, gears) ** 2 * count
 
 
 def motors_of_joint(system: HybridSystem, joint: str) -> int:
@@ -74,12 +78,15 @@ def motors_of_joint(system: HybridSystem, joint: str) -> int:
     return motors_at(joint)
 
 
-def ratio_of(system: HybridSystem, joint: str, names: Sequence[str], d: int) -> tuple[float, Array]:
-    """Returns a joint's gear ratio and its derivative by the parameters, of which the ratio may be one."""
-    ratio, change = system.robot.gear_ratio(joint), np.zeros(d + len(names))
+def drive_of(system: HybridSystem, joint: str, names: Sequence[str], d: int) -> tuple[Array, Array]:
+    """Returns a joint's gear ratio and size of motor, (2,), and their derivatives by the parameters, (2, d + m)."""
+
+    def of(robot: Robot) -> Array:
+        return np.array([robot.gear_ratio(joint), motor_size(robot, joint)])
+
+    found, change = of(system.robot), np.zeros((2, d + len(names)))
     for j, name in enumerate(names):
-        if name.endswith("_ratio"):
+        if name.endswith(("_ratio", SIZE)):  # of which they are multiples
             value = number(system, name)
-            other = with_numbers(system, {name: 2.0 * value}).robot.gear_ratio(joint)
-            change[d + j] = (other - ratio) / value
-    return ratio, change
+            change[:, d + j] = (of(with_numbers(system, {name: 2.0 * value}).robot) - found) / value
+    return found, change

@@ -17,7 +17,7 @@ from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.variants import vary
 from spear_pin.studies.design import energy_drawn, points_of
 
-OVER = ("stiffness", "knee_ratio", "friction", "hip_to_knee")
+OVER = ("stiffness", "knee_ratio", "friction", "hip_to_knee", "knee_motor_size", "hip_motor_size", "knee_motor_mass")
 DRIVES = {
     "knee": Drive(motor("spear_ii_knee"), Gearbox(15.0, 0.83), 24.0),
     "hip": Drive(motor("ec_90_flat_260w"), Gearbox(60.0, 0.7), 96.0),

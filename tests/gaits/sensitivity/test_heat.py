@@ -16,7 +16,7 @@ from spear_pin.model.motor import Drive, Gearbox, Motor
 from tests import biped
 
 pytestmark = pytest.mark.extra("heyoka")
-OVER = ("stiffness", "knee_ratio", "friction", "hip_to_knee")
+OVER = ("stiffness", "knee_ratio", "friction", "hip_to_knee", "knee_motor_size", "hip_motor_size")
 MOTORS = {"knee": motor("spear_ii_knee"), "hip": motor("ec_90_flat_260w")}
 
 
