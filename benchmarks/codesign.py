@@ -4,6 +4,7 @@ What is counted is cycles, run and differentiated alike. Of the hop: energy over
 from five starts, the same over a grid of 5³ and by CMA-ES (package `cma`), each point of which is followed by the same
 Newton's method from the nearest gait known; and over nine parameters. Of bounds: cost of transport over spring, gear
 ratio and touchdown angles. The energy is the net work of both motors and the heat of the knee's, gears without losses.
+Of motors: electricity of the hop over size of the knee's motor, spring or the torque in its place, gears and gains.
 """
 
 from __future__ import annotations
@@ -11,12 +12,13 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from itertools import product
 from time import process_time
 
 import numpy as np
 
-from spear_pin import Gait, find_gait, hopping, load, optimize_design
+from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load, optimize_design
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait
 from spear_pin.gaits.codesign.design import Design
@@ -26,7 +28,8 @@ from spear_pin.gaits.sensitivity.closing import closed, led
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
-from spear_pin.model.catalogue import motor
+from spear_pin.model.catalogue import gearbox, motor
+from spear_pin.model.motor import Drive, Gearbox
 
 Ranges = Mapping[str, tuple[float, float]]
 HOP: Ranges = {"stiffness": (42.0, 60.0), "knee_ratio": (8.0, 30.0), "knee_touchdown": (0.80, 1.02)}
@@ -39,11 +42,23 @@ MORE: Ranges = {
     "hip_damping": (0.5, 4.0),
     "hip_ratio": (40.0, 80.0),
 }
+SIZES: Ranges = {
+    "knee_motor_size": (0.4, 2.0),
+    "knee_ratio": (8.0, 30.0),
+    "knee_touchdown": (0.80, 1.02),
+    "knee_gain": (40.0, 200.0),
+    "knee_damping": (0.2, 3.0),
+}
 VARY, KEEP = ("stance_torque",), {"flight_time": 0.2}
 BOUNDS = {"at_least": {"margin_spring_switch": 0.02}, "largest_multiplier": 0.6}
 MARGINS = {"margin_spring_switch": 0.02, "margin_slip": 0.5, "margin_lift_off": 0.5}  # rad, N, N
 MOTORS = {"knee": motor("spear_ii_knee")}
+DRIVES = {
+    "knee": Drive(MOTORS["knee"], gearbox("spear_ii_knee_gear"), 24.0),
+    "hip": Drive(motor("faulhaber_3863h024cr"), Gearbox(60.0, 0.75), 24.0),  # its efficiency is an assumption
+}
 STARTS, HALVINGS, BUDGET = 5, 5, 3000
+APART = 0.01  # of ranges: designs that differ by more are told apart
 NO_GAIT, PENALTY = 1e3, 1e3  # J; of bounds missed, relative to them
 
 
@@ -76,8 +91,8 @@ def problem(over: Ranges) -> Problem:
 class Followed:
     """Gaits at points of a range, each from the nearest known one, with steps that are halved where that fails."""
 
-    def __init__(self, over: Ranges) -> None:
-        begun, self.over, self.cycles = hop(), over, 0
+    def __init__(self, over: Ranges, begun: Gait | None = None) -> None:
+        begun, self.over, self.cycles = begun or hop(), over, 0
         self.problem = problem(over)
         first = closed(Orbit(begun.system, begun.state, self.problem.names, MOTORS), KEEP)
         self.known = {tuple(self.at(first)): first}
@@ -113,9 +128,9 @@ class Followed:
         return value, max(0.0, 1.0 - slack / 0.02) + max(0.0, largest(orbit) - limit)
 
 
-def starts(over: Ranges, count: int) -> Iterator[Gait]:
+def starts(over: Ranges, count: int, begun: Gait | None = None) -> Iterator[Gait]:
     """Gaits at points drawn in the ranges."""
-    draws, followed = np.random.default_rng(3), Followed(over)
+    draws, followed = np.random.default_rng(3), Followed(over, begun)
     while count:
         orbit = followed.gait(draws.uniform(size=len(over)))
         if orbit is None:
@@ -216,12 +231,40 @@ def bounds() -> Iterator[dict[str, object]]:
         yield {"gait": name, **told(found, process_time() - begun)}
 
 
+def sizes() -> Iterator[dict[str, object]]:
+    """From each start, with the switchable spring, and with a torque of the motor in its place."""
+    rigid = hopping(load("spear_ii", locked=["boom_x"]), HoppingLaw(virtual_stiffness=48.84), Spring(stiffness=0.0))
+    begun = {"stiffness": hop(), "virtual_stiffness": find_gait(rigid, vary=VARY, target=KEEP)}
+    margins = {**MARGINS, "reserve_knee": 0.0}
+    for name, first in begun.items():
+        over, ends = {**SIZES, name: (42.0, 60.0)}, list[Array]()
+        for gait in starts(over, STARTS, first):
+            clock, at = process_time(), gait.system.robot
+            drives = {
+                joint: replace(each, gearbox=replace(each.gearbox, ratio=at.gear_ratio(joint)))
+                for joint, each in DRIVES.items()
+            }
+            bounds = {**BOUNDS, "at_least": margins}
+            found = optimize_design(gait, "electricity", over, KEEP, motors=drives, assuming=[], **bounds)
+            end = Orbit(found.gait.system, found.gait.state, (), DRIVES)
+            yield {
+                **told(found, process_time() - clock),
+                "mass": round(found.motor_masses["knee"], 3),
+                "heating": round(end.measures["heating_knee"].value, 2),
+                "missed": float(f"{found.missed:.1g}"),
+            }
+            ends.append(np.array([each.value / (each.high - each.low) for each in found.parameters.values()]))
+        apart = [x for i, x in enumerate(ends) if all(np.abs(x - other).max() > APART for other in ends[:i])]
+        yield {"starts": STARTS, "ends apart": len(apart)}
+
+
 PARTS = {
     "hop": lambda: designs(HOP, BOUNDS["at_least"]),
     "grid": grid,
     "cma": evolution,
     "nine": lambda: designs(MORE, MARGINS),
     "bound": bounds,
+    "motor": sizes,
 }
 
 if __name__ == "__main__":

@@ -99,6 +99,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "start": found.start,
         "objective": found.objective,
         "parameters": {name: each.value for name, each in found.parameters.items()},
+        "motor_masses": found.motor_masses,
         "bounds": {name: list(pair) for name, pair in found.bounds.items()},
         "margins": dict(found.margins),
         "active": dict(found.active),

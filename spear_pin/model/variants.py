@@ -90,6 +90,16 @@ def parameters_of(robot: Robot) -> tuple[str, ...]:
     return tuple(name for name in names if _kind(name) is None or any(_is(joint, name) for joint in robot.actuated))
 
 
+def motor_mass(robot: Robot, kind: str) -> float:
+    """Returns the mass of each motor of a shipped robot's joints of a kind, "hip" or "knee", in kg."""
+    return _mass(robot.varied, kind)
+
+
+def _mass(varied: Mapping[str, float], kind: str) -> float:
+    one, size = varied.get(f"{kind}_{MASS}", OWN[kind]), varied.get(f"{kind}_{SIZE}", 1.0)
+    return float(one * size ** mass_law().exponent)
+
+
 def motor_size(robot: Robot, joint: str) -> float:
     """Returns the size of a joint's motor relative to the robot's own, which is 1 if `vary` has not changed it."""
     return next((x for name, x in robot.varied.items() if name.endswith(SIZE) and _is(joint, name)), 1.0)
@@ -182,9 +192,8 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     if any(name.endswith(CURVED) for name in varied):  # of which sizes multiply what the others set
         for kind, own in OWN.items():
             size = varied.get(f"{kind}_{SIZE}", 1.0)
-            mass = varied.get(f"{kind}_{MASS}", own) * size ** mass_law().exponent
             pair = 2.0 if robot.source == "q_spear" else 1.0
-            _set_motors(model, f"{kind}_{SIZE}", size, pair * (mass - own))
+            _set_motors(model, f"{kind}_{SIZE}", size, pair * (_mass(varied, kind) - own))
     return hold(model, robot.locked)
 
 

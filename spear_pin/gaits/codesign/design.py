@@ -17,8 +17,9 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import nonzero, number, unit
+from spear_pin.model.catalogue import mass_law
 from spear_pin.model.numbers import body_numbers
-from spear_pin.model.variants import parameters_of
+from spear_pin.model.variants import SIZE, motor_mass, parameters_of
 from spear_pin.showing import Shown
 
 STEP = 1e-6  # relative to the largest allowed multiplier
@@ -121,6 +122,8 @@ class Design(Shown):
         for name, each in self.parameters.items():
             unit, ends = _behind(each.unit), f"{each.low:g} to {each.high:g}"
             lines.append(f"  {name:24} {each.start:10.5g} -> {each.value:10.5g}{unit} of {ends}")
+        for kind, mass in self.motor_masses.items():
+            lines.append(f"  mass of a {kind}'s motor {mass:.3g} kg, by {mass_law()}")
         for name, (value, bound) in self.bounds.items():
             lines.append(f"  {name:40} {value:10.5g}, bound {bound:g}")
         lines.append(f"  largest multiplier {self.largest:.4f}, {self.cycles} cycles")
@@ -135,6 +138,12 @@ class Design(Shown):
             for name in self.ranked[:10]:
                 lines.append(f"  {name:40} {round(self.elasticity(name), 4) + 0.0:+10.4f}")
         return "\n".join(lines)
+
+    @property
+    def motor_masses(self) -> dict[str, float]:
+        """Mass of each motor whose size was chosen, in kg, by the kind of its joint."""
+        kinds = (name.removesuffix(f"_{SIZE}") for name in self.parameters if name.endswith(f"_{SIZE}"))
+        return {kind: motor_mass(self.gait.system.robot, kind) for kind in kinds}
 
     @property
     def missed(self) -> float:

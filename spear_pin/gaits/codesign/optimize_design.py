@@ -66,7 +66,8 @@ def optimize_design(
             `margin_lift_off_before_torque_switch`: the same, of motion before another event.
         largest_multiplier: upper bound of the moduli of the multipliers.
         motors: by the name of each joint, a motor or a drive. `energy` counts the heat of motors behind gears that lose
-            nothing; drives give `electricity_JOINT` and `reserve_JOINT`. Gears have the robot's ratio, which may vary.
+            nothing; drives give `electricity_JOINT` and `reserve_JOINT`, both `heating_JOINT`. Gears and motors have
+            the robot's ratio and size, which may vary.
         assuming: names of numbers whose effect on the minimum the result gives; by default those of gears, springs,
             ground and masses.
         tolerance: the search ends when the predicted relative gain is below this.

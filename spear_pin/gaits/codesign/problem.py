@@ -21,7 +21,7 @@ from spear_pin.model.motor import Drive, Motor
 
 OnCycle = Callable[[], object]
 MARGIN, BEFORE = "margin_", "_before_"
-OF_MOTORS = "energy|heat_.*|electricity.*|reserve_.*"
+OF_MOTORS = "energy|heat_.*|heating_.*|electricity.*|reserve_.*"
 STABILITY = ("multiplier at +1", "multiplier at -1", "multipliers in a complex pair")
 ROUNDING = 1e-5  # by which multipliers may miss their bound at an end
 WATCHED = 0.8  # share of the largest allowed multiplier above which derivatives are needed
@@ -57,7 +57,8 @@ class Problem:
         at_most: upper bounds of measures.
         at_least: lower bounds of measures.
         largest_multiplier: upper bound of every multiplier's modulus; None: there is no bound.
-        motors: motors for `heat_JOINT` and `energy`, or drives for `electricity` and `reserve_JOINT`, by joint.
+        motors: motors for `heat_JOINT` and `energy`, or drives for `electricity` and `reserve_JOINT`, by joint;
+            both for `heating_JOINT`.
     """
 
     minimize: str

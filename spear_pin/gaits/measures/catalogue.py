@@ -212,6 +212,7 @@ CATALOGUE: list[Named] = [
     Named("electricity_JOINT", "J", "Electricity that all motors of a joint take in a cycle; none is given back."),
     Named("electricity", "J", "Electricity that all motors take in a cycle; none is given back."),
     Named("reserve_JOINT", "N·m", "Smallest torque that one motor still has in reserve, at the joint."),
+    Named("heating_JOINT", "1", "Rms torque of one motor over its continuous torque, both behind its gears."),
     Named("multiplier_N", "1", "Modulus of a Floquet multiplier, by decreasing size."),
 ]
 SHOWN = [

@@ -13,11 +13,11 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.catalogue import sized
-from spear_pin.model.motor import Gearbox, Motor, geared_constant
+from spear_pin.model.motor import Drive, Gearbox, Motor, geared_constant
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import SIZE, motor_size
 
-WORK, ENERGY, HEAT = "work", "energy", "heat_"
+WORK, ENERGY, HEAT, HEATING = "work", "energy", "heat_", "heating_"
 
 
 def heat(system: HybridSystem, motors: Mapping[str, Motor], names: Sequence[str], d: int) -> Group:
@@ -53,6 +53,26 @@ def _heat(
     of_rms = 2.0 * factor * rms.value * period.value * rms.derivative
     of_rest = factor * rms.value**2 * period.derivative - value * (2.0 * of_ratio / ratio + of_size / size)
     return Measure(value, of_rms + of_rest, "J")
+
+
+def heatings(system: HybridSystem, motors: Mapping[str, Motor | Drive], names: Sequence[str], d: int) -> Group:
+    """Returns the measures `heating_JOINT`, a motor's rms torque over its continuous torque, both behind the gears.
+
+    A motor of which the continuous torque is not known has none. The arguments are those of `heat`.
+    """
+
+    def found(of: Mapping[str, Measure]) -> dict[str, Measure]:
+        heatings = {}
+        for joint, each in motors.items():
+            one, share = (each.motor, each.gearbox.efficiency) if isinstance(each, Drive) else (each, 1.0)
+            if one.nominal_torque is not None or one.nominal_current is not None:
+                (ratio, size), (of_ratio, of_size) = drive_of(system, joint, names, d)
+                rms, most = of[f"rms_torque_{joint}"], share * ratio * sized(one, float(size)).continuous_torque
+                change = rms.derivative - rms.value * (of_ratio / ratio + of_size / size)
+                heatings[HEATING + joint] = Measure(rms.value / most, change / most, "1")
+        return heatings
+
+    return Group(f"{HEATING}.*", found)
 
 
 def heating(system: HybridSystem, joint: str, motor: Motor) -> float:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.sensitivity.heat import heat
+from spear_pin.gaits.sensitivity.heat import heat, heatings
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures
 from spear_pin.hybrid.automaton import HybridSystem
@@ -54,7 +54,7 @@ def measured(
     n, numbers, found = len(q), many(system, given), dict[str, Array]()
     orders: list[Order] = [()] * n
     weight, still = Measure(system.robot.weight, np.zeros(1), "N"), np.zeros((2 * system.robot.nv, 1))
-    more = [heat(system, motors, (), 1)] if motors else []
+    more = [heat(system, motors, (), 1), heatings(system, motors, (), 1)] if motors else []
     for i in range(n):
         recorder = Recorder(system, numbers, i)
         nothing = np.zeros((len(recorder.numbers), 1))

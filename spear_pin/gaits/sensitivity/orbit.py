@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.sensitivity.electricity import check_gears, electricity
-from spear_pin.gaits.sensitivity.heat import heat
+from spear_pin.gaits.sensitivity.heat import heat, heatings
 from spear_pin.gaits.sensitivity.margins import margins
 from spear_pin.gaits.sensitivity.measure import Measure, Measures
 from spear_pin.gaits.sensitivity.measures import measures
@@ -110,6 +110,8 @@ class Orbit:
         more = electricity(self.cycle, drives, self.names, self.dimension) if drives else ()
         if motors:
             more = (*more, heat(self.system, motors, self.names, self.dimension))
+        if self.motors:
+            more = (*more, heatings(self.system, self.motors, self.names, self.dimension))
         return measures(self.cycle, self.start, self.weight, more)
 
     @property

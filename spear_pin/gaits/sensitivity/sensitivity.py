@@ -197,7 +197,7 @@ def sensitivity(
         motors: by the name of each joint, a motor or a drive. Motors give the measures `heat_JOINT`, in J a cycle, and
             `energy`, the net work of all motors and this heat, behind gears that lose nothing. Drives give
             `electricity_JOINT`, in J a cycle, `electricity` where all joints have one, and `reserve_JOINT`, in N·m.
-            Gear ratios are the robot's.
+            Both give `heating_JOINT`, rms over continuous torque. Gear ratios and sizes of motors are the robot's.
 
     Raises:
         UnknownName: there is no parameter, measure or joint with a motor that has such a name.

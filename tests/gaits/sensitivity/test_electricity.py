@@ -15,7 +15,7 @@ from spear_pin.hybrid.tangent.seeds import seeds
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.variants import vary
-from spear_pin.studies.design import energy_drawn, points_of
+from spear_pin.studies.design import against, energy_drawn, points_of
 
 OVER = ("stiffness", "knee_ratio", "friction", "hip_to_knee", "knee_motor_size", "hip_motor_size", "knee_motor_mass")
 DRIVES = {
@@ -24,6 +24,7 @@ DRIVES = {
 }
 OUTPUTS = (
     *("electricity", "electricity_knee", "electricity_hip", "reserve_knee", "reserve_hip", "effort", "deflection_knee"),
+    *("heating_knee", "heating_hip"),
     *(f"{name}_{joint}" for name in ("peak_speed", "least", "greatest") for joint in ("knee", "hip")),
 )
 
@@ -90,6 +91,16 @@ def test_derivatives_against_gaits_found_again(hop, table, name):
         expected = (8.0 * (a - b) - (c - d)) / (12.0 * h)  # of fourth order
         scale = 1e-8 * np.abs(table.derivatives[output] * table.given).max()
         assert table.derivatives[output][j] * value == pytest.approx(expected * value, rel=1e-8, abs=scale)
+
+
+@pytest.mark.extra("heyoka")
+def test_heating_is_the_share_of_the_continuous_torque(hop, table):
+    for joint, drive in DRIVES.items():
+        use = against(points_of(hop.system.robot, sampled(hop, 6400), joint), drive)
+        assert table.outputs[f"heating_{joint}"] == pytest.approx(use.heating[0], rel=1e-5)
+    unknown = replace(DRIVES["knee"].motor, nominal_torque=None, nominal_current=None)
+    outputs = hop.sensitivity(["stiffness"], motors={"knee": unknown, "hip": DRIVES["hip"].motor}).outputs
+    assert "heating_knee" not in outputs and outputs["heating_hip"] == pytest.approx(0.7 * table.outputs["heating_hip"])
 
 
 @pytest.mark.slow

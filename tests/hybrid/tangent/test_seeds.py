@@ -9,8 +9,9 @@ from spear_pin import Gait, hopping, load, monopod, vary
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.parameters import nonzero, number, with_numbers
 from spear_pin.hybrid.tangent.seeds import numbers, seeds
+from spear_pin.model.catalogue import mass_law
 from spear_pin.model.numbers import body_numbers
-from spear_pin.model.variants import parameters_of
+from spear_pin.model.variants import PARAMETERS, parameters_of
 from tests.model.legged import quadruped
 
 TURNED = 'rpy="0 0.3 0"'
@@ -55,6 +56,13 @@ def test_are_as_long_as_the_numbers(system):
         more, less = (numbers(with_numbers(system, {name: value * (1.0 + s)})) for s in (step, -step))
         if len(more) == len(column):
             np.testing.assert_allclose((more - less) / (2.0 * step * value), column, rtol=1e-6, atol=1e-8)
+
+
+def test_the_mass_of_a_motor_is_a_power_of_its_size():
+    system = hopping(vary(load("spear_ii", locked=["boom_x"]), knee_motor_size=0.4))
+    k, gravity = mass_law().exponent, system.robot.weight / system.robot.mass
+    expected = gravity * PARAMETERS["knee_motor_mass"].default * k * 0.4 ** (k - 1.0)
+    assert seeds(system, ["knee_motor_size"]).weight == pytest.approx([expected], rel=1e-9)
 
 
 def test_a_rotor_that_there_is_not_is_zero(tmp_path):
