@@ -5,6 +5,7 @@ Shipped robots have them, and robots that were cut out of others, for those have
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import copysign
@@ -15,12 +16,13 @@ from typing import Any, Literal
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, RobotWarning, UnknownName
 from spear_pin.kinds import typed
 from spear_pin.model.catalogue import mass_law, motor
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.fitting import hold
+from spear_pin.model.motor import Motor
 from spear_pin.model.recut import LIKE, recut
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import shipped
@@ -173,6 +175,23 @@ def vary(robot: Robot, **values: float) -> Robot:
         raise BadValue("robot", robot, "one whose model only `vary` has changed since it was loaded")
     varied = {**robot.varied, **{name: float(value) for name, value in values.items()}}
     return robot.with_model(_model(robot, varied), varied=varied)
+
+
+def with_knee_motor(robot: Robot, other: Motor, **gears: float) -> Robot:
+    """Returns a robot whose knees have another motor, with its mass.
+
+    The robot's mass stays, and a `RobotWarning` says so, if the mass of the motor or of the robot's own is not known.
+
+    Args:
+        robot: a robot that `vary` takes.
+        other: the motor.
+        **gears: knee_ratio and knee_rotor, as for `vary`.
+    """
+    unknown = other.name if other.mass is None else f"the own knee motor of {robot.name}"
+    if other.mass is not None and f"knee_{MASS}" in parameters_of(robot):
+        return vary(robot, **gears, **{f"knee_{MASS}": other.mass})
+    warnings.warn(RobotWarning(f"the robot's mass stays: that of {unknown} is not known"), stacklevel=3)
+    return vary(robot, **gears)
 
 
 def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:

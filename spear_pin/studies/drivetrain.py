@@ -27,7 +27,7 @@ from spear_pin.model.catalogue import gearbox
 from spear_pin.model.motor import Drive, Gearbox, Motor, drawn_power
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
-from spear_pin.model.variants import vary
+from spear_pin.model.variants import with_knee_motor
 from spear_pin.studies.hardware import Rig
 
 EQUAL_FLIGHT: Mapping[str | Measure, float] = MappingProxyType({"flight_time": 0.2})  # s (source)
@@ -113,11 +113,12 @@ def knee_drives(
 ) -> Iterator[KneeDrive]:
     """Finds the same hop with every motor and gear ratio at the knee.
 
-    Ratio and rotor are changed in the robot, from which mass matrix, actuator and envelope take them. The stance torque
+    Ratio, rotor and mass of the motor are changed in the robot, from which mass matrix, actuator and envelope take
+    them. If the mass of a motor is not known, a `RobotWarning` names the motor. The stance torque
     is solved for with the gears' losses and without limits: it is what the hop needs. The result is then compared with
     envelope and continuous torque. Inside the envelope the limits would have changed nothing.
 
-    The masses of another motor and gearbox, and the inertia of the gears, are not accounted for.
+    The mass of another gearbox, and the inertia of the gears, are not accounted for.
 
     Args:
         robot: SPEAR-II, with the knee that the law's gains are meant for.
@@ -248,7 +249,7 @@ def _solved(
 ) -> KneeDrive:
     """Returns one row; starts from a nearby gait, and if that leads nowhere, from the beginning."""
     motor, gears = drive.motor, drive.gearbox
-    fitted = vary(robot, knee_ratio=gears.ratio, knee_rotor=motor.known("rotor_inertia"))
+    fitted = with_knee_motor(robot, motor, knee_ratio=gears.ratio, knee_rotor=motor.known("rotor_inertia"))
     if retune:
         more = knee_inertia(fitted, law) / knee_inertia(robot, law)
         law = replace(law, knee_gain=more * law.knee_gain, knee_damping=more * law.knee_damping)

@@ -7,11 +7,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, RobotWarning, UnknownName
 from spear_pin.model.catalogue import mass_law, motor, sized
 from spear_pin.model.loading import load
+from spear_pin.model.monopod import monopod
 from spear_pin.model.robot import Robot
-from spear_pin.model.variants import PARAMETERS, motor_size, vary
+from spear_pin.model.variants import PARAMETERS, motor_size, vary, with_knee_motor
 
 LEG_MASS = 1.72 + 0.47
 EACH = [(name, robot) for name, parameter in PARAMETERS.items() for robot in parameter.robots]
@@ -177,6 +178,16 @@ class TestByHand:
         )
         change = difference("q_spear", hip_motor_mass=1.39)  # at the hips, 0.35 m before and behind the torso's centre
         assert_adds(change, {(0, 0): 4.0, (1, 1): 4.0, (2, 2): 4.0 * 0.35**2})
+
+    def test_another_knee_motor_brings_its_mass_or_a_warning(self):
+        gears, robot = {"knee_ratio": 12.0, "knee_rotor": 5e-4}, load("spear_ii")
+        large = with_knee_motor(robot, motor("ec_90_flat_260w"), **gears)
+        assert large.model == vary(robot, **gears, knee_motor_mass=1.0).model
+        with pytest.warns(RobotWarning, match="^the robot's mass stays: that of ec_60_flat_200w is not known$"):
+            assert with_knee_motor(robot, motor("ec_60_flat_200w"), **gears).model == vary(robot, **gears).model
+        cut = monopod(load("q_spear_full"), "anterior_left")
+        with pytest.warns(RobotWarning, match="that of the own knee motor of .* is not known"):
+            with_knee_motor(cut, motor("ec_90_flat_260w"), **gears)
 
     def test_a_size_multiplies_what_else_is_set_in_any_order(self):
         values = {"knee_motor_size": 2.0, "knee_rotor": 1e-4, "knee_motor_mass": 0.3, "knee_ratio": 20.0}

@@ -14,7 +14,7 @@ from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
 from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
-from spear_pin.model.variants import vary
+from spear_pin.model.variants import with_knee_motor
 from spear_pin.studies.design.envelopes import against, electrical_cost
 from spear_pin.studies.design.operating_points import points
 
@@ -55,8 +55,8 @@ def codesign(
 ) -> Iterator[Design]:
     """Finds the spring and touchdown angle of least cost for each motor and gear ratio, inside the motor's envelope.
 
-    The robot gets the motor's own rotor and its ratio; the mass of another motor is not accounted for. A design is a
-    local optimum: the better one of those found from `start` and from the design at the previous ratio.
+    The robot gets the motor's own rotor, its mass and its ratio; if a mass is not known, a `RobotWarning` names it. A
+    design is a local optimum: the better one of those found from `start` and from the design at the previous ratio.
 
     Args:
         robot: Q-SPEAR in the sagittal plane.
@@ -70,7 +70,9 @@ def codesign(
         near = start
         for ratio in ratios:
             drive = replace(base, gearbox=replace(base.gearbox, ratio=ratio))
-            fitted = vary(robot, knee_ratio=ratio, knee_rotor=drive.reflected_inertia / ratio**2)
+            fitted = with_knee_motor(
+                robot, drive.motor, knee_ratio=ratio, knee_rotor=drive.reflected_inertia / ratio**2
+            )
             wanted = replace(request, objective="electrical", stiffness=None, knee_touchdown=None, knee_drive=drive)
             try:
                 gait, near = _cheapest(fitted, wanted, drive, [start] if near is start else [start, near])

@@ -9,7 +9,7 @@ import pytest
 from spear_pin import Gait, find_gait, load, monopod, optimize_design, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.parameters import number, with_numbers
-from spear_pin.model.catalogue import motor
+from spear_pin.model.catalogue import mass_law, motor
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 from spear_pin.viz.notebook import card
 from spear_pin.viz.plots import save_figure
@@ -50,6 +50,18 @@ def test_of_a_leg_without_rotors_that_is_free_along_x(tmp_path):
 
 def find_again(gait, stiffness):
     return find_gait(with_numbers(gait.system, {"stiffness": stiffness}), guess=gait.state)
+
+
+def test_of_a_motor_whose_mass_is_said(hop):
+    """Heat and rotor depend on N² r alone, so without a supply only the mass tells sizes apart: the least is best."""
+    design = best(hop, {"knee_motor_size": (0.4, 2.0), "knee_ratio": (8.0, 30.0)}, at_least={}, assuming=[])
+    size = design.parameters["knee_motor_size"].value
+    assert design.converged and design.motor_masses == {"knee": pytest.approx(0.47 * size ** mass_law().exponent)}
+    assert f"mass of a knee's motor {design.motor_masses['knee']:.3g} kg, by mass ∝ torque^0.49" in str(design)
+    slopes = design.gait.sensitivity(["knee_motor_size", "knee_ratio"], ["stance_torque"], ["flight_time"], MOTORS)
+    assert list(design.active) == ["least knee_motor_size"] and size == pytest.approx(0.4)
+    price, rest = slopes.derivatives["energy"]
+    assert design.active["least knee_motor_size"] == pytest.approx(price, rel=0.01) and abs(rest) < 1e-3
 
 
 def test_the_minimum_that_others_found(found):

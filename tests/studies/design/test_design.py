@@ -229,6 +229,7 @@ class TestStudies:
         for given, ratio, (robot, request, *_) in zip(found, (8.0, 20.0), searches[:2], strict=True):
             row = robot.index("posterior_knee")
             assert robot.model.armature[row] == pytest.approx(2 * ratio**2 * 5.06e-4, rel=1e-9)
+            assert robot.mass == pytest.approx(gait.system.robot.mass + 4 * (1.0 - 0.47))
             assert request.knee_drive.gearbox == Gearbox(ratio, 0.83)
             assert (request.objective, request.stiffness, request.knee_touchdown) == ("electrical", None, None)
             assert (given.motor, given.ratio, given.stiffness) == ("large", ratio, 56.0)
