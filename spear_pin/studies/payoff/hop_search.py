@@ -16,6 +16,7 @@ import numpy as np
 from spear_pin.errors import MissingExtra, NoGait
 from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.codesign.optimize_design import optimize_design
+from spear_pin.gaits.codesign.problem import Problem
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.leading import Way, led
 from spear_pin.gaits.measures.catalogue import described
@@ -199,32 +200,45 @@ def descended(task: Task, start: Gait, *, wary: bool = False) -> tuple[Gait, cod
 
 def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, codesign.Design]:
     """Leads a hop down; `loaded` is the margin of the toe's load that is kept."""
-    system = start.system
+    wanted = problem(task, start.system, loaded)
+    design = optimize_design(
+        replace(start, system=tied(start.system)),
+        wanted.minimize,
+        wanted.over,
+        wanted.keep,
+        vary=wanted.vary,
+        at_most=wanted.at_most,
+        at_least=wanted.at_least,
+        motors=wanted.motors,
+        assuming=(),
+        tolerance=task.tolerance,
+    )
+    values = {name: number(design.gait.system, name) for name in wanted.names}
+    gait = gait_beside(with_values(start.system, values), design.gait.state, wanted.vary, wanted.keep)
+    return gait, design
+
+
+def problem(task: Task, system: HybridSystem, loaded: str = LANDED) -> Problem:
+    """Returns what a descent minimises, and within which bounds.
+
+    Args:
+        task: what to minimise.
+        system: the hop at the beginning, whose numbers are within their ranges or widen these.
+        loaded: margin of the toe's load that is kept.
+    """
     at_most, at_least = limits(system.robot, task.motors)
     at_least[loaded] = TREAD * system.robot.weight
     if system.spring.rest is None:
         at_least["deflection_knee"] = TAUT
     drives = NO_MOTORS if task.motors is None else {part: getattr(task.motors, part) for part in PARTS}
-    keep, over = {"flight_time": task.flight_time}, dict[str, tuple[float, float]]()
+    over = dict[str, tuple[float, float]]()
     for name in task.chosen:
         (least, most), value = task.ranges[name], number(system, name)
         if name == "stiffness":
             least = max(least, min(LEAST * most, value))
         over[name] = min(least, value), max(most, value)
-    design = optimize_design(
-        replace(start, system=tied(system)),
-        task.measure,
-        over,
-        keep,
-        vary=[TORQUE],
-        at_most=at_most,
-        at_least=at_least,
-        motors=drives,
-        assuming=(),
-        tolerance=task.tolerance,
-    )
-    values = {name: number(design.gait.system, name) for name in (*over, TORQUE)}
-    return gait_beside(with_values(system, values), design.gait.state, [TORQUE], keep), design
+    keep = {"flight_time": task.flight_time}
+    return Problem(task.measure, over, (TORQUE,), keep, at_most, at_least, None, drives)
 
 
 def limits(robot: Robot, motors: Motors | None) -> tuple[dict[str, float], dict[str, float]]:

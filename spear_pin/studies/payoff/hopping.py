@@ -146,7 +146,8 @@ def _from_cold(robot: Robot, point: Point, task: Task) -> Best:
     raise failures[0]
 
 
-def _task(robot: Robot, motors: Motors | None, measure: str, asked: Search) -> Task:
+def task_of(robot: Robot, motors: Motors | None, measure: str, asked: Search) -> Task:
+    """Returns what a search minimises, where, and how far."""
     point, (mesh,) = asked.point, asked.meshes
     return Task(
         flight_time=point.speed,
@@ -166,10 +167,11 @@ class Hops(Gaits):
     words = WORDS
     meshes = (MESH,)
     finer = (FINER,)
+    begins = (SWITCHED, NONE)  # a motor that is too weak for any hop alone may do with a spring
 
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
         """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
-        task = _task(robot, motors, "electricity", asked)
+        task = task_of(robot, motors, "electricity", asked)
         if asked.start is None or asked.start.gait is None:
             best = _from_cold(robot, asked.point, task)
         else:
@@ -180,7 +182,7 @@ class Hops(Gaits):
     def reference(self, robot: Robot, speed: float) -> Gait:
         """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
         asked = Search(Point(NONE, speed), None, self.meshes)
-        return _from_cold(robot, asked.point, _task(robot, None, "effort", asked)).gait
+        return _from_cold(robot, asked.point, task_of(robot, None, "effort", asked)).gait
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
         """Returns default flight times for the robot's size."""
