@@ -29,7 +29,7 @@ from spear_pin.model.motor import NO_MOTORS
 from spear_pin.model.robot import Robot
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 from spear_pin.studies.payoff.grid import Point
-from spear_pin.studies.payoff.knee import tied, with_knee, with_values
+from spear_pin.studies.payoff.knee import released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, Motors
 
 TORQUE = "stance_torque"  # what is solved for the flight time
@@ -199,7 +199,7 @@ def descended(task: Task, start: Gait, *, wary: bool = False) -> tuple[Gait, cod
 
 
 def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, codesign.Design]:
-    """Leads a hop down; `loaded` is the margin of the toe's load that is kept."""
+    """Leads a hop down; `loaded` is the margin of the toe's load that is kept. Within limits its spring releases."""
     wanted = problem(task, start.system, loaded)
     design = optimize_design(
         replace(start, system=tied(start.system)),
@@ -214,8 +214,8 @@ def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, codesign.Design]:
         tolerance=task.tolerance,
     )
     values = {name: number(design.gait.system, name) for name in wanted.names}
-    gait = gait_beside(with_values(start.system, values), design.gait.state, wanted.vary, wanted.keep)
-    return gait, design
+    system = released(start.system) if design.missed <= MISSED else start.system
+    return gait_beside(with_values(system, values), design.gait.state, wanted.vary, wanted.keep), design
 
 
 def problem(task: Task, system: HybridSystem, loaded: str = LANDED) -> Problem:
@@ -277,8 +277,7 @@ def led_to(point: Point, kind: str, gait: Gait) -> Gait:
     own = point.stiffness if point.stiffness is not None else spring.stiffness or law.virtual_stiffness
     if kind != point.kind:
         gait = _towards(gait, kind, 0.0, here)
-    gait = _towards(gait, point.kind, own, point.speed)
-    return replace(gait, system=with_knee(gait.system, point.kind, own, releases=True))
+    return _towards(gait, point.kind, own, point.speed)
 
 
 def _towards(begun: Gait, kind: str, stiffness: float, flight_time: float) -> Gait:
@@ -291,7 +290,7 @@ def _towards(begun: Gait, kind: str, stiffness: float, flight_time: float) -> Ga
 
     def solve(reach: float, near: Gait) -> Gait:
         own = softest + reach * (stiffness - softest)
-        system = with_knee(near.system, kind, own, releases=False)
+        system = with_knee(near.system, kind, own)
         return _hop(system, near, shortest * (flight_time / shortest) ** reach)
 
     way = _led(solve, begun)

@@ -253,8 +253,9 @@ class _Work:
         """Lists searches of a point from neighbours' best gaits, except for those that were done."""
         done = {each.key for each in self.tries.get(point, ())}
         starts = [found for near in grid.neighbours(point) if (found := self.at(near)) is not None]
-        if not starts and self.begun is not None and not any(self.at(each) for each in grid):
-            starts = [self.begun]
+        if self.begun is not None and not any(self.at(each) for each in grid):
+            begun = self.begun.point
+            starts = [self.begun] if (begun.kind, begun.speed) == (point.kind, point.speed) else []
         return [each for start in starts if (each := self.of(point, start)).key not in done]
 
     def best(self, grid: Grid) -> tuple[dict[str, SearchEnd], float]:

@@ -16,7 +16,7 @@ from spear_pin.studies.payoff import Motors, Point, hop_search
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.hop_search import TAUT, TREAD, Task, best_hop, descended, led_to, limits, starts
 from spear_pin.studies.payoff.hopping import ranges
-from spear_pin.studies.payoff.knee import tied, with_knee, with_values
+from spear_pin.studies.payoff.knee import released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
 
 
@@ -53,7 +53,7 @@ class TestKnee:
     def test_another_one_begins_with_the_same_motion(self, hop, kind, stiffness):
         """What its spring does not do the motor does as one."""
         plain, other = (
-            with_knee(hop.system, each, k, releases=False) for each, k in ((SWITCHED, 48.84), (kind, stiffness))
+            with_knee(hop.system, each, k) for each, k in ((SWITCHED, 48.84), (kind, stiffness))
         )
         ends = [simulate(system, hop.state).q[-1] for system in (plain, other)]
         np.testing.assert_allclose(ends[1], ends[0], atol=1e-8)
@@ -61,7 +61,7 @@ class TestKnee:
         assert other.spring.damping == hop.system.spring.damping
 
     def test_a_fixed_spring_rests_where_the_knee_lands(self, hop):
-        moved = with_values(with_knee(hop.system, FIXED, 30.0, releases=True), {"knee_touchdown": 0.8})
+        moved = with_values(with_knee(hop.system, FIXED, 30.0), {"knee_touchdown": 0.8})
         assert (moved.spring.rest, moved.law.knee_touchdown, moved.spring.unilateral) == (0.8, 0.8, False)
 
     @pytest.mark.extra("heyoka")
@@ -100,7 +100,7 @@ class TestWay:
     def test_stiffness_and_flight_grow_together(self, hop, passed):
         end = led_to(Point(SWITCHED, 0.3, 150.0), SWITCHED, hop)
         assert end.system.spring.stiffness == 150.0 and end.system.law.virtual_stiffness == 0.0
-        assert end.system.spring.unilateral and not any(system.spring.unilateral for system, _ in passed)
+        assert not any(system.spring.unilateral for system, _ in passed) and released(end.system).spring.unilateral
         stiffer, longer = zip(*((system.spring.stiffness, time) for system, time in passed), strict=True)
         assert len(passed) > 1 and sorted(stiffer) == list(stiffer) and sorted(longer) == list(longer)
 
