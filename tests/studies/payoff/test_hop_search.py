@@ -52,9 +52,7 @@ class TestKnee:
     @pytest.mark.parametrize(("kind", "stiffness"), [(NONE, 0.0), (SWITCHED, 20.0)])
     def test_another_one_begins_with_the_same_motion(self, hop, kind, stiffness):
         """What its spring does not do the motor does as one."""
-        plain, other = (
-            with_knee(hop.system, each, k) for each, k in ((SWITCHED, 48.84), (kind, stiffness))
-        )
+        plain, other = (with_knee(hop.system, each, k) for each, k in ((SWITCHED, 48.84), (kind, stiffness)))
         ends = [simulate(system, hop.state).q[-1] for system in (plain, other)]
         np.testing.assert_allclose(ends[1], ends[0], atol=1e-8)
         assert other.spring.stiffness + other.law.virtual_stiffness == pytest.approx(48.84)
