@@ -51,7 +51,7 @@ def beside(point: Point, hops: int) -> tuple[object, ...]:
     task = task_of(robot, motors, "electricity", Search(point, None, HOPS.meshes))
     first = led_to(point, SWITCHED, next(first_hops(robot, (FLIGHT,))))
     begun = process_time()
-    best = best_hop(task, first)
+    best = best_hop(task, [first])
     unit, between = work(robot, FLIGHT), process_time()
     costs, tried = evolved(Followed(replace(first, system=tied(first.system)), problem(task, first.system)), hops)
     found = (f"{best.design.objective / unit:.4f}", best.starts, f"{between - begun:.0f}")

@@ -85,8 +85,8 @@ class Best(NamedTuple):
     starts: int
 
 
-def best_hop(task: Task, begun: Gait) -> Best:
-    """Finds the hop of least cost among the ends of descents from a hop and from starts around it.
+def best_hop(task: Task, begun: Sequence[Gait]) -> Best:
+    """Finds the hop of least cost among the ends of descents from some hops and from starts around them.
 
     Raises:
         MissingExtra: heyoka is not installed.
@@ -104,7 +104,7 @@ def best_hop(task: Task, begun: Gait) -> Best:
             failures.append(error.reason if isinstance(error, NoGait) else str(error))
             continue
         if low <= number(end[0].system, TORQUE) <= high:
-            found.append((*end, start is begun or _apart(task, begun, start)))
+            found.append((*end, start is begun[0] or _apart(task, begun[0], start)))
         else:
             failures.append(f"it ends with a stance torque beyond {low:.3g} to {high:.3g} N·m")
     if not found:
@@ -143,19 +143,20 @@ def _missed(design: codesign.Design) -> str:
     return f"{measure.replace('_', ' ')} is {value:.3g} instead of {worst[len(measure) + 1 :]} {bound:.3g} {unit}"
 
 
-def starts(task: Task, begun: Gait) -> Iterator[Gait]:
-    """Yields a hop, then hops on the ways from it to random numbers in the ranges, as far as these ways lead."""
-    yield begun
-    rng, now = np.random.default_rng(task.seed), {name: number(begun.system, name) for name in task.chosen}
-    for _ in range(task.starts):
-        share = rng.uniform()
+def starts(task: Task, begun: Sequence[Gait]) -> Iterator[Gait]:
+    """Yields some hops, then hops on ways from them, in turn, to random numbers in the ranges, where a way leads."""
+    yield from begun
+    rng = np.random.default_rng(task.seed)
+    for i in range(task.starts):
+        near, share = begun[i % len(begun)], rng.uniform()
+        now = {name: number(near.system, name) for name in task.chosen}
         aim = {name: value + share * (rng.uniform(*task.ranges[name]) - value) for name, value in now.items()}
 
-        def solve(reach: float, last: Gait, aim: Mapping[str, float] = aim) -> Gait:
+        def solve(reach: float, last: Gait, now: Mapping[str, float] = now, aim: Mapping[str, float] = aim) -> Gait:
             values = {name: value + reach * (aim[name] - value) for name, value in now.items()}
             return _hop(with_values(last.system, values), last, task.flight_time)
 
-        way = _led(solve, begun)
+        way = _led(solve, near)
         if way.done:
             yield way.end
 

@@ -126,7 +126,7 @@ class TestWay:
 class TestStarts:
     def test_the_same_seed_has_the_same_starts_within_ranges(self, start):
         chosen = ranges(start.system.robot, free=False)
-        found = [list(starts(task(start.system.robot, count=3), start)) for _ in range(2)]
+        found = [list(starts(task(start.system.robot, count=3), [start])) for _ in range(2)]
         assert len(found[0]) > 1 and found[0][0] is start
         for one, other in zip(*found, strict=True):
             assert one.system.law == other.system.law and one.durations["flight"] == pytest.approx(0.2, abs=1e-8)
@@ -156,7 +156,7 @@ class TestBest:
 
             monkeypatch.setattr(hop_search, "descended", down)
             monkeypatch.setattr(hop_search, "starts", lambda task, given: begun)
-            return best_hop(task(start.system.robot), start)
+            return best_hop(task(start.system.robot), [start])
 
         return given
 
