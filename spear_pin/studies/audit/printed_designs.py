@@ -56,7 +56,6 @@ TABLE_5_1 = {
 Q_SPEAR = Design(**TABLE_5_1)
 DESIGNS = {"SPEAR-I": SPEAR_I, "SPEAR-II": SPEAR_II}
 LEGS = 4  # of the quadruped
-BOOM_MASS = 4.6  # kg, Section 5.3
 ROTORS = {  # the catalogue's motor that stands for the source's
     ("SPEAR-I", "hip"): "faulhaber_3863h024cr",
     ("SPEAR-I", "knee"): "faulhaber_3863h024cr",

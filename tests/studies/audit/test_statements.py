@@ -24,23 +24,23 @@ from spear_pin.studies.audit.statements import (
     STATEMENTS,
     VERDICTS,
     Finding,
-    chapter2,
-    chapter4_push,
-    chapter4_tables,
+    averages,
     check,
     command_of,
 )
 from spear_pin.studies.audit.statements import criteria as c
+from spear_pin.studies.audit.statements.chapters import chapter
 from spear_pin.studies.audit.statements.statement import Statement
 from spear_pin.studies.audit.statements.tables import TABULATIONS
 
 BY_ID = {statement.id: statement for statement in STATEMENTS}
 FOUND = [statement for statement in STATEMENTS if statement.study is not None]
 CHEAP = [  # no simulation behind them
-    *chapter2.STATEMENTS,
+    *CHAPTERS[2],
     *CHAPTERS[3],
-    *(statement for statement in chapter4_tables.STATEMENTS if statement.id != "resting-angle"),
-    *(statement for statement in chapter4_push.STATEMENTS if statement.id.startswith("back-")),
+    *averages.STATEMENTS,
+    *(statement for statement in chapter("chapter4_tables") if statement.id != "resting-angle"),
+    *(statement for statement in CHAPTERS[4] if statement.id.startswith("back-")),
     *(BY_ID[name] for name in ("total-mass", "same-shank", "hip-inertia-no-concern", "bounding-knee-sign")),
 ]
 KNOWN = {  # typed here, from calculations of others than the functions under test
