@@ -22,9 +22,8 @@ from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import PARAMETERS, vary
 from spear_pin.studies.explore.knobs import Knob, Knobs, Origin, Subject
-from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
+from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, scaled_hopping
 
-FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 MATERIAL = ("stiffness", "damping")  # of the spring
 RATIO, TORQUE, KNEE = "knee_ratio", "stance_torque", "knee_touchdown"
 KNOBS: Mapping[str, Knob] = {
