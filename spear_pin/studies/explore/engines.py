@@ -28,15 +28,11 @@ class Engine:
 
 
 def _advance_lane(knobs: Knobs, state: State, cycles: int) -> tuple[State, int]:
-    if not cycles:
-        return state, 0
     found = simulate_many(knobs.system, state[0][None], state[1][None], cycles)
     return (found.q[0], found.v[0]), int(found.cycles[0])
 
 
 def _advance_run(knobs: Knobs, state: State, cycles: int) -> tuple[State, int]:
-    if not cycles:
-        return state, 0
     result = run(knobs.system, state, cycles, Options())
     return result.state, result.cycles
 
