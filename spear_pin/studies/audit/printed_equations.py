@@ -10,7 +10,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_law import PAIR, legs_of
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
@@ -24,33 +23,25 @@ GRAVITY = 9.81  # m/s²
 SAMPLES, SEED = 50, 0
 
 
-def _along(length: float, angle: float) -> tuple[Array, Array]:
-    """Returns the configuration of the push test with equal links, and its derivative with respect to the knee."""
-    q = np.array([0.0, 2.0 * length * np.cos(0.5 * angle), 0.5 * angle, angle])
-    return q, np.array([0.0, -length * np.sin(0.5 * angle), 0.5, 1.0])
-
-
 def effective_inertia(angle: float = ANGLE) -> tuple[float, float]:
     """Returns the knee's inertia in the push test by (3.14) as printed, and corrected, in kg·m²."""
     leg = by_urdf("spear_ii")
-    q, slope = _along(leg.thigh_length, angle)
     about_hip = leg.hip_inertia + leg.thigh_inertia + leg.thigh_mass * leg.thigh_com**2
     about_knee = leg.knee_inertia + leg.shank_inertia + leg.shank_mass * leg.shank_com**2
-    printed = about_hip * slope[2] ** 2 + about_knee + leg.torso_mass * slope[1] ** 2
-    return float(printed), float(slope @ load("spear_ii").mass_matrix(q) @ slope)
+    fall = leg.thigh_length * np.sin(0.5 * angle)  # of the hip for one rad more
+    printed = about_hip * 0.5**2 + about_knee + leg.torso_mass * fall**2
+    return float(printed), float(spear_ii().effective_inertia(angle))
 
 
 def gravity_torque(angle: float = ANGLE) -> tuple[float, float]:
     """Returns the weight's torque on the push test's knee by (3.15) printed, and corrected, in N·m, flexing > 0."""
-    leg = by_urdf("spear_ii")
-    q, slope = _along(leg.thigh_length, angle)
-    hip, rise = q[2], slope[1]
+    leg, hip = by_urdf("spear_ii"), 0.5 * angle
     fall = (
-        leg.torso_mass * rise
-        - leg.thigh_mass * (leg.thigh_length - leg.thigh_com) * np.sin(hip) * 0.5
-        - leg.leg_mass * leg.shank_length * np.sin(hip + angle) * 1.5
+        leg.torso_mass * leg.thigh_length * np.sin(hip)
+        + leg.thigh_mass * (leg.thigh_length - leg.thigh_com) * np.sin(hip) * 0.5
+        + leg.leg_mass * leg.shank_length * np.sin(hip + angle) * 1.5
     )
-    return float(-GRAVITY * fall), float(-slope @ load("spear_ii").gravity(q))
+    return float(GRAVITY * fall), float(-spear_ii().gravity(angle))
 
 
 def spring_growth(static_rest: bool = False) -> tuple[float, float]:
@@ -89,10 +80,9 @@ def independent_inputs() -> float:
 def stator_coupling(angle: float = ANGLE) -> tuple[float, float]:
     """Returns the coupling of hip and knee that (3.13) leaves out, N J of the knee's rotor, and all of it, in kg·m²."""
     robot = load("spear_ii")
-    q, _ = _along(by_urdf("spear_ii").thigh_length, angle)
-    row = robot.index("knee")
-    left_out = robot.model.rotorInertia[row] * robot.gear_ratio("knee")
-    return float(left_out), float(abs(robot.mass_matrix(q)[robot.index("hip"), row]))
+    hip, knee = robot.index("hip"), robot.index("knee")
+    left_out = robot.model.rotorInertia[knee] * robot.gear_ratio("knee")
+    return float(left_out), float(abs(robot.mass_matrix([0.0, 0.0, 0.5 * angle, angle])[hip, knee]))
 
 
 def rotor_in_mass_matrix() -> tuple[float, float]:
