@@ -201,6 +201,7 @@ class TestDescent:
         assert self.drawn(end, motors) == pytest.approx(design.objective, rel=1e-4)
         assert self.drawn(end, motors) < 0.9 * self.drawn(begun, motors) and design.missed < 1e-3
         assert end.durations["flight"] == pytest.approx(0.2, abs=1e-8) and end.residual < 1e-9
+        assert end.system.spring.unilateral == (kind == SWITCHED)
         assert all(low <= number(end.system, name) <= high for name, (low, high) in wanted.ranges.items())
         cycle = simulate(end.system, end.state, samples=480, progress=False)
         stance, knee = cycle.phase == "stance", end.system.robot.index("knee")
