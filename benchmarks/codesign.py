@@ -91,15 +91,15 @@ def problem(over: Ranges) -> Problem:
 class Followed:
     """Gaits at points of a range, each from the nearest known one, with steps that are halved where that fails."""
 
-    def __init__(self, over: Ranges, begun: Gait | None = None) -> None:
-        begun, self.over, self.cycles = begun or hop(), over, 0
-        self.problem = problem(over)
-        first = closed(Orbit(begun.system, begun.state, self.problem.names, MOTORS), KEEP)
+    def __init__(self, begun: Gait, problem: Problem) -> None:
+        self.problem, self.cycles = problem, 0
+        first = closed(Orbit(begun.system, begun.state, problem.names, problem.motors), problem.keep)
         self.known = {tuple(self.at(first)): first}
 
     def at(self, orbit: Orbit) -> Array:
         """Where in its ranges a gait lies, from 0 to 1."""
-        return (np.array([number(orbit.system, name) for name in self.over]) - self.problem.lower) / self.problem.span
+        values = np.array([number(orbit.system, name) for name in self.problem.over])
+        return (values - self.problem.lower) / self.problem.span
 
     def _count(self) -> None:
         self.cycles += 1
@@ -111,7 +111,8 @@ class Followed:
         while done < 1.0:
             change = (x - near) * min(step, 1.0 - done) * self.problem.span
             try:
-                orbit = led(orbit, KEEP, dict(zip(self.over, change.tolist(), strict=True)), self._count)
+                by = dict(zip(self.problem.over, change.tolist(), strict=True))
+                orbit = led(orbit, self.problem.keep, by, self._count)
             except (NoGait, NotDifferentiable):
                 step *= 0.5
                 if step < 0.5**HALVINGS:
@@ -121,16 +122,17 @@ class Followed:
         self.known[tuple(self.at(orbit))] = orbit
         return orbit
 
-    def energy(self, orbit: Orbit) -> tuple[float, float]:
-        """What is minimised, and by how much bounds are missed."""
-        value, _ = self.problem.values(orbit)
-        slack, limit = orbit.margins["spring_switch"].value, BOUNDS["largest_multiplier"]
-        return value, max(0.0, 1.0 - slack / 0.02) + max(0.0, largest(orbit) - limit)
+    def cost(self, orbit: Orbit) -> tuple[float, float]:
+        """What is minimised, and by how much bounds are missed, relative to them."""
+        value, slack = self.problem.values(orbit)
+        of_measures, limit = slack[: len(self.problem.bounds)], self.problem.largest_multiplier
+        missed = float(np.maximum(-of_measures, 0.0).sum())
+        return value, missed + (0.0 if limit is None else max(0.0, largest(orbit) - limit))
 
 
 def starts(over: Ranges, count: int, begun: Gait | None = None) -> Iterator[Gait]:
     """Gaits at points drawn in the ranges."""
-    draws, followed = np.random.default_rng(3), Followed(over, begun)
+    draws, followed = np.random.default_rng(3), Followed(begun or hop(), problem(over))
     while count:
         orbit = followed.gait(draws.uniform(size=len(over)))
         if orbit is None:
@@ -168,11 +170,11 @@ def designs(over: Ranges, margins: Mapping[str, float]) -> Iterator[dict[str, ob
 
 def grid() -> Iterator[dict[str, object]]:
     """The best of 5³ points."""
-    followed, begun, best, found = Followed(HOP), process_time(), np.inf, 0
+    followed, begun, best, found = Followed(hop(), problem(HOP)), process_time(), np.inf, 0
     for x in sorted(product(np.linspace(0.0, 1.0, 5), repeat=3), key=lambda x: np.abs(np.array(x) - 0.5).max()):
         orbit = followed.gait(np.array(x))
         if orbit is not None:
-            value, missed = followed.energy(orbit)
+            value, missed = followed.cost(orbit)
             found += 1
             best = min(best, value if missed == 0.0 else np.inf)
     seconds = process_time() - begun
@@ -190,14 +192,14 @@ def evolution() -> Iterator[dict[str, object]]:
     import cma
 
     for seed in range(1, 4):
-        followed, begun, path = Followed(HOP), process_time(), []
+        followed, begun, path = Followed(hop(), problem(HOP)), process_time(), []
         (x0,) = followed.known
 
         def cost(x: Array, followed: Followed = followed, path: list[tuple[float, int]] = path) -> float:
             orbit = followed.gait(np.asarray(x))
             if orbit is None:
                 return NO_GAIT
-            value, missed = followed.energy(orbit)
+            value, missed = followed.cost(orbit)
             if missed <= 1e-6:
                 path.append((value, followed.cycles))
             return value + PENALTY * missed

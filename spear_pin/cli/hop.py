@@ -185,8 +185,8 @@ def _found(
     from spear_pin import find_gait
     from spear_pin.cli.hop_led import continue_hop
     from spear_pin.model.scale import scale_of
-    from spear_pin.studies.hop_led import FLIGHT_TIME, lead_hop
-    from spear_pin.studies.hop_of_another import hop_of
+    from spear_pin.studies.hop_led import lead_hop
+    from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of
 
     notes: list[tuple[str, str]] = []
     try:

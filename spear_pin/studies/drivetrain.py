@@ -17,7 +17,7 @@ from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.attempts import Measure
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
-from spear_pin.gaits.measures.curves import Curves
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.hybrid.simulate import simulate
@@ -150,22 +150,36 @@ def knee_drives(
         _ = motor.continuous_torque
     law = law or HoppingLaw()
     drives = [
-        (name, [Drive(motor, Gearbox(ratio, efficiency), bus, current_limit) for ratio in ratios])
+        (name, Drive(motor, Gearbox(ratio, efficiency), bus, current_limit))
         for name, motor in motors.items()
+        for ratio in ratios
     ]
+    found: list[tuple[float, Gait]] = []
 
-    def rows() -> Iterator[KneeDrive]:
-        found: list[tuple[float, Gait]] = []
-        for name, own in drives:
-            for drive in own:
-                inertia = drive.reflected_inertia
-                near = min(found, key=lambda each: abs(math.log(each[0] / inertia)))[1] if found else None  # noqa: B023
-                row = _solved(name, drive, robot, law, spring, target, retune, near)
-                if row.gait is not None:
-                    found.append((inertia, row.gait))
-                yield row
+    def solved(name: str, drive: Drive) -> KneeDrive:
+        """Starts from a nearby gait, and if that leads nowhere, from the beginning."""
+        inertia, own = drive.reflected_inertia, law
+        rotor = drive.motor.known("rotor_inertia")
+        fitted = with_knee_motor(robot, drive.motor, knee_ratio=drive.gearbox.ratio, knee_rotor=rotor)
+        if retune:
+            more = knee_inertia(fitted, law) / knee_inertia(robot, law)
+            own = replace(law, knee_gain=more * law.knee_gain, knee_damping=more * law.knee_damping)
+        rig = Rig(knee=drive.motor, knee_efficiency=efficiency, battery=UNLIMITED, current_limit=math.inf)
+        failure: NoGait | None = None
+        near = [min(found, key=lambda each: abs(math.log(each[0] / inertia)))[1]] if found else []
+        for start in (*near, None):
+            torque = law.stance_torque / efficiency if start is None else start.system.law.stance_torque
+            system = with_hardware(hopping(fitted, replace(own, stance_torque=torque), spring), rig.on(fitted))
+            try:
+                gait = find_gait(system, ["stance_torque"], target, guess=None if start is None else start.state)
+            except NoGait as error:
+                failure = error
+                continue
+            found.append((inertia, gait))
+            return judged(name, drive, gait)
+        return KneeDrive(name, drive, inertia, reason=str(failure))
 
-    return rows()
+    return (solved(name, drive) for name, drive in drives)
 
 
 @typed
@@ -197,11 +211,11 @@ def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
     run = simulate(system, gait.state, 1, progress=False)
     assert run.electrical is not None
     knee, resistance = joints.index("knee"), drive.motor.known("resistance")
-    torque, current, speed = run.u[:, knee], run.current[:, knee], run.v[:, run.coordinates.index("knee")]
-    period, curves = float(run.t[-1] - run.t[0]), Curves.of(run.t)
+    sampled = Sampled(system.robot, run)
+    torque, current, speed = sampled.torques["knee"], run.current[:, knee], sampled.speeds["knee"]
     heat = -float(run.electrical["joule_knee"][0])
     power = (resistance * current + drive.constant * speed) * current
-    rms = math.sqrt(heat / (resistance * period))  # where the toe chatters the mean current would be too little
+    rms = math.sqrt(heat / (resistance * sampled.period))  # where the toe chatters the mean current would be too little
     worst, multiplier = drive.worst(torque, speed), float(np.abs(gait.multipliers).max())
     reason = ""
     if worst.margin < 0.0:
@@ -225,44 +239,13 @@ def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
         energy=float(run.electrical["battery_knee"][0]),
         drawn=float(np.trapezoid(drawn_power(power, 0.0), run.t)),
         heat=heat,
-        rms_torque=math.sqrt(curves.integral(torque**2) / period),
+        rms_torque=sampled.of("rms_torque")["knee"],
         rms_current=rms,
         thermal_load=drive.motor.known("torque_constant") * rms / drive.motor.continuous_torque,
-        peak_torque=curves.amount(torque),
+        peak_torque=sampled.of("peak_torque")["knee"],
         peak_current=float(np.abs(current).max()),
-        peak_speed=curves.amount(speed),
+        peak_speed=sampled.of("peak_speed")["knee"],
         margin=worst.margin,
         gait=gait,
         reason=reason,
     )
-
-
-def _solved(
-    name: str,
-    drive: Drive,
-    robot: Robot,
-    law: HoppingLaw,
-    spring: Spring | None,
-    target: Mapping[str | Measure, float],
-    retune: bool,
-    near: Gait | None,
-) -> KneeDrive:
-    """Returns one row; starts from a nearby gait, and if that leads nowhere, from the beginning."""
-    motor, gears = drive.motor, drive.gearbox
-    fitted = with_knee_motor(robot, motor, knee_ratio=gears.ratio, knee_rotor=motor.known("rotor_inertia"))
-    if retune:
-        more = knee_inertia(fitted, law) / knee_inertia(robot, law)
-        law = replace(law, knee_gain=more * law.knee_gain, knee_damping=more * law.knee_damping)
-    rig = Rig(knee=motor, knee_efficiency=gears.efficiency, battery=UNLIMITED, current_limit=math.inf)
-    failure: NoGait | None = None
-    for start in (None,) if near is None else (near, None):
-        torque = law.stance_torque / gears.efficiency if start is None else start.system.law.stance_torque
-        begun = replace(law, stance_torque=torque)
-        system = with_hardware(hopping(fitted, begun, spring), rig.on(fitted))
-        try:
-            gait = find_gait(system, ["stance_torque"], target, guess=None if start is None else start.state)
-        except NoGait as error:
-            failure = error
-            continue
-        return judged(name, drive, gait)
-    return KneeDrive(name, drive, drive.reflected_inertia, reason=str(failure))

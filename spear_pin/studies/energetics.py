@@ -12,14 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
-from spear_pin.gaits.bounding_law import PAIR
-from spear_pin.gaits.measures.curves import INSTANT, Curves
+from spear_pin.gaits.measures.curves import Curves
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
@@ -121,24 +120,24 @@ def energy_flow(system: HybridSystem, trajectory: Trajectory, skip: int = 0) -> 
     hardware, electrical, ledger = system.hardware, trajectory.electrical, trajectory.ledger
     if hardware is None or electrical is None:
         raise BadValue("trajectory.electrical", electrical, "a ledger: simulate a system with hardware")
-    chosen = _chosen(trajectory, skip)
-    given, regained = _halves(trajectory, chosen, _battery_power(system, trajectory))
+    sampled = Sampled(system.robot, trajectory, _cycles(trajectory, skip))
+    given, regained = _halves(sampled, _battery_power(system, sampled))
     columns = [trajectory.coordinates.index(joint) for joint in trajectory.spring_joints]
-    extends, compresses = _halves(trajectory, chosen, trajectory.spring * trajectory.v[:, columns])
+    extends, compresses = _halves(sampled, trajectory.spring * trajectory.v[:, columns])
     joints = []
     for i, joint in enumerate(trajectory.actuated):
         net, joule, gearbox, motor = (
             float(electrical[f"{flow}_{joint}"][skip:].mean()) for flow in ("battery", "joule", "gearbox", "motor")
         )
-        joints.append(JointFlow(joint, net + float(regained[i]), float(regained[i]), -joule, -gearbox, -motor))
+        joints.append(JointFlow(joint, net + regained[i], regained[i], -joule, -gearbox, -motor))
     return EnergyFlow(
         tuple(joints),
         **{name: 0.0 - float(ledger[name][skip:].mean()) for name in MECHANICAL},
-        spring_stored=float(compresses.sum()),
-        spring_returned=float(extends.sum()),
+        spring_stored=sum(compresses),
+        spring_returned=sum(extends),
         change=float(ledger.change[skip:].mean()),
         magnetic=float(electrical.change[skip:].mean()),
-        gap=float(given.sum()) - sum(joint.given for joint in joints),
+        gap=sum(given) - sum(joint.given for joint in joints),
     )
 
 
@@ -197,10 +196,8 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
     Raises:
         BadValue: hardware and drives are given, the numbers of drives and joints differ, or no cycle is left.
     """
-    chosen, n = _chosen(trajectory, skip), trajectory.cycles - skip
-    rates = _rates(trajectory)
     robot = system.robot
-    sampled = Sampled(robot, trajectory, range(skip + 1, trajectory.cycles + 1), bool(system.mirrored_toes))
+    sampled = Sampled(robot, trajectory, _cycles(trajectory, skip), bool(system.mirrored_toes))
     energy = {f"mechanical_{kind}": sampled.largest(f"{kind}_work") for kind in ("absolute", "positive")}
     parts: tuple[float, float] | None = None
     if trajectory.electrical is not None:
@@ -211,17 +208,16 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
     elif drives is not None:
         if len(drives) != len(trajectory.actuated):
             raise BadValue("drives", len(drives), f"{len(trajectory.actuated)}, one for each of {trajectory.actuated}")
-        motors = PAIR if system.kind == "bounding" else 1
-        curves = Curves(trajectory.t, chosen)
-        both = [
-            curves.halves(each.bus_power, trajectory.u[:, i] / motors, rates[:, i]) for i, each in enumerate(drives)
-        ]
-        given, regained = (motors * sum(each) / n for each in zip(*both, strict=True))
+        given = regained = 0.0
+        for drive, (joint, torque) in zip(drives, sampled.torques.items(), strict=True):
+            halves = sampled.curves.halves(drive.bus_power, torque, sampled.speeds[joint])
+            share = motors_at(joint) / sampled.count
+            given, regained = given + share * halves[0], regained + share * halves[1]
         parts = given, regained
     if parts is not None:
         energy |= {name: parts[0] - share * parts[1] for name, share in REGENERATION.items()}
     distance = sampled.stride if system.cyclic else 0.0
-    return Costs(energy, robot.mass, robot.weight, distance or 0.0, _rise(trajectory, skip))
+    return Costs(energy, robot.mass, robot.weight, distance or 0.0, _rise(sampled))
 
 
 def computed_points(name: str, of: Costs) -> tuple[CostPoint, ...]:
@@ -235,53 +231,40 @@ def computed_points(name: str, of: Costs) -> tuple[CostPoint, ...]:
     )
 
 
-def _chosen(trajectory: Trajectory, skip: int) -> NDArray[np.bool_]:
-    """Returns the samples of whole cycles."""
+def _cycles(trajectory: Trajectory, skip: int) -> range:
+    """Returns the numbers of the whole cycles that count."""
     if not 0 <= skip < trajectory.cycles:
         raise BadValue("skip", skip, f"a number from 0 to below the {trajectory.cycles} whole cycles there are")
-    return np.asarray((trajectory.cycle > skip) & (trajectory.cycle <= trajectory.cycles))
+    return range(skip + 1, trajectory.cycles + 1)
 
 
-def _rates(trajectory: Trajectory) -> Array:
-    return trajectory.v[:, [trajectory.coordinates.index(joint) for joint in trajectory.actuated]]
-
-
-def _runs(trajectory: Trajectory) -> list[NDArray[np.int64]]:
-    """Returns the samples between events."""
-    return np.split(np.arange(len(trajectory.t)), np.flatnonzero(np.diff(trajectory.t) <= INSTANT) + 1)
-
-
-def _battery_power(system: HybridSystem, trajectory: Trajectory) -> Array:
-    """Returns the power of each actuator's battery at the samples, in W."""
+def _battery_power(system: HybridSystem, sampled: Sampled) -> Array:
+    """Returns the power of each actuator's battery at the samples, in W, (n, actuators)."""
     assert system.hardware is not None
-    slope = np.zeros_like(trajectory.current)
-    for run in _runs(trajectory):
-        if len(run) > 1:
-            slope[run] = scipy.interpolate.PchipInterpolator(trajectory.t[run], trajectory.current[run])(
-                trajectory.t[run], 1
-            )
-    actuators, rates = system.hardware.actuators, _rates(trajectory)
+    t, current, actuators = sampled.trajectory.t, sampled.trajectory.current, system.hardware.actuators
+    slope, rates = np.zeros_like(current), np.array([*sampled.speeds.values()]).T
+    for run in Curves.of(t).runs:
+        slope[run] = scipy.interpolate.PchipInterpolator(t[run], current[run])(t[run], 1)
     return np.array(
         [
             [
                 actuator.power(i, rate, change if actuator.bandwidth is not None else 0.0).battery
                 for actuator, i, rate, change in zip(actuators, *row, strict=True)
             ]
-            for row in zip(trajectory.current.tolist(), rates.tolist(), slope.tolist(), strict=True)
+            for row in zip(current.tolist(), rates.tolist(), slope.tolist(), strict=True)
         ]
     )
 
 
-def _halves(trajectory: Trajectory, chosen: NDArray[np.bool_], power: Array) -> tuple[Array, Array]:
+def _halves(sampled: Sampled, power: Array) -> tuple[list[float], list[float]]:
     """Returns integrals of the positive and the negative part of powers, (n, k), both positive, in J a cycle, (k,)."""
-    curves, n = Curves(trajectory.t, chosen), len(np.unique(trajectory.cycle[chosen]))
-    positive, negative = (np.array([curves.positive(side * each) for each in power.T]) / n for side in (1.0, -1.0))
-    return positive, negative
+    return [sampled.positive(each) for each in power.T], [sampled.positive(-each) for each in power.T]
 
 
-def _rise(trajectory: Trajectory, skip: int) -> float:
+def _rise(sampled: Sampled) -> float:
     """Returns the mean height of the flights' apexes above the lift-offs before them, in m; NaN if there are none."""
-    begin, end = trajectory.t[_chosen(trajectory, skip)][[0, -1]]
+    trajectory = sampled.trajectory
+    begin, end = trajectory.t[sampled.curves.chosen][[0, -1]]
     rises, left, highest = [], None, math.nan
     for event in trajectory.events:
         if event.name == "lift_off":

@@ -22,10 +22,9 @@ from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.kinds import typed
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
-from spear_pin.studies.hop_of_another import hop_of
+from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of
 
 TORQUE = "stance_torque"  # what is solved for the flight time
-FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 SECONDS = 15.0  # of a processor, on the way
 STEP = 0.3  # of the way, the longest
 RTOL = 1e-7  # of the integrator on the way

@@ -18,14 +18,14 @@ from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.model.recut import recut
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
-from spear_pin.studies.joint_limits import excesses
+from spear_pin.studies.joint_limits import exceeded
 
+FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 LONGER = (1.0, 1.15, 1.3)  # in turn: flights that end as the square wave turns back leave a gap before the next
 SHORTER = (0.9, 0.8, 0.65, 0.5)  # in turn, of a leg whose joints may not turn as fast
 TORQUES = (1.0, 0.9, 1.1, 0.8, 1.25, 1.6)  # of the stance torque, in turn, until with one there is a hop
@@ -70,12 +70,12 @@ def hop_of(
     """
     check_wanted(system, {"flight_time": flight_time})
     first = _anywhere(system, flight_time)
-    why = _over(first) if within_limits else ""
+    why = exceeded(first) if within_limits else ""
     near = first
     for share in SHORTER if why else ():
         with suppress(SpearError):
             near = _beside(near, share * flight_time)
-            if not _over(near):
+            if not exceeded(near):
                 on_attempt(first.durations["flight"], why)
                 return near
     return first
@@ -89,11 +89,6 @@ def _beside(gait: Gait, flight_time: float) -> Gait:
         return gait_beside(gait.system, gait.state, list(gait.parameters), target)
     except NoGait:
         return _anywhere(gait.system, flight_time)
-
-
-def _over(gait: Gait) -> str:
-    """Lists limits of the joints that a hop exceeds, in words."""
-    return "; ".join(map(str, excesses(gait.system.robot, simulate(gait.system, gait.state, 1, progress=False))))
 
 
 def _anywhere(system: HybridSystem, flight_time: float) -> Gait:

@@ -11,6 +11,7 @@ import numpy as np
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.measures.curves import Curves
 from spear_pin.hybrid.column_names import motors_at
+from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.limits import UNKNOWN
@@ -66,6 +67,12 @@ def excesses(robot: Robot, trajectory: Trajectory) -> tuple[Excess, ...]:
         if lowest < least:
             found.append(Excess(joint, "angle", lowest, least, "rad"))
     return tuple(found)
+
+
+def exceeded(gait: Gait) -> str:
+    """Lists limits that a cycle of a gait exceeds, in words; an optimiser keeps them at its nodes, but not between."""
+    run = simulate(gait.system, gait.state, 1, progress=False)
+    return "; ".join(map(str, excesses(gait.system.robot, run)))
 
 
 @typed

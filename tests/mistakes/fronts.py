@@ -117,10 +117,7 @@ MUTATIONS = [
                 'at_least[f"reserve_{part}"] = getattr(motors, part), 0.0',
                 "_ = getattr(motors, part), 0",
             ),
-            "springs release on the way": (
-                "near.system, kind, own, releases=False",
-                "near.system, kind, own, releases=True",
-            ),
+            "springs push at the end": ("released(start.system) if", "start.system if"),
             "the kind changes with a spring": ("_towards(gait, kind, 0.0, here)", "gait"),
         },
     ),

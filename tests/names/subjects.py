@@ -202,7 +202,7 @@ def _lanes(table: Table, gait: Gait, vary: list[str], target: dict[str, float]) 
     """Measures of lanes, and of gaits that are asked for by them."""
     q, v = (part[None] for part in gait.state)
     given = {"friction": np.array([number(gait.system, "friction")])}
-    found = measured(gait.system, given, q, v).values
+    found, _ = measured(gait.system, given, q, v)
     table.add("lanes", {name: float(values[0]) for name, values in found.items()})
     start = {name: np.array([number(gait.system, name)]) for name in vary}
     lanes = find_many(gait.system, start, vary, target, guess=(q, v))

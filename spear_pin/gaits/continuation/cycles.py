@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,18 +59,10 @@ class Family:
             system = self._with_robot(given.pop(self.names[-1]))
         return with_parameters(system, given)
 
-    def _with_robot(self, value: float) -> HybridSystem:
-        """Returns the system with another value of the robot's number."""
-        if value not in self._made:
-            if len(self._made) >= KEPT:
-                self._made.clear()
-            self._made[value] = with_numbers(self.system, {self.names[-1]: value})
-        return self._made[value]
-
     @cached_property
-    def _made(self) -> dict[float, HybridSystem]:
-        """Systems with other robots, by the value of the robot's number."""
-        return {}
+    def _with_robot(self) -> Callable[[float], HybridSystem]:
+        """Returns the system with another value of the robot's number."""
+        return lru_cache(KEPT)(lambda value: with_numbers(self.system, {self.names[-1]: value}))
 
     def values(self) -> list[float]:
         """Returns the values of the numbers in the system itself."""

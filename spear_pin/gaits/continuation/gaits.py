@@ -173,11 +173,7 @@ class Gaits:
         """Returns the chart around a state, with the toes that slide there, or with other sliding toes, (ntoes,)."""
         if not all(np.isfinite(part).all() for part in state):
             raise NoValue("not_finite")
-        system = self.family.member(self.numbers(values).tolist())
-        if slides is None:
-            return chart(system, state).lane
-        q, v = state
-        return section(system).charts(q[None], v[None], slides)
+        return chart(self.family.member(self.numbers(values).tolist()), state, slides).lane
 
     def _on(self, charts: Charts, values: Array) -> Charts:
         """Returns charts with the same directions for the sections with values of solved parameters and parameter."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,19 +19,6 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.motor import NO_MOTORS, Motor
 
 
-@dataclass(frozen=True)
-class Measured:
-    """Measures of the cycles, NaN where a cycle does not close or has no derivative.
-
-    Attributes:
-        values: by name, (n,) each.
-        orders: order of the events, (n,); empty where a cycle does not close or has no derivative.
-    """
-
-    values: Mapping[str, Array]
-    orders: tuple[Order, ...]
-
-
 def measured(
     system: HybridSystem,
     given: Mapping[str, Array],
@@ -40,7 +26,7 @@ def measured(
     v: Array,
     motors: Mapping[str, Motor] = NO_MOTORS,
     on_lanes: Callable[[int], object] = lambda n: None,
-) -> Measured:
+) -> tuple[dict[str, Array], list[Order]]:
     """Measures one cycle of each lane.
 
     Args:
@@ -50,6 +36,10 @@ def measured(
         v: velocities there, (n, nv).
         motors: motors whose heat is measured, by the names of their joints; none by default.
         on_lanes: called with the number of lanes done since the last call.
+
+    Returns:
+        measures by name, (n,) each, NaN where a cycle does not close or has no derivative; and the orders of events,
+        empty there.
     """
     n, numbers, found = len(q), many(system, given), dict[str, Array]()
     orders: list[Order] = [()] * n
@@ -64,4 +54,4 @@ def measured(
             for name, each in measures(cycle, still, weight, more).items():
                 found.setdefault(name, np.full(n, np.nan))[i] = each.value if np.isfinite(each.value) else np.nan
         on_lanes(1)
-    return Measured(found, tuple(orders))
+    return found, orders

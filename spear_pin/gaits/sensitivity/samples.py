@@ -85,17 +85,17 @@ def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Sam
     found = np.flatnonzero(table.converged)
     own = {name: table.parameters[name][found] for name in (*local.over, *local.vary)}
     motors = {joint: each for joint, each in local.motors.items() if isinstance(each, Motor)}  # as all are
-    cycles = measured(system, own, table.q[found], table.v[found], motors, on_lanes)
+    cycles, orders = measured(system, own, table.q[found], table.v[found], motors, on_lanes)
     on_lanes(len(parameters) - len(found))
     outputs = {name: table.parameters[name] for name in local.vary}
-    outputs |= {name: spread(values, found, len(parameters)) for name, values in cycles.values.items()}
+    outputs |= {name: spread(values, found, len(parameters)) for name, values in cycles.items()}
     moduli = np.full((len(parameters), len(local.multipliers)), np.nan)
     for i in found:
         moduli[i] = local.moduli(table.multipliers[i])
     outputs |= {f"multiplier_{i + 1}": column for i, column in enumerate(moduli.T)}
     outputs |= dict(zip(local.columns, np.column_stack([table.q, table.v]).T, strict=True))
     alike = np.zeros(len(parameters), dtype=bool)
-    alike[found] = [each == order for each in cycles.orders]
+    alike[found] = [each == order for each in orders]
     return Samples(parameters, outputs, table.reason, table.largest, alike)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.files import plain
-from spear_pin.gaits.sensitivity.measure import MULTIPLIER, rounding
+from spear_pin.gaits.sensitivity.measure import MULTIPLIER, Measure, rounding
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import branch, orbit_of_gait
@@ -210,14 +210,10 @@ def sensitivity(
     chain = branch(orbit, keep)
     solved_for = dict(zip(vary, chain[orbit.dimension :], strict=False))
     multipliers, slopes = along_branch(orbit, over, orbit.start @ chain, solved_for)
-    outputs = {name: number(system, name) for name in vary}
-    outputs |= {name: measure.value for name, measure in orbit.measures.items()}
-    derivatives = {**solved_for, **{name: measure.derivative @ chain for name, measure in orbit.measures.items()}}
-    units = {name: unit(system, name) for name in vary}
-    units |= {name: measure.unit for name, measure in orbit.measures.items()}
+    found = {name: Measure(number(system, name), row, unit(system, name)) for name, row in solved_for.items()}
+    found |= {name: Measure(each.value, each.derivative @ chain, each.unit) for name, each in orbit.measures.items()}
     for i, (value, slope) in enumerate(zip(*moduli(multipliers, slopes), strict=True)):
-        name = f"{MULTIPLIER}{i + 1}"
-        outputs[name], units[name], derivatives[name] = float(value), "1", slope
+        found[f"{MULTIPLIER}{i + 1}"] = Measure(float(value), slope, "1")
     return Sensitivity(
         system,
         state,
@@ -227,9 +223,9 @@ def sensitivity(
         tuple(unit(system, name) for name in over),
         orbit.start @ chain,
         solved_for,
-        outputs,
-        units,
-        derivatives,
+        {name: each.value for name, each in found.items()},
+        {name: each.unit for name, each in found.items()},
+        {name: each.derivative for name, each in found.items()},
         multipliers,
         slopes,
         orbit.cycle.borders,

@@ -3,44 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_law import Shape
+from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import Group, Leg, Z
+from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.gaits.virtual_constraints import demanded
 from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
 from spear_pin.hybrid.result import State
 from spear_pin.model.robot import Robot
 
-
-class LegLaw(Protocol):
-    """A law with numbers for each leg and for each group; see `SpatialLaw` for their meaning."""
-
-    @property
-    def adduction_stiffness(self) -> float: ...  # noqa: D102
-    @property
-    def adduction_damping(self) -> float: ...  # noqa: D102
-    @property
-    def adduction_epsilon(self) -> float: ...  # noqa: D102
-    @property
-    def knee_rest(self) -> float: ...  # noqa: D102
-    @property
-    def epsilon(self) -> float: ...  # noqa: D102
-    @property
-    def leg_stiffness(self) -> float: ...  # noqa: D102
-    @property
-    def lift_off(self) -> str: ...  # noqa: D102
-    def torques(self, leg: Leg, ahead: float) -> tuple[float, float, float]: ...  # noqa: D102
-    def swing(self, leg: Leg) -> Shape: ...  # noqa: D102
-    def trailing(self, leg: Leg) -> Shape: ...  # noqa: D102
-    def landing(self, leg: Leg) -> Shape: ...  # noqa: D102
-    def span_of_stance(self, group: Group) -> float: ...  # noqa: D102
-    def span_of_flight(self, group: Group) -> float: ...  # noqa: D102
-    def adduction_touchdown(self, leg: Leg) -> float: ...  # noqa: D102
+LegLaw = SpatialLaw | TrotLaw
+"""Laws with numbers for each leg and for each group."""
 
 
 def nominal_start(robot: Robot, law: Any, landing: Group) -> State:

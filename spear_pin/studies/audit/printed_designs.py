@@ -2,98 +2,60 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+import math
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
 
 from spear_pin.errors import UnknownName
+from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.model import catalogue
 from spear_pin.model.loading import load
 
 
 @dataclass(frozen=True)
-class LegDesign:
-    """A column of Table 2.4.
+class Design:
+    """Numbers of a leg, or of a quadruped with such legs, SI units; NaN where there is none.
 
-    Attributes:
-        leg_mass: mass of the leg, in kg.
-        thigh_mass: mass of the thigh, in kg.
-        shank_mass: mass of the shank, in kg.
-        thigh_inertia: "thigh link inertia", in kg·m².
-        shank_inertia: "shank link inertia", in kg·m².
-        hip_inertia: "hip motor inertia", in kg·m²; N² J.
-        knee_inertia: "knee motor inertia", in kg·m²; N² J.
-        thigh_com: distance of the centre of mass from the hip, in m.
-        shank_com: distance of the centre of mass from the knee, in m.
-        hip_ratio: N of the hip's gears.
-        knee_ratio: N of the knee's gears.
-        thigh_width: width of the thigh, in m.
+    The first twelve are the rows of Table 2.4. Inertias of thigh and shank are the "link inertia" of Table 2.4, or
+    "link only" of Table 5.1; those of hip and knee are the motors', N² J. A `com` is the distance of a centre of mass
+    from the hip, or from the knee. The stiffness is k_rot of one leg.
     """
 
-    leg_mass: float
-    thigh_mass: float
-    shank_mass: float
-    thigh_inertia: float
-    shank_inertia: float
-    hip_inertia: float
-    knee_inertia: float
-    thigh_com: float
-    shank_com: float
-    hip_ratio: float
-    knee_ratio: float
-    thigh_width: float
+    leg_mass: float = math.nan
+    thigh_mass: float = math.nan
+    shank_mass: float = math.nan
+    thigh_inertia: float = math.nan
+    shank_inertia: float = math.nan
+    hip_inertia: float = math.nan
+    knee_inertia: float = math.nan
+    thigh_com: float = math.nan
+    shank_com: float = math.nan
+    hip_ratio: float = math.nan
+    knee_ratio: float = math.nan
+    thigh_width: float = math.nan
+    torso_mass: float = math.nan
+    total_mass: float = math.nan
+    torso_inertia: float = math.nan
+    thigh_length: float = math.nan
+    shank_length: float = math.nan
+    stiffness: float = math.nan
+    speed: float = math.nan
 
 
-@dataclass(frozen=True)
-class QuadrupedDesign:
-    """Numbers of Table 5.1.
-
-    Attributes:
-        torso_mass: mass of the torso, in kg.
-        thigh_mass: mass of the thigh of one leg, in kg.
-        shank_mass: mass of the shank of one leg, in kg.
-        total_mass: total mass, in kg.
-        torso_inertia: inertia of the torso, in kg·m² (printed: kg/m²).
-        thigh_inertia: "link only", in kg·m².
-        shank_inertia: "link only", in kg·m².
-        hip_inertia: effective rotor inertia, in kg·m².
-        knee_inertia: effective rotor inertia, in kg·m².
-        knee_ratio: N of the knee's gears.
-        hip_ratio: N of the hip's gears.
-        thigh_length: length of the thigh, in m.
-        shank_length: length of the shank, in m.
-        thigh_com: distance of the centre of mass from the hip, in m.
-        shank_com: distance of the centre of mass from the knee, in m.
-        stiffness: k_rot of one leg, in N·m/rad.
-        speed: nominal speed, in m/s.
-    """
-
-    torso_mass: float
-    thigh_mass: float
-    shank_mass: float
-    total_mass: float
-    torso_inertia: float
-    thigh_inertia: float
-    shank_inertia: float
-    hip_inertia: float
-    knee_inertia: float
-    knee_ratio: float
-    hip_ratio: float
-    thigh_length: float
-    shank_length: float
-    thigh_com: float
-    shank_com: float
-    stiffness: float
-    speed: float
-
-
-SPEAR_I = LegDesign(4.55, 3.6, 0.95, 0.039, 0.02, 0.047, 0.008, 0.092, 0.097, 60.0, 25.0, 0.081)
-SPEAR_II = LegDesign(2.2, 1.72, 0.48, 0.014, 0.014, 0.047, 0.027, 0.008, 0.14, 60.0, 15.0, 0.057)
-Q_SPEAR = QuadrupedDesign(
-    *(35.0, 1.72, 0.47, 43.76, 2.1, 0.014, 0.005, 0.047, 0.027),
-    *(15.0, 60.0, 0.318, 0.318, 0.008, 0.144, 56.0, 2.5),
-)
+TABLE_2_4 = tuple(field.name for field in fields(Design))[:12]
+SPEAR_I = Design(4.55, 3.6, 0.95, 0.039, 0.02, 0.047, 0.008, 0.092, 0.097, 60.0, 25.0, 0.081)
+SPEAR_II = Design(2.2, 1.72, 0.48, 0.014, 0.014, 0.047, 0.027, 0.008, 0.14, 60.0, 15.0, 0.057)
+TABLE_5_1 = {
+    **{"torso_mass": 35.0, "thigh_mass": 1.72, "shank_mass": 0.47, "total_mass": 43.76},
+    **{"torso_inertia": 2.1, "thigh_inertia": 0.014, "shank_inertia": 0.005},
+    **{"hip_inertia": 0.047, "knee_inertia": 0.027, "knee_ratio": 15.0, "hip_ratio": 60.0},
+    **{"thigh_length": 0.318, "shank_length": 0.318, "thigh_com": 0.008, "shank_com": 0.144},
+    **{"stiffness": 56.0, "speed": 2.5},
+}
+Q_SPEAR = Design(**TABLE_5_1)
 DESIGNS = {"SPEAR-I": SPEAR_I, "SPEAR-II": SPEAR_II}
 LEGS = 4  # of the quadruped
-BOOM_MASS = 4.6  # kg, Section 5.3
 ROTORS = {  # the catalogue's motor that stands for the source's
     ("SPEAR-I", "hip"): "faulhaber_3863h024cr",
     ("SPEAR-I", "knee"): "faulhaber_3863h024cr",
@@ -151,39 +113,50 @@ def shank_about_com_by_table_2_4() -> float:
     return SPEAR_II.shank_inertia - SPEAR_II.shank_mass * SPEAR_II.shank_com**2
 
 
-def shipped_leg() -> LegDesign:
-    """Returns Table 2.4's column by SPEAR-II's URDF: thigh about the hip, shank about the knee; without width."""
-    robot = load("spear_ii")
-    hip, knee = (robot.model.getJointId(joint) for joint in ("hip", "knee"))
-    links = [robot.model.inertias[index] for index in (hip, knee)]
-    (thigh, shank), depths = links, [float(abs(link.lever[2])) for link in links]
-    about = [float(link.inertia[1, 1] + link.mass * depth**2) for link, depth in zip(links, depths, strict=True)]
-    hip_rotor, knee_rotor = (float(robot.model.armature[robot.index(joint)]) for joint in ("hip", "knee"))
-    return LegDesign(
-        leg_mass=thigh.mass + shank.mass,
-        thigh_mass=thigh.mass,
-        shank_mass=shank.mass,
-        thigh_inertia=about[0],
-        shank_inertia=about[1],
-        hip_inertia=hip_rotor,
-        knee_inertia=knee_rotor,
-        thigh_com=depths[0],
-        shank_com=depths[1],
-        hip_ratio=robot.gear_ratio("hip"),
-        knee_ratio=robot.gear_ratio("knee"),
-        thigh_width=float("nan"),
+def by_urdf(name: str) -> Design:
+    """Returns the numbers of a robot's URDF, of one leg, links about their centres of mass; the boom is the torso.
+
+    Args:
+        name: "spear_ii" or "q_spear".
+    """
+    base, leg, legs = {"spear_ii": ("boom_z", "", 1), "q_spear": ("pitch", "posterior_", PAIR)}[name]
+    robot = load(name)
+    torso, thigh, shank = (
+        robot.model.inertias[robot.model.getJointId(joint)] for joint in (base, f"{leg}hip", f"{leg}knee")
+    )
+    hip, knee = (float(robot.model.armature[robot.index(f"{leg}{joint}")]) / legs for joint in ("hip", "knee"))
+    top, middle, toe = (robot.frame_position(np.zeros(robot.nq), leg + part) for part in ("thigh", "shank", "toe"))
+    return Design(
+        leg_mass=(thigh.mass + shank.mass) / legs,
+        thigh_mass=thigh.mass / legs,
+        shank_mass=shank.mass / legs,
+        thigh_inertia=float(thigh.inertia[1, 1]) / legs,
+        shank_inertia=float(shank.inertia[1, 1]) / legs,
+        hip_inertia=hip,
+        knee_inertia=knee,
+        thigh_com=float(abs(thigh.lever[2])),
+        shank_com=float(abs(shank.lever[2])),
+        hip_ratio=robot.gear_ratio(f"{leg}hip"),
+        knee_ratio=robot.gear_ratio(f"{leg}knee"),
+        torso_mass=torso.mass,
+        total_mass=robot.mass,
+        torso_inertia=float(torso.inertia[1, 1]),
+        thigh_length=float(np.linalg.norm(middle - top)),
+        shank_length=float(np.linalg.norm(toe - middle)),
     )
 
 
 def shipped(quantity: str) -> float:
-    """Returns a quantity of Table 2.4 by SPEAR-II's URDF, see `shipped_leg`."""
-    return float(getattr(shipped_leg(), quantity))
+    """Returns a quantity of Table 2.4 by SPEAR-II's URDF: inertias of the thigh about the hip, shank about the knee."""
+    leg = by_urdf("spear_ii")
+    thigh, shank = leg.thigh_mass * leg.thigh_com**2, leg.shank_mass * leg.shank_com**2
+    about = replace(leg, thigh_inertia=leg.thigh_inertia + thigh, shank_inertia=leg.shank_inertia + shank)
+    return float(getattr(about, quantity))
 
 
 def shank_about_com() -> float:
     """Returns the inertia of SPEAR-II's shank about its centre of mass, in kg·m²."""
-    robot = load("spear_ii")
-    return float(robot.model.inertias[robot.model.getJointId("knee")].inertia[1, 1])
+    return by_urdf("spear_ii").shank_inertia
 
 
 def quadruped_mass() -> float:
@@ -215,12 +188,7 @@ def hip_against_leg(ratio: float) -> tuple[float, float]:
     return ratio**2 * Q_SPEAR.hip_inertia / Q_SPEAR.hip_ratio**2, straight_leg_inertia()
 
 
-def quantities() -> tuple[str, ...]:
-    """Returns the names of the rows of Table 2.4."""
-    return tuple(field.name for field in fields(LegDesign))
-
-
-def _column(robot: str) -> LegDesign:
+def _column(robot: str) -> Design:
     if robot not in DESIGNS:
         raise UnknownName("column of Table 2.4", robot, DESIGNS)
     return DESIGNS[robot]

@@ -6,19 +6,16 @@ They serve only for comparison; nothing else in this package uses a printed form
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_law import PAIR, legs_of
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.model.loading import load
-from spear_pin.model.robot import Robot
 from spear_pin.model.variants import vary
-from spear_pin.studies.audit.printed_designs import SPEAR_II
+from spear_pin.studies.audit.printed_designs import SPEAR_II, by_urdf
 from spear_pin.studies.push_test import WITH_MOTOR, equilibrium, resting_at, spear_ii
 
 ANGLE = 1.0  # rad, of the knee, hip at half of it: the toe below the hip
@@ -26,44 +23,25 @@ GRAVITY = 9.81  # m/s²
 SAMPLES, SEED = 50, 0
 
 
-def _parts(robot: Robot) -> tuple[float, float, float, Any, Any]:
-    """Returns lengths of thigh and shank, mass of the boom, and inertias of thigh and shank."""
-    boom, thigh, shank = (robot.model.inertias[robot.model.getJointId(name)] for name in ("boom_z", "hip", "knee"))
-    q = np.zeros(robot.nq)
-    hip, knee, toe = (robot.frame_position(q, name) for name in ("thigh", "shank", "toe"))
-    return float(np.linalg.norm(knee - hip)), float(np.linalg.norm(toe - knee)), boom.mass, thigh, shank
-
-
-def _along(length: float, angle: float) -> tuple[Array, Array]:
-    """Returns the configuration of the push test with equal links, and its derivative with respect to the knee."""
-    q = np.array([0.0, 2.0 * length * np.cos(0.5 * angle), 0.5 * angle, angle])
-    return q, np.array([0.0, -length * np.sin(0.5 * angle), 0.5, 1.0])
-
-
 def effective_inertia(angle: float = ANGLE) -> tuple[float, float]:
     """Returns the knee's inertia in the push test by (3.14) as printed, and corrected, in kg·m²."""
-    robot = load("spear_ii")
-    length, _, boom, thigh, shank = _parts(robot)
-    q, slope = _along(length, angle)
-    hip, knee = (robot.model.armature[robot.index(joint)] for joint in ("hip", "knee"))
-    about_hip = hip + thigh.inertia[1, 1] + thigh.mass * thigh.lever[2] ** 2
-    about_knee = knee + shank.inertia[1, 1] + shank.mass * shank.lever[2] ** 2
-    printed = about_hip * slope[2] ** 2 + about_knee + boom * slope[1] ** 2
-    return float(printed), float(slope @ robot.mass_matrix(q) @ slope)
+    leg = by_urdf("spear_ii")
+    about_hip = leg.hip_inertia + leg.thigh_inertia + leg.thigh_mass * leg.thigh_com**2
+    about_knee = leg.knee_inertia + leg.shank_inertia + leg.shank_mass * leg.shank_com**2
+    fall = leg.thigh_length * np.sin(0.5 * angle)  # of the hip for one rad more
+    printed = about_hip * 0.5**2 + about_knee + leg.torso_mass * fall**2
+    return float(printed), float(spear_ii().effective_inertia(angle))
 
 
 def gravity_torque(angle: float = ANGLE) -> tuple[float, float]:
     """Returns the weight's torque on the push test's knee by (3.15) printed, and corrected, in N·m, flexing > 0."""
-    robot = load("spear_ii")
-    length, shank_length, boom, thigh, shank = _parts(robot)
-    q, slope = _along(length, angle)
-    hip, rise = q[2], slope[1]
+    leg, hip = by_urdf("spear_ii"), 0.5 * angle
     fall = (
-        boom * rise
-        - thigh.mass * (length - abs(thigh.lever[2])) * np.sin(hip) * 0.5
-        - (thigh.mass + shank.mass) * shank_length * np.sin(hip + angle) * 1.5
+        leg.torso_mass * leg.thigh_length * np.sin(hip)
+        + leg.thigh_mass * (leg.thigh_length - leg.thigh_com) * np.sin(hip) * 0.5
+        + leg.leg_mass * leg.shank_length * np.sin(hip + angle) * 1.5
     )
-    return float(-GRAVITY * fall), float(-slope @ robot.gravity(q))
+    return float(GRAVITY * fall), float(-spear_ii().gravity(angle))
 
 
 def spring_growth(static_rest: bool = False) -> tuple[float, float]:
@@ -102,10 +80,9 @@ def independent_inputs() -> float:
 def stator_coupling(angle: float = ANGLE) -> tuple[float, float]:
     """Returns the coupling of hip and knee that (3.13) leaves out, N J of the knee's rotor, and all of it, in kg·m²."""
     robot = load("spear_ii")
-    q, _ = _along(_parts(robot)[0], angle)
-    row = robot.index("knee")
-    left_out = robot.model.rotorInertia[row] * robot.gear_ratio("knee")
-    return float(left_out), float(abs(robot.mass_matrix(q)[robot.index("hip"), row]))
+    hip, knee = robot.index("hip"), robot.index("knee")
+    left_out = robot.model.rotorInertia[knee] * robot.gear_ratio("knee")
+    return float(left_out), float(abs(robot.mass_matrix([0.0, 0.0, 0.5 * angle, angle])[hip, knee]))
 
 
 def rotor_in_mass_matrix() -> tuple[float, float]:
@@ -120,21 +97,19 @@ def rotor_in_mass_matrix() -> tuple[float, float]:
 
 def kinematics_error() -> float:
     """Returns the largest difference of (3.20) and (3.21) from forward kinematics, over random angles, in m."""
-    robot = load("spear_ii")
-    thigh, shank, *_ = _parts(robot)
-    worst = 0.0
+    robot, leg, worst = load("spear_ii"), by_urdf("spear_ii"), 0.0
     for hip, knee in np.random.default_rng(SEED).uniform(-1.5, 1.5, (SAMPLES, 2)):
         toe = robot.toe_position([0.0, 0.0, hip, knee], "toe")
-        x = shank * np.sin(knee - hip) - thigh * np.sin(hip)
-        y = thigh * np.cos(hip) + shank * np.cos(knee - hip)
+        x = leg.shank_length * np.sin(knee - hip) - leg.thigh_length * np.sin(hip)
+        y = leg.thigh_length * np.cos(hip) + leg.shank_length * np.cos(knee - hip)
         worst = max(worst, float(np.abs(toe + (x, y)).max()))
     return worst
 
 
 def crank_error() -> float:
     """Returns the largest differences of (4.1) to (4.4) from the pinned leg: angle in rad, height in m, and rates."""
-    leg = spear_ii()
-    thigh, shank, *_ = _parts(load("spear_ii"))
+    leg, design = spear_ii(), by_urdf("spear_ii")
+    thigh, shank = design.thigh_length, design.shank_length
     angles = np.linspace(0.2, 1.8, SAMPLES)
     hip = np.arctan2(shank * np.sin(angles), thigh + shank * np.cos(angles))
     height = thigh * np.cos(hip) + shank * np.cos(angles - hip)

@@ -6,7 +6,10 @@ They are this package's own. Where the source prints no number, an assumption or
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Callable
+from functools import cache, wraps
+from inspect import signature
+from typing import ParamSpec, TypeVar
 
 import numpy as np
 
@@ -42,8 +45,24 @@ BUS = 48.0  # V, of the quadruped's motors: an assumption
 KNEE, FRICTION = HoppingLaw().knee_touchdown, Contact().friction  # rad, 1: assumptions
 GAITS = ("long_stride", "least_effort", "force_lift_off")  # those at the speed of Table 5.1
 SHOWN = GAITS[0]  # unless another is asked for
+P = ParamSpec("P")
+T = TypeVar("T")
 
 
+def kept(function: Callable[P, T]) -> Callable[P, T]:
+    """Makes a function compute each answer once; an argument that is left out is the same as its default."""
+    once, parameters = cache(function), signature(function)
+
+    @wraps(function)
+    def asked(*args: P.args, **given: P.kwargs) -> T:
+        bound = parameters.bind(*args, **given)
+        bound.apply_defaults()
+        return once(*bound.args, **bound.kwargs)
+
+    return asked
+
+
+@kept
 def hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR_II.knee_ratio) -> Gait:
     """Finds SPEAR-II's hop in place; its stance torque is solved for the flight time of Section 4.2.2.
 
@@ -52,23 +71,14 @@ def hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR_II.
         friction: coefficient of friction of the ground.
         ratio: ratio of the knee's gearbox.
     """
-    return _hop(knee, friction, ratio)
-
-
-@cache
-def _hop(knee: float, friction: float, ratio: float) -> Gait:
     robot = vary(load("spear_ii", locked=["boom_x"]), knee_ratio=ratio)
     system = hopping(robot, HoppingLaw(knee_touchdown=knee), contact=Contact(friction=friction))
     return find_gait(system, ["stance_torque"], {"flight_time": FLIGHT_TIME})
 
 
+@kept
 def one_hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR_II.knee_ratio) -> Trajectory:
     """Simulates one of these hops, from touchdown to touchdown."""
-    return _one_hop(knee, friction, ratio)
-
-
-@cache
-def _one_hop(knee: float, friction: float, ratio: float) -> Trajectory:
     gait = hop(knee, friction, ratio)
     return simulate(gait.system, gait.state, progress=False)
 
@@ -107,23 +117,15 @@ def hop_energy() -> EnergyFlow:
     return energy_flow(hardware_hop().system, calm_hops())
 
 
+@kept
 def gears(static_rest: bool = False) -> tuple[GearRow, ...]:
     """Simulates the release from 10 cm without motor, and with the gear ratios of Fig. 4.6."""
-    return _gears(static_rest)
-
-
-@cache
-def _gears(static_rest: bool) -> tuple[GearRow, ...]:
     return tuple(gear_study(RATIOS, static_rest=static_rest))
 
 
+@kept
 def idling(static_rest: bool = False) -> dict[str, idle.PowerOff]:
     """Simulates the release with the motor in each state of Fig. 4.7, by label."""
-    return _idling(static_rest)
-
-
-@cache
-def _idling(static_rest: bool) -> dict[str, idle.PowerOff]:
     return {row.label: row for row in idle.power_off(static_rest=static_rest)}
 
 
@@ -142,13 +144,9 @@ def fitted(depth: float, motor_on: bool) -> Estimate:
     return identify(leg, [smoothed(trial, MovingAverage(100)) for trial in trials])
 
 
+@kept
 def bound(name: str = SHOWN) -> Gait:
     """Finds Q-SPEAR's bound at 2.5 m/s."""
-    return _bound(name)
-
-
-@cache
-def _bound(name: str) -> Gait:
     return Gait.load(name)
 
 
@@ -158,24 +156,16 @@ def strides() -> Trajectory:
     return simulate(bound().system, bound().state, 2, progress=False)
 
 
+@kept
 def stride_run(name: str = SHOWN, stiffness: float = Q_SPEAR.stiffness) -> Run:
     """Simulates a stride with latched values, with knee springs of a stiffness a leg, in N·m/rad."""
-    return _stride_run(name, stiffness)
-
-
-@cache
-def _stride_run(name: str, stiffness: float) -> Run:
     return run(sprung(bound(name).system, stiffness), bound(name).state, 1, Options(keep=True))
 
 
+@kept
 def stride(name: str = SHOWN, stiffness: float = Q_SPEAR.stiffness) -> Trajectory:
     """Returns the samples of that stride."""
-    return _stride(name, stiffness)
-
-
-@cache
-def _stride(name: str, stiffness: float) -> Trajectory:
-    return sample(sprung(bound(name).system, stiffness), _stride_run(name, stiffness))
+    return sample(sprung(bound(name).system, stiffness), stride_run(name, stiffness))
 
 
 def knee_points(stiffness: float = Q_SPEAR.stiffness, name: str = SHOWN) -> Points:

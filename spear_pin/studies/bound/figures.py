@@ -10,7 +10,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import PAIR, Leg, legs_of
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.measures.curves import Curves, Mask
+from spear_pin.gaits.measures.curves import Mask
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.virtual_constraints import value
 from spear_pin.hybrid.trajectory import Event, Trajectory
@@ -111,53 +111,45 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
 
 
 class _Stride:
-    """The first whole stride of a trajectory."""
+    """The first whole stride of a trajectory; masks are of all samples of the trajectory."""
 
     def __init__(self, gait: Gait, trajectory: Trajectory) -> None:
-        chosen = trajectory.cycle == 1
-        self.robot, self.law, self.toes = gait.system.robot, gait.system.law, trajectory.toes
-        self.system, self.legs = gait.system, legs_of(self.robot)
-        self.t, self.q, self.v, self.u = (getattr(trajectory, name)[chosen] for name in ("t", "q", "v", "u"))
-        self.force, self.phase, self.domain = (
-            trajectory.force[chosen],
-            trajectory.phase[chosen],
-            trajectory.domain[chosen],
-        )
-        begin, end = self.t[0] + INSTANT, self.t[-1] + INSTANT
+        self.system, self.robot = gait.system, gait.system.robot
+        self.trajectory, self.legs = trajectory, legs_of(self.robot)
+        self.sampled = Sampled(self.robot, trajectory)
+        self.curves = self.sampled.curves
+        begin, end = trajectory.t[self.curves.chosen][[0, -1]] + INSTANT
         self.events = [event for event in trajectory.events if begin < event.time <= end]
         happened = {event.name for event in self.events}
         if not {f"{leg.name}_{event}" for leg in self.legs for event in ("touchdown", "lift_off")} <= happened:
             raise BadValue("trajectory.events", sorted(happened), "a first stride in which both legs land and lift off")
-        self.sampled, self.chosen = Sampled(self.robot, trajectory), chosen
-        self.stride = float(self.q[-1, 0] - self.q[0, 0])
-        self.bears = {leg.name: self._bearing(leg) for leg in self.legs}
+        self.bears = {leg.name: self._in(f"{leg.name}_stance") | self._in("double") for leg in self.legs}
 
     def motion(self) -> dict[str, Any]:
         """Returns figures of the body, and of the legs as they land."""
-        landed = {leg.name: self._named(f"{leg.name}_touchdown")[0].q for leg in self.legs}
+        landed = {leg: self._named(f"{leg.name}_touchdown")[0].q for leg in self.legs}
         return {
-            "speed": self.stride / float(self.t[-1] - self.t[0]),
-            "period": float(self.t[-1] - self.t[0]),
-            "stride": self.stride,
-            "knee_at_touchdown": {leg.name: leg.side * float(landed[leg.name][leg.knee]) for leg in self.legs},
-            "leg_at_touchdown": {leg.name: float(value(leg.angle, landed[leg.name].tolist())) for leg in self.legs},
-            "pitch": self.sampled.curves.range(self.sampled.trajectory.q[:, 2]),
-            "height": self.sampled.curves.range(self.sampled.trajectory.q[:, 1]),
+            "speed": self.sampled.largest("mean_speed"),
+            "period": self.sampled.period,
+            "stride": self.sampled.stride,
+            "knee_at_touchdown": {leg.name: leg.side * float(q[leg.knee]) for leg, q in landed.items()},
+            "leg_at_touchdown": {leg.name: float(value(leg.angle, q.tolist())) for leg, q in landed.items()},
+            "pitch": self.curves.range(self.trajectory.q[:, 2]),
+            "height": self.curves.range(self.trajectory.q[:, 1]),
         }
 
     def ground(self) -> dict[str, Any]:
         """Returns ground forces, and how near the toes come to the ground."""
         names = [leg.name for leg in self.legs]
-        normal = {name: self.force[:, i, 1] for i, name in enumerate(names)}
+        normal = {name: self.trajectory.force[:, i, 1] for i, name in enumerate(names)}
         least = []
-        for i, name in enumerate(names):
-            last = self.bears[name] & (self._until(f"{name}_lift_off") <= LAST)
-            counted = self.bears[name] & ~(last if self.law.lift_off == "force" else np.zeros_like(last))
-            least.append(-self._curves(counted).peak(-self.sampled.trajectory.force[:, i, 1]))
-        heights = {leg.name: self._heights(leg) for leg in self.legs}
-        other = dict(zip(names, names[::-1], strict=True))
-        clearance = {name: _lowest(heights[name][self._aloft(name, f"{other[name]}_stance")]) for name in names}
-        flight = {name: _lowest(heights[name][self._aloft(name, "flight")]) for name in names}
+        for name in names:
+            fades = (self._until(f"{name}_lift_off") <= LAST) & (self.system.law.lift_off == "force")
+            least.append(-self.curves.among(self.bears[name] & ~fades).peak(-normal[name]))
+        clearance, flight = {}, {}
+        for leg, other in zip(self.legs, names[::-1], strict=True):
+            clearance[leg.name] = self._lowest(leg, f"{other}_stance")
+            flight[leg.name] = self._lowest(leg, "flight")
         return {
             "peak_force": dict(zip(names, self.sampled.of("peak_force").values(), strict=True)),
             "lift_off_force": {name: self._lift_off_force(name, normal[name]) for name in names},
@@ -166,9 +158,9 @@ class _Stride:
             "friction_at_impact": {
                 name: max(
                     [
-                        abs(float(event.impulse[i, 0])) / float(event.impulse[i, 1])
-                        for event in self._named(f"{name}_touchdown")
-                        if event.impulse[i, 1] > 0.0
+                        abs(float(along)) / float(upward)
+                        for along, upward in (event.impulse[i] for event in self._named(f"{name}_touchdown"))
+                        if upward > 0.0
                     ],
                     default=0.0,
                 )
@@ -181,34 +173,26 @@ class _Stride:
 
     def motors(self) -> dict[str, Any]:
         """Returns figures of the motors, and the costs."""
-        joints, costs = self.robot.actuated, ("cost_of_transport", "cost_of_transport_positive", "effort_per_distance")
-        leg_of = {column: leg.name for leg in self.legs for column in leg.motors}
+        leg_of = {self.robot.actuated[column]: leg.name for leg in self.legs for column in leg.motors}
 
         def peaks(bears: bool) -> dict[str, float]:
             return {
-                joint: self._curves(self.bears[leg_of[i]] == bears).amount(self.sampled.trajectory.u[:, i]) / PAIR
-                for i, joint in enumerate(joints)
+                joint: self.curves.among(self.bears[leg_of[joint]] == bears).amount(torque)
+                for joint, torque in self.sampled.torques.items()
             }
 
+        costs = ("cost_of_transport", "cost_of_transport_positive", "effort_per_distance")
+        totals = ("work", "positive_work", "absolute_work", "effort", *costs)
         return {
             **{name: self.sampled.of(name) for name in ("peak_torque", "rms_torque", "peak_speed")},
             "peak_torque_stance": peaks(True),
             "peak_torque_swing": peaks(False),
-            **{
-                name: self.sampled.largest(name)
-                for name in ("work", "positive_work", "absolute_work", "effort", *costs)
-            },
+            **{name: self.sampled.largest(name) for name in totals},
         }
 
-    def _curves(self, chosen: Mask) -> Curves:
-        """Returns the chosen samples of the stride."""
-        among = np.zeros_like(self.chosen)
-        among[self.chosen] = chosen
-        return self.sampled.curves.among(among)
-
-    def _bearing(self, leg: Leg) -> Mask:
-        double = np.char.startswith(self.phase, "double")
-        return np.asarray((self.phase == f"{leg.name}_stance") | double)
+    def _in(self, phase: str) -> Mask:
+        """Tells which samples are in phases with names that begin so."""
+        return np.char.startswith(self.trajectory.phase, phase)
 
     def _named(self, name: str) -> list[Event]:
         return [event for event in self.events if event.name == name]
@@ -216,28 +200,22 @@ class _Stride:
     def _until(self, name: str) -> Array:
         """Returns the time from each sample to the next event of a name, in s; infinite where none follows."""
         times = np.array([*(event.time for event in self._named(name)), np.inf])
-        return np.asarray(times[np.searchsorted(times, self.t - INSTANT)] - self.t)
+        return np.asarray(times[np.searchsorted(times, self.trajectory.t - INSTANT)] - self.trajectory.t)
 
     def _since(self, name: str) -> Array:
         times = np.array([-np.inf, *(event.time for event in self._named(name))])
-        return np.asarray(self.t - times[np.searchsorted(times, self.t + INSTANT) - 1])
+        return np.asarray(self.trajectory.t - times[np.searchsorted(times, self.trajectory.t + INSTANT) - 1])
 
-    def _aloft(self, name: str, phase: str) -> Mask:
-        """Tells which samples are in phases with names that begin so, away from the leg's own events."""
-        near = (self._until(f"{name}_touchdown") < NEAR) | (self._since(f"{name}_lift_off") < NEAR)
-        return np.char.startswith(self.phase, phase) & ~near
-
-    def _heights(self, leg: Leg) -> Array:
-        return np.array([self.system.ground.foot(self.robot, q, leg.toe)[0] for q in self.q])
+    def _lowest(self, leg: Leg, phase: str) -> float | None:
+        """Returns the lowest height of a toe in phases with names that begin so, away from the leg's own events."""
+        near = (self._until(f"{leg.name}_touchdown") < NEAR) | (self._since(f"{leg.name}_lift_off") < NEAR)
+        aloft = self.trajectory.q[self.curves.chosen & self._in(phase) & ~near]
+        return min((float(self.system.ground.foot(self.robot, q, leg.toe)[0]) for q in aloft), default=None)
 
     def _lift_off_force(self, name: str, normal: Array) -> float:
         """Returns the largest force of several lift-offs; 0 where the foot slid too briefly for a sample."""
-        found = [0.0]
+        found, one = [0.0], self.trajectory
         for event in self._named(f"{name}_lift_off"):
-            before = np.flatnonzero((self.t <= event.time + INSTANT) & (self.domain == event.domain))
+            before = np.flatnonzero(self.curves.chosen & (one.t <= event.time + INSTANT) & (one.domain == event.domain))
             found += normal[before[-1:]].tolist()
         return max(found)
-
-
-def _lowest(heights: Array) -> float | None:
-    return float(heights.min()) if len(heights) else None

@@ -36,20 +36,18 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     """
     robot = gait.system.robot
     legs = [leg for pair in pairs_of(robot) for leg in pair]
-    q, v, t = trajectory.q, trajectory.v, trajectory.t
+    q, t = trajectory.q, trajectory.t
     whole = t[(trajectory.cycle > 0) & (trajectory.cycle <= trajectory.cycles)]
     ahead, aside = _turned(q[-1, [X, Y]] - q[0, [X, Y]], q[0, YAW])
     sampled, halves = Sampled(robot, trajectory, ()), bool(gait.system.mirrored_toes)
     curves, joints = sampled.curves, {}
     for i, part in enumerate(PARTS):
-        rows, columns = [(leg.adduction, leg.hip, leg.knee)[i] for leg in legs], [leg.motors[i] for leg in legs]
+        names = [robot.actuated[leg.motors[i]] for leg in legs]
         joints[part] = {
-            "range": max(float(np.diff(curves.range(q[:, row]))[0]) for row in rows),
-            "speed": max(curves.amount(v[:, row]) for row in rows),
-            "torque": max(curves.amount(trajectory.u[:, column]) for column in columns),
-            "power": max(
-                curves.amount(trajectory.u[:, column] * v[:, row]) for column, row in zip(columns, rows, strict=True)
-            ),
+            "range": max(float(np.diff(curves.range(sampled.angles[name]))[0]) for name in names),
+            "speed": max(curves.amount(sampled.speeds[name]) for name in names),
+            "torque": max(curves.amount(sampled.torques[name]) for name in names),
+            "power": max(curves.amount(sampled.torques[name] * sampled.speeds[name]) for name in names),
         }
     across = np.stack([_turned(force[:, :2].T, yaw)[1] for force, yaw in zip(trajectory.force, q[:, YAW], strict=True)])
     normal, toes = trajectory.force[:, :, 2], range(len(trajectory.toes))
@@ -66,7 +64,7 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "aside": float(aside),
         "heading": float(q[-1, YAW] - q[0, YAW]),
         "largest_roll": curves.amount(q[:, ROLL]),
-        "slips": sum(event.name == "slip" for event in trajectory.events),
+        "slips": len(trajectory.named("slip")),
         "friction_used": sampled.largest("friction_used"),
         "friction_used_across": max(curves.ratio(across[:, i], normal[:, i], sampled.pressed) for i in toes),
         "joints": joints,

@@ -9,10 +9,9 @@ from spear_pin.errors import Infeasible, NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
-from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-from spear_pin.studies.joint_limits import excesses
+from spear_pin.studies.joint_limits import exceeded
 
 SLOWER = (1.0, 0.9, 0.8, 0.65)  # of the speed that is scaled from Q-SPEAR's, in turn: joints may not turn as fast
 
@@ -51,7 +50,7 @@ def bound_of(
                 raise
             why = str(error)
         else:
-            over = _over(gait) if request.within_limits else ""
+            over = exceeded(gait) if request.within_limits else ""
             if not over:
                 return gait
             found, why = gait, over
@@ -59,11 +58,6 @@ def bound_of(
             on_attempt(wanted, why)
     assert found is not None
     return found
-
-
-def _over(gait: Gait) -> str:
-    """Lists limits that a stride exceeds, in words; the optimiser keeps them at its nodes, but not between."""
-    return "; ".join(map(str, excesses(gait.system.robot, simulate(gait.system, gait.state, 1))))
 
 
 def springs_of(robot: Robot) -> dict[str, object]:

@@ -25,12 +25,11 @@ from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
-from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
+from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, scaled_hopping
 from spear_pin.words import number
 
 MOST = 6  # sides
 CYCLES, MOST_CYCLES = 4, 50  # of a gait that are simulated; of a motion that is shown
-FLIGHT_TIME = 0.2  # s: of SPEAR-II's hop that a spring is put into
 NUMBERS = ("stiffness", "damping", "hardening", "preload", "rest")  # of a spring, that words say
 Item = Gait | Trajectory | Robot | Spring | str | Path
 

@@ -36,37 +36,15 @@ def bound_to_explore(gait: Gait, title: str, source: str = "gait.json") -> Carri
     law, spring, robot = gait.system.law, gait.system.spring, gait.system.robot
     speed = round(mean_speed(gait), 4)
     slowest = max(SLOWEST * speed, speed - FARTHER)
-    mostly = max(20.0, abs(law.anterior_hip_torque))
+    hip, hind, fore = law.anterior_hip_torque, law.posterior_leg_touchdown, law.anterior_leg_touchdown
+    mostly = max(20.0, abs(hip))
     knobs = {
         SPEED: Knob("Mean speed", "m/s", speed, round(slowest, 2), round(speed + FARTHER, 2), 3, "own", "the gait's"),
         "virtual_stiffness": about("Knee stiffness", "N·m/rad", law.virtual_stiffness, "spring and motors of a pair"),
         "stiffness": about("the spring's part", "N·m/rad", spring.stiffness, "the motors do the rest", 0.0, 3.5),
-        "anterior_hip_torque": Knob(
-            "Anterior hip torque",
-            "N·m",
-            law.anterior_hip_torque,
-            round(law.anterior_hip_torque - mostly, 1),
-            round(law.anterior_hip_torque + mostly, 1),
-            3,
-            "own",
-            "of the pair, in stance",
-        ),
-        **{
-            f"{leg}_leg_touchdown": Knob(
-                f"{leg.capitalize()} leg at touchdown",
-                "rad",
-                angle,
-                round(angle - LEAN, 3),
-                round(angle + LEAN, 3),
-                4,
-                "own",
-                "ahead of the hip",
-            )
-            for leg, angle in (
-                ("posterior", law.posterior_leg_touchdown),
-                ("anterior", law.anterior_leg_touchdown),
-            )
-        },
+        "anterior_hip_torque": _beside("Anterior hip torque", "N·m", hip, mostly, 3, 1, "of the pair, in stance"),
+        "posterior_leg_touchdown": _beside("Posterior leg at touchdown", "rad", hind, LEAN, 4, 3, "ahead of the hip"),
+        "anterior_leg_touchdown": _beside("Anterior leg at touchdown", "rad", fore, LEAN, 4, 3, "ahead of the hip"),
         "friction": Knob(
             "Friction coefficient", "1", gait.system.contact.friction, 0.1, 1.5, 2, "assumption", "of the ground"
         ),
@@ -77,3 +55,9 @@ def bound_to_explore(gait: Gait, title: str, source: str = "gait.json") -> Carri
             label = f"{name.partition('_')[0].capitalize()} gear ratio"
             knobs[name] = Knob(label, "1", usual, low, high, 1, "source", "Tables 2.4 and 5.1")
     return Carried("bound", gait, knobs, title, {SPEED: Kept("mean_speed", SPEED_BY)}, source)
+
+
+def _beside(label: str, unit: str, value: float, farthest: float, digits: int, coarse: int, note: str) -> Knob:
+    """Returns a knob for a number of the gait within a distance of it, the ends of its range with fewer decimals."""
+    low, high = round(value - farthest, coarse), round(value + farthest, coarse)
+    return Knob(label, unit, value, low, high, digits, "own", note)

@@ -10,7 +10,6 @@ from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.result import Options, State
 from spear_pin.hybrid.run import run
 from spear_pin.studies.explore.knobs import Knobs
-from spear_pin.studies.explore.legs import Leg
 
 
 @dataclass(frozen=True)
@@ -29,18 +28,11 @@ class Engine:
 
 
 def _advance_lane(knobs: Knobs, state: State, cycles: int) -> tuple[State, int]:
-    if not cycles:
-        return state, 0
-    assert isinstance(knobs.subject, Leg)  # a gait is carried, and not followed
-    system, numbers = knobs.subject.lane(knobs.values)
-    parameters = {name: [value] for name, value in numbers.items()}
-    batch = simulate_many(system, state[0][None], state[1][None], cycles, parameters=parameters)
-    return (batch.q[0], batch.v[0]), int(batch.cycles[0])
+    found = simulate_many(knobs.system, state[0][None], state[1][None], cycles)
+    return (found.q[0], found.v[0]), int(found.cycles[0])
 
 
 def _advance_run(knobs: Knobs, state: State, cycles: int) -> tuple[State, int]:
-    if not cycles:
-        return state, 0
     result = run(knobs.system, state, cycles, Options())
     return result.state, result.cycles
 

@@ -13,7 +13,6 @@ from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.model.loading import ROBOTS
 from spear_pin.model.robot import Robot
 from spear_pin.studies.bound import summarize
-from spear_pin.studies.energetics import costs
 from spear_pin.studies.explore.carried import Carried
 from spear_pin.studies.explore.legs import RATIO
 from spear_pin.studies.explore.motion import Motion
@@ -79,23 +78,20 @@ def hop_figures(hops: Motion) -> dict[str, float | None]:
         rotor_torque_knee, the peak torque before an ideal gear; positive_work, of both motors, a hop; spring_share,
         see `spring_share`.
     """
-    trajectory = hops.trajectory
-    knee = trajectory.coordinates.index("knee")
-    torque = trajectory.u[:, trajectory.actuated.index("knee")]
-    whole = trajectory.cycles > 0
-    curves = Sampled(hops.knobs.system.robot, trajectory, ()).curves
+    trajectory, robot = hops.trajectory, hops.knobs.system.robot
+    whole, sampled = trajectory.cycles > 0, Sampled(robot, trajectory, ())
     apexes = [float(event.q[trajectory.coordinates.index("boom_z")]) for event in trajectory.named("apex")]
     stance, flight = durations(trajectory).max(axis=0).tolist() if whole else (None, None)
-    peak_torque = curves.amount(torque)
+    peak_torque = sampled.of("peak_torque")["knee"]
     return {
         "apex_height": max(apexes, default=None),
         "flight_time": flight,
         "stance_time": stance,
-        "peak_force": curves.peak(trajectory.force[:, 0, 1]),
+        "peak_force": sampled.largest("peak_force"),
         "peak_torque_knee": peak_torque,
         "rotor_torque_knee": peak_torque / hops.knobs.values[RATIO] if RATIO in hops.knobs.values else None,
-        "peak_power_knee": curves.amount(torque * trajectory.v[:, knee]),
-        "positive_work": costs(hops.knobs.system, trajectory).energy["mechanical_positive"] if whole else None,
+        "peak_power_knee": sampled.amount(sampled.torques["knee"] * sampled.speeds["knee"]),
+        "positive_work": Sampled(robot, trajectory, range(1, trajectory.cycles + 1)).positive_work if whole else None,
         "spring_share": spring_share(trajectory) if whole else None,
     }
 

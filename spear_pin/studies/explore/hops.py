@@ -91,7 +91,7 @@ def _kept(knobs: Knobs) -> Motion:
 def _ended(knobs: Knobs, engine: Engine, done: int) -> Motion:
     """Returns the last whole hops of a run that breaks off after some hops, and the reason."""
     skipped = max(0, done - SHOWN)
-    start, _ = engine.advance(knobs, knobs.subject.start, skipped)
+    start = engine.advance(knobs, knobs.subject.start, skipped)[0] if skipped else knobs.subject.start
     hops = shown(knobs, "ended", "", start, done - skipped + 1)
     hopped = f"{_counted(done)} after" if done else "during the first hop after"
     return replace(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property
 from typing import Any
 
 from spear_pin.errors import BadValue, NoGait
@@ -22,9 +22,8 @@ from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import PARAMETERS, vary
 from spear_pin.studies.explore.knobs import Knob, Knobs, Origin, Subject
-from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
+from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, scaled_hopping
 
-FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 MATERIAL = ("stiffness", "damping")  # of the spring
 RATIO, TORQUE, KNEE = "knee_ratio", "stance_torque", "knee_touchdown"
 KNOBS: Mapping[str, Knob] = {
@@ -80,13 +79,6 @@ class Leg(Subject):
         contact = Contact(friction=values["friction"])
         return hopping(robot, replace(self.law, **of_law), replace(self.spring, **of_spring), contact)
 
-    def lane(self, values: Mapping[str, float]) -> tuple[HybridSystem, dict[str, float]]:
-        """Returns a system that is compiled once, with default numbers except for the gear, and the other numbers."""
-        numbers = {name: value for name, value in values.items() if name != RATIO}
-        if self.law.hip_touchdown is not None:
-            numbers["hip_touchdown"] = self.robot.legs[0].lean(values[KNEE])
-        return self._template(values.get(RATIO)), numbers
-
     def held(self, kept: bool) -> Mapping[str, str]:
         """Returns that the stance torque keeps the flight time, if it is kept."""
         return {TORQUE: "flight_time"} if kept else {}
@@ -114,16 +106,6 @@ class Leg(Subject):
     def thorough(self) -> Sequence[Knobs]:
         """Numbers for hops with a straight and with a bent knee."""
         return tuple(self.at(knee_touchdown=angle) for angle in (1.15, 0.5))
-
-    @cached_property
-    def _template(self) -> Callable[[float | None], HybridSystem]:
-        defaults = self.at().values
-
-        @lru_cache(4)
-        def template(ratio: float | None) -> HybridSystem:
-            return self.system(defaults if ratio is None else defaults | {RATIO: ratio})
-
-        return template
 
 
 @cache

@@ -13,7 +13,7 @@ from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.gait import Gait
 from spear_pin.model.robot import Robot
 from spear_pin.studies.payoff.figures import Figures
-from spear_pin.studies.payoff.grid import Point
+from spear_pin.studies.payoff.grid import NONE, SWITCHED, Point
 from spear_pin.studies.payoff.motors import Motors
 from spear_pin.studies.payoff.searches import Search, SearchEnd, written
 
@@ -66,12 +66,14 @@ class Gaits(ABC):
         words: words for it.
         meshes: meshes of a search; see `Search`.
         finer: meshes of the search that tells how much meshes matter.
+        begins: kinds of knee in the order in which a first gait is looked for, from initial guesses.
     """
 
     kind: str
     words: Words
     meshes: tuple[int, ...]
     finer: tuple[int, ...]
+    begins: tuple[str, ...] = (NONE, SWITCHED)
 
     @abstractmethod
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:

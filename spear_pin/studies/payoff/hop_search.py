@@ -16,6 +16,7 @@ import numpy as np
 from spear_pin.errors import MissingExtra, NoGait
 from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.codesign.optimize_design import optimize_design
+from spear_pin.gaits.codesign.problem import Problem
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.leading import Way, led
 from spear_pin.gaits.measures.catalogue import described
@@ -28,7 +29,7 @@ from spear_pin.model.motor import NO_MOTORS
 from spear_pin.model.robot import Robot
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 from spear_pin.studies.payoff.grid import Point
-from spear_pin.studies.payoff.knee import tied, with_knee, with_values
+from spear_pin.studies.payoff.knee import released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, Motors
 
 TORQUE = "stance_torque"  # what is solved for the flight time
@@ -84,8 +85,8 @@ class Best(NamedTuple):
     starts: int
 
 
-def best_hop(task: Task, begun: Gait) -> Best:
-    """Finds the hop of least cost among the ends of descents from a hop and from starts around it.
+def best_hop(task: Task, begun: Sequence[Gait]) -> Best:
+    """Finds the hop of least cost among the ends of descents from some hops and from starts around them.
 
     Raises:
         MissingExtra: heyoka is not installed.
@@ -103,7 +104,7 @@ def best_hop(task: Task, begun: Gait) -> Best:
             failures.append(error.reason if isinstance(error, NoGait) else str(error))
             continue
         if low <= number(end[0].system, TORQUE) <= high:
-            found.append((*end, start is begun or _apart(task, begun, start)))
+            found.append((*end, start is begun[0] or _apart(task, begun[0], start)))
         else:
             failures.append(f"it ends with a stance torque beyond {low:.3g} to {high:.3g} N·m")
     if not found:
@@ -142,19 +143,20 @@ def _missed(design: codesign.Design) -> str:
     return f"{measure.replace('_', ' ')} is {value:.3g} instead of {worst[len(measure) + 1 :]} {bound:.3g} {unit}"
 
 
-def starts(task: Task, begun: Gait) -> Iterator[Gait]:
-    """Yields a hop, then hops on the ways from it to random numbers in the ranges, as far as these ways lead."""
-    yield begun
-    rng, now = np.random.default_rng(task.seed), {name: number(begun.system, name) for name in task.chosen}
-    for _ in range(task.starts):
-        share = rng.uniform()
+def starts(task: Task, begun: Sequence[Gait]) -> Iterator[Gait]:
+    """Yields some hops, then hops on ways from them, in turn, to random numbers in the ranges, where a way leads."""
+    yield from begun
+    rng = np.random.default_rng(task.seed)
+    for i in range(task.starts):
+        near, share = begun[i % len(begun)], rng.uniform()
+        now = {name: number(near.system, name) for name in task.chosen}
         aim = {name: value + share * (rng.uniform(*task.ranges[name]) - value) for name, value in now.items()}
 
-        def solve(reach: float, last: Gait, aim: Mapping[str, float] = aim) -> Gait:
+        def solve(reach: float, last: Gait, now: Mapping[str, float] = now, aim: Mapping[str, float] = aim) -> Gait:
             values = {name: value + reach * (aim[name] - value) for name, value in now.items()}
             return _hop(with_values(last.system, values), last, task.flight_time)
 
-        way = _led(solve, begun)
+        way = _led(solve, near)
         if way.done:
             yield way.end
 
@@ -198,33 +200,46 @@ def descended(task: Task, start: Gait, *, wary: bool = False) -> tuple[Gait, cod
 
 
 def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, codesign.Design]:
-    """Leads a hop down; `loaded` is the margin of the toe's load that is kept."""
-    system = start.system
+    """Leads a hop down; `loaded` is the margin of the toe's load that is kept. Within limits its spring releases."""
+    wanted = problem(task, start.system, loaded)
+    design = optimize_design(
+        replace(start, system=tied(start.system)),
+        wanted.minimize,
+        wanted.over,
+        wanted.keep,
+        vary=wanted.vary,
+        at_most=wanted.at_most,
+        at_least=wanted.at_least,
+        motors=wanted.motors,
+        assuming=(),
+        tolerance=task.tolerance,
+    )
+    values = {name: number(design.gait.system, name) for name in wanted.names}
+    system = released(start.system) if design.missed <= MISSED else start.system
+    return gait_beside(with_values(system, values), design.gait.state, wanted.vary, wanted.keep), design
+
+
+def problem(task: Task, system: HybridSystem, loaded: str = LANDED) -> Problem:
+    """Returns what a descent minimises, and within which bounds.
+
+    Args:
+        task: what to minimise.
+        system: the hop at the beginning, whose numbers are within their ranges or widen these.
+        loaded: margin of the toe's load that is kept.
+    """
     at_most, at_least = limits(system.robot, task.motors)
     at_least[loaded] = TREAD * system.robot.weight
     if system.spring.rest is None:
         at_least["deflection_knee"] = TAUT
     drives = NO_MOTORS if task.motors is None else {part: getattr(task.motors, part) for part in PARTS}
-    keep, over = {"flight_time": task.flight_time}, dict[str, tuple[float, float]]()
+    over = dict[str, tuple[float, float]]()
     for name in task.chosen:
         (least, most), value = task.ranges[name], number(system, name)
         if name == "stiffness":
             least = max(least, min(LEAST * most, value))
         over[name] = min(least, value), max(most, value)
-    design = optimize_design(
-        replace(start, system=tied(system)),
-        task.measure,
-        over,
-        keep,
-        vary=[TORQUE],
-        at_most=at_most,
-        at_least=at_least,
-        motors=drives,
-        assuming=(),
-        tolerance=task.tolerance,
-    )
-    values = {name: number(design.gait.system, name) for name in (*over, TORQUE)}
-    return gait_beside(with_values(system, values), design.gait.state, [TORQUE], keep), design
+    keep = {"flight_time": task.flight_time}
+    return Problem(task.measure, over, (TORQUE,), keep, at_most, at_least, None, drives)
 
 
 def limits(robot: Robot, motors: Motors | None) -> tuple[dict[str, float], dict[str, float]]:
@@ -263,8 +278,7 @@ def led_to(point: Point, kind: str, gait: Gait) -> Gait:
     own = point.stiffness if point.stiffness is not None else spring.stiffness or law.virtual_stiffness
     if kind != point.kind:
         gait = _towards(gait, kind, 0.0, here)
-    gait = _towards(gait, point.kind, own, point.speed)
-    return replace(gait, system=with_knee(gait.system, point.kind, own, releases=True))
+    return _towards(gait, point.kind, own, point.speed)
 
 
 def _towards(begun: Gait, kind: str, stiffness: float, flight_time: float) -> Gait:
@@ -277,7 +291,7 @@ def _towards(begun: Gait, kind: str, stiffness: float, flight_time: float) -> Ga
 
     def solve(reach: float, near: Gait) -> Gait:
         own = softest + reach * (stiffness - softest)
-        system = with_knee(near.system, kind, own, releases=False)
+        system = with_knee(near.system, kind, own)
         return _hop(system, near, shortest * (flight_time / shortest) ** reach)
 
     way = _led(solve, begun)

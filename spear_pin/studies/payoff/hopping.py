@@ -35,8 +35,8 @@ USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
 TOLERANCES = {MESH: 1e-4, FINER: 1e-5}  # of the search: the relative gain that ends a descent
-# starts besides the first: of a first hop, of one whose stiffness is chosen, and of one beside a neighbour's
-COLD, FREELY, BESIDE = 12, 6, {NONE: 3, FIXED: 3, SWITCHED: 1}
+# random starts: of a first hop, of one whose stiffness is chosen, and of one beside a neighbour's
+COLD, FREELY, BESIDE = 12, 6, {NONE: 2, FIXED: 2, SWITCHED: 1}
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 RATES, TORQUES, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
 WORDS = Words(
@@ -129,24 +129,38 @@ def _held(design: codesign.Design, work: float) -> tuple[str, ...]:
     )
 
 
-def _from_cold(robot: Robot, point: Point, task: Task) -> Best:
-    """Finds the best hop near ones by SPEAR-II's scaled law.
+def _begun(robot: Robot, asked: Search) -> list[Gait]:
+    """Returns hops at the point of a search: the start's, and ones by SPEAR-II's scaled law, as far as they lead there.
 
-    The flight time of these is SPEAR-II's for the leg's size, or the wanted one.
+    The flight time of the latter is SPEAR-II's for the leg's size, or else the wanted one.
 
     Raises:
-        NoGait: near none of them is a hop within limits; the first failure is raised.
+        NoGait: there is none; the first failure is raised.
     """
-    failures = []
-    for hop in first_hops(robot, (USUAL * scale_of(robot).time, point.speed)):
+    point, start, found, failures = asked.point, asked.start, list[Gait](), list[NoGait]()
+
+    def add(kind: str, hop: Gait) -> None:
         try:
-            return best_hop(task, led_to(point, SWITCHED, hop))
+            found.append(led_to(point, kind, hop))
         except NoGait as error:
             failures.append(error)
-    raise failures[0]
+
+    if start is not None and start.gait is not None:
+        add(start.point.kind, rebuilt(Hops.kind, robot, start.gait))
+    try:
+        for hop in first_hops(robot, (USUAL * scale_of(robot).time, point.speed)):
+            add(SWITCHED, hop)
+            if found:
+                break
+    except NoGait as error:
+        failures.append(error)
+    if not found:
+        raise failures[0]
+    return found
 
 
-def _task(robot: Robot, motors: Motors | None, measure: str, asked: Search) -> Task:
+def task_of(robot: Robot, motors: Motors | None, measure: str, asked: Search) -> Task:
+    """Returns what a search minimises, where, and how far."""
     point, (mesh,) = asked.point, asked.meshes
     return Task(
         flight_time=point.speed,
@@ -166,21 +180,17 @@ class Hops(Gaits):
     words = WORDS
     meshes = (MESH,)
     finer = (FINER,)
+    begins = (SWITCHED, NONE)  # a motor that is too weak for any hop alone may do with a spring
 
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
         """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
-        task = _task(robot, motors, "electricity", asked)
-        if asked.start is None or asked.start.gait is None:
-            best = _from_cold(robot, asked.point, task)
-        else:
-            near = rebuilt(self.kind, robot, asked.start.gait)
-            best = best_hop(task, led_to(asked.point, asked.start.point.kind, near))
+        best = best_hop(task_of(robot, motors, "electricity", asked), _begun(robot, asked))
         return best.gait, figures_of(best.gait, motors, best, asked.meshes[0]), None
 
     def reference(self, robot: Robot, speed: float) -> Gait:
         """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
         asked = Search(Point(NONE, speed), None, self.meshes)
-        return _from_cold(robot, asked.point, _task(robot, None, "effort", asked)).gait
+        return best_hop(task_of(robot, None, "effort", asked), _begun(robot, asked)).gait
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
         """Returns default flight times for the robot's size."""

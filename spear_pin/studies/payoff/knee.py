@@ -51,7 +51,7 @@ def with_values(system: HybridSystem, values: Mapping[str, float]) -> HybridSyst
     return rebuilt(other, spring=replace(other.spring, rest=other.law.knee_touchdown))
 
 
-def with_knee(system: HybridSystem, kind: str, stiffness: float, *, releases: bool) -> HybridSystem:
+def with_knee(system: HybridSystem, kind: str, stiffness: float) -> HybridSystem:
     """Returns the system with another knee: a virtual spring replaces the part that the new spring lacks.
 
     The damper stays, without a spring too, because it belongs to the knee.
@@ -59,11 +59,17 @@ def with_knee(system: HybridSystem, kind: str, stiffness: float, *, releases: bo
     Args:
         system: the hop of a leg.
         kind: one of `KINDS` of `grid`.
-        stiffness: stiffness of its spring, in N·m/rad.
-        releases: whether a spring that is not fixed releases where it is slack. Else it acts both ways.
+        stiffness: stiffness of its spring, in N·m/rad. It acts both ways, see `released`.
     """
     law, spring, fixed = system.law, system.spring, kind == FIXED
     law = replace(law, virtual_stiffness=max(law.virtual_stiffness + spring.stiffness - stiffness, 0.0))
     rest = law.knee_touchdown if fixed else None
-    own = Spring(stiffness=stiffness, damping=spring.damping, rest=rest, unilateral=releases and not fixed)
+    own = Spring(stiffness=stiffness, damping=spring.damping, rest=rest, unilateral=False)
     return rebuilt(system, law=law, spring=own)
+
+
+def released(system: HybridSystem) -> HybridSystem:
+    """Returns the system whose spring, unless it is fixed, is let go where it would push."""
+    if system.spring.rest is not None:
+        return system
+    return rebuilt(system, spring=replace(system.spring, unilateral=True))

@@ -148,10 +148,11 @@ def studied(
     searcher = Searcher(gaits, fitted(robot, motors), motors, store, n_jobs, tell)
     work = _Work(searcher)
     first = gaits.first(robot, speeds)
-    bare = work.begin([Point(NONE, speed) for speed in first], [Point(SWITCHED, speed, None) for speed in first])
+    points = {kind: [Point(kind, speed, 0.0 if kind == NONE else None) for speed in first] for kind in KINDS}
+    begun = work.begin(*(points[kind] for kind in gaits.begins))
     chosen = None
     if stiffnesses is None:
-        chosen, stiffnesses = work.stiffnesses(bare)
+        chosen, stiffnesses = work.stiffnesses(begun)
     grid = Grid(speeds, tuple(stiffnesses))
     tell(f"{len(list(grid))} points, each searched about three times")
     work.fill(grid)
@@ -207,11 +208,11 @@ class _Work:
                 reasons.append(f"{words.of(found.point)}: {found.reason}")
         raise SpearError(f"there is no {words.one} to begin with: {reasons[0]}")
 
-    def stiffnesses(self, bare: SearchEnd) -> tuple[float | None, list[float]]:
+    def stiffnesses(self, begun: SearchEnd) -> tuple[float | None, list[float]]:
         """Returns the stiffness that the optimiser chooses, and those around it, or around one by the robot's size."""
-        point, found = Point(SWITCHED, bare.point.speed, None), bare
-        if bare.point != point:
-            (found,) = self.search([self.of(point, bare)])
+        point, found = Point(SWITCHED, begun.point.speed, None), begun
+        if begun.point != point:
+            (found,) = self.search([self.of(point, begun)])
         if found.figures is None:
             like = self.searcher.gaits.stiffness(self.searcher.robot)
             return None, [float(f"{step * like:.3g}") for step in STEPS]
@@ -252,8 +253,9 @@ class _Work:
         """Lists searches of a point from neighbours' best gaits, except for those that were done."""
         done = {each.key for each in self.tries.get(point, ())}
         starts = [found for near in grid.neighbours(point) if (found := self.at(near)) is not None]
-        if not starts and self.begun is not None and not any(self.at(each) for each in grid):
-            starts = [self.begun]
+        if self.begun is not None and not any(self.at(each) for each in grid):
+            begun = self.begun.point
+            starts = [self.begun] if (begun.kind, begun.speed) == (point.kind, point.speed) else []
         return [each for start in starts if (each := self.of(point, start)).key not in done]
 
     def best(self, grid: Grid) -> tuple[dict[str, SearchEnd], float]:

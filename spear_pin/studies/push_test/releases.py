@@ -10,7 +10,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
-from spear_pin.studies.push_test.motion import RTOL, move
+from spear_pin.studies.push_test.motion import RTOL, KneeMotion, move
 from spear_pin.studies.push_test.passive_knee import PassiveKnee
 from spear_pin.studies.push_test.rest import equilibrium, pushed_angle
 
@@ -19,32 +19,22 @@ RATE = 1000.0  # samples a second, as in Section 4.1.3
 
 
 @dataclass(frozen=True)
-class Release:
+class Release(KneeMotion):
     """One release.
 
     Attributes:
         t: time since the release, (n,), in s.
-        angle: θ, (n,), in rad.
-        rate: θ̇, (n,), in rad/s.
         height: height of the hip above the toe, (n,), in m.
         force: force of the ground on the toe, x and z, (n, 2), in N; where z is negative, the pin would have to pull.
         rest: angle of the static equilibrium without dry friction, in rad.
-        turns: times at which the knee stands still, in s.
-        extrema: angles at these times, in rad.
         lift_off: time at which the pinned leg begins to pull on the ground, in s; None if it never does.
-        reason: "complete", or what ended the motion (see `KneeMotion`).
     """
 
     t: Array
-    angle: Array
-    rate: Array
     height: Array
     force: Array
     rest: float
-    turns: Array
-    extrema: Array
     lift_off: float | None
-    reason: str
 
 
 @typed
@@ -75,18 +65,8 @@ def release(
     t = np.arange(round(duration * rate) + 1) / rate
     motion = move(leg, knee, initial, t, rtol=rtol)
     force = leg.ground_force(motion.angle, motion.rate, motion.acceleration).T
-    return Release(
-        t=t,
-        angle=motion.angle,
-        rate=motion.rate,
-        height=leg.hip_height(motion.angle),
-        force=force,
-        rest=equilibrium(leg, knee),
-        turns=motion.turns,
-        extrema=motion.extrema,
-        lift_off=_crossing(t, force[:, 1]),
-        reason=motion.reason,
-    )
+    height, rest = leg.hip_height(motion.angle), equilibrium(leg, knee)
+    return Release(**vars(motion), t=t, height=height, force=force, rest=rest, lift_off=_crossing(t, force[:, 1]))
 
 
 def _crossing(t: Array, force: Array) -> float | None:

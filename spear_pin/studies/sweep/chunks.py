@@ -96,9 +96,9 @@ def sweep(
         begun, guess = with_parameters(system, start["values"]), (np.array(start["q"]), np.array(start["v"]))
         job = replace(job, parts={part: getattr(begun, part) for part in PARTS}, guess=guess)
         missing = store.missing(out)
-        on_points(n - sum(store.size(n, chunk, i) for i in missing), n)
         tasks = ((i, job.take(slice(i * chunk, (i + 1) * chunk))) for i in missing)
         done = n - sum(store.size(n, chunk, i) for i in missing)
+        on_points(done, n)
         for i, rows in workers.each(_solve, tasks, n_jobs, PURPOSE):
             store.keep(out, i, rows)
             done += len(rows["reason"])

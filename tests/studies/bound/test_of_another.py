@@ -40,7 +40,7 @@ def asked(monkeypatch):
         return (TOO_FAST,) if speeds[-1] in speeds.over else ()
 
     monkeypatch.setattr("spear_pin.studies.bound.of_another.search", search)
-    monkeypatch.setattr("spear_pin.studies.bound.of_another.excesses", excesses)
+    monkeypatch.setattr("spear_pin.studies.joint_limits.excesses", excesses)
     return speeds
 
 

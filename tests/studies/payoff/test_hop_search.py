@@ -16,7 +16,7 @@ from spear_pin.studies.payoff import Motors, Point, hop_search
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.hop_search import TAUT, TREAD, Task, best_hop, descended, led_to, limits, starts
 from spear_pin.studies.payoff.hopping import ranges
-from spear_pin.studies.payoff.knee import tied, with_knee, with_values
+from spear_pin.studies.payoff.knee import released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
 
 
@@ -52,16 +52,14 @@ class TestKnee:
     @pytest.mark.parametrize(("kind", "stiffness"), [(NONE, 0.0), (SWITCHED, 20.0)])
     def test_another_one_begins_with_the_same_motion(self, hop, kind, stiffness):
         """What its spring does not do the motor does as one."""
-        plain, other = (
-            with_knee(hop.system, each, k, releases=False) for each, k in ((SWITCHED, 48.84), (kind, stiffness))
-        )
+        plain, other = (with_knee(hop.system, each, k) for each, k in ((SWITCHED, 48.84), (kind, stiffness)))
         ends = [simulate(system, hop.state).q[-1] for system in (plain, other)]
         np.testing.assert_allclose(ends[1], ends[0], atol=1e-8)
         assert other.spring.stiffness + other.law.virtual_stiffness == pytest.approx(48.84)
         assert other.spring.damping == hop.system.spring.damping
 
     def test_a_fixed_spring_rests_where_the_knee_lands(self, hop):
-        moved = with_values(with_knee(hop.system, FIXED, 30.0, releases=True), {"knee_touchdown": 0.8})
+        moved = with_values(with_knee(hop.system, FIXED, 30.0), {"knee_touchdown": 0.8})
         assert (moved.spring.rest, moved.law.knee_touchdown, moved.spring.unilateral) == (0.8, 0.8, False)
 
     @pytest.mark.extra("heyoka")
@@ -100,7 +98,7 @@ class TestWay:
     def test_stiffness_and_flight_grow_together(self, hop, passed):
         end = led_to(Point(SWITCHED, 0.3, 150.0), SWITCHED, hop)
         assert end.system.spring.stiffness == 150.0 and end.system.law.virtual_stiffness == 0.0
-        assert end.system.spring.unilateral and not any(system.spring.unilateral for system, _ in passed)
+        assert not any(system.spring.unilateral for system, _ in passed) and released(end.system).spring.unilateral
         stiffer, longer = zip(*((system.spring.stiffness, time) for system, time in passed), strict=True)
         assert len(passed) > 1 and sorted(stiffer) == list(stiffer) and sorted(longer) == list(longer)
 
@@ -128,7 +126,7 @@ class TestWay:
 class TestStarts:
     def test_the_same_seed_has_the_same_starts_within_ranges(self, start):
         chosen = ranges(start.system.robot, free=False)
-        found = [list(starts(task(start.system.robot, count=3), start)) for _ in range(2)]
+        found = [list(starts(task(start.system.robot, count=3), [start])) for _ in range(2)]
         assert len(found[0]) > 1 and found[0][0] is start
         for one, other in zip(*found, strict=True):
             assert one.system.law == other.system.law and one.durations["flight"] == pytest.approx(0.2, abs=1e-8)
@@ -158,7 +156,7 @@ class TestBest:
 
             monkeypatch.setattr(hop_search, "descended", down)
             monkeypatch.setattr(hop_search, "starts", lambda task, given: begun)
-            return best_hop(task(start.system.robot), start)
+            return best_hop(task(start.system.robot), [start])
 
         return given
 
@@ -203,6 +201,7 @@ class TestDescent:
         assert self.drawn(end, motors) == pytest.approx(design.objective, rel=1e-4)
         assert self.drawn(end, motors) < 0.9 * self.drawn(begun, motors) and design.missed < 1e-3
         assert end.durations["flight"] == pytest.approx(0.2, abs=1e-8) and end.residual < 1e-9
+        assert end.system.spring.unilateral == (kind == SWITCHED)
         assert all(low <= number(end.system, name) <= high for name, (low, high) in wanted.ranges.items())
         cycle = simulate(end.system, end.state, samples=480, progress=False)
         stance, knee = cycle.phase == "stance", end.system.robot.index("knee")

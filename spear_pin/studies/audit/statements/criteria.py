@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 Value: TypeAlias = float | tuple[float, ...]
 
@@ -86,6 +86,26 @@ def least(which: int) -> Criterion:
         return all(numbers[which] < other for i, other in enumerate(numbers) if i != which)
 
     return Criterion(f"number {which + 1} smaller than the others", holds)
+
+
+def named(said: Mapping[str, Any], printed: Value | None) -> Criterion:
+    """Makes a criterion from its name and what it takes, such as {"below": 1.0} or {"first": {"below": 1.0}}.
+
+    Args:
+        said: the name, with a number, or several.
+        printed: the number of the source, from which `near` and `about` count unless they have another.
+    """
+    ((name, given),) = said.items()
+    if name == "first":
+        return first(named(given, printed))
+    given = given if isinstance(given, tuple) else (given,)
+    from_printed = name in ("near", "about") and len(given) == 1
+    return CRITERIA[name](*(printed, *given) if from_printed else given)
+
+
+CRITERIA: dict[str, Callable[..., Criterion]] = {
+    make.__name__: make for make in (near, about, equal, below, above, between, rising, falling, least)
+}
 
 
 def _tuple(value: Value) -> tuple[float, ...]:

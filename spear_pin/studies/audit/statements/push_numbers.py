@@ -13,7 +13,6 @@ from spear_pin.studies.audit.runs import estimated, fitted, gears, idling
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, release, resting_at, spear_ii
 
 SPEED = 20.0  # rad/s, of the example in Section 4.1.5.3
-RATED = motor("spear_ii_knee").known("rated_power")  # W, Section 2.4.1
 
 
 def first_turns(static_rest: bool = False) -> tuple[float, ...]:

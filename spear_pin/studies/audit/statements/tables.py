@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from math import isnan
 from typing import TypeAlias
 
-import numpy as np
-
-from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.model.loading import load
 from spear_pin.studies.audit.printed_designs import (
-    LEGS,
-    Q_SPEAR,
     SPEAR_I,
     SPEAR_II,
-    QuadrupedDesign,
+    TABLE_2_4,
+    TABLE_5_1,
+    by_urdf,
     improvement,
-    quantities,
     reflected_rotor,
-    shank_about_com,
-    shipped_leg,
+    shipped,
 )
 from spear_pin.studies.audit.printed_estimates import COLUMNS, TABLE_4_1, TABLE_4_2, TableRow, average
 
@@ -70,6 +66,7 @@ LABELS = {
     "stiffness": ("Knee spring of a leg", "N·m/rad"),
     "speed": ("Speed", "m/s"),
 }
+MOTORS = ("hip_inertia", "knee_inertia")
 LINK_ONLY = {
     "thigh_inertia": ("Thigh, inertia, taken about its centre of mass", "kg·m²"),
     "shank_inertia": ("Shank, inertia, taken about its centre of mass", "kg·m²"),
@@ -78,49 +75,40 @@ LINK_ONLY = {
 
 def legs() -> Rows:
     """Returns Tables 2.2 and 2.4: both legs as printed, SPEAR-II by its URDF, rotors by the catalogue."""
-    leg = shipped_leg()
     rows: Rows = []
-    for name in quantities():
-        label, unit = LABELS[name]
-        joint, _, kind = name.partition("_")
-        rotors = [reflected_rotor(robot, joint) if kind == "inertia" and joint in ("hip", "knee") else None
-                  for robot in ("SPEAR-I", "SPEAR-II")]  # fmt: skip
-        of_urdf = getattr(leg, name)
-        rows.append(
-            (label, unit, getattr(SPEAR_I, name), rotors[0], getattr(SPEAR_II, name), rotors[1],
-             None if np.isnan(of_urdf) else of_urdf, improvement(name))
-        )  # fmt: skip
+    for name in TABLE_2_4:
+        one, other = (
+            (getattr(design, name), reflected_rotor(robot, name.split("_")[0]) if name in MOTORS else None)
+            for robot, design in (("SPEAR-I", SPEAR_I), ("SPEAR-II", SPEAR_II))
+        )
+        rows.append((*LABELS[name], *one, *other, _known(shipped(name)), improvement(name)))
     return rows
 
 
 def symbols() -> Rows:
     """Returns Table 3.1: its symbols, with SPEAR-II's values by its URDF."""
-    robot, leg = load("spear_ii"), shipped_leg()
-    q = np.zeros(robot.nq)
-    places = [robot.frame_position(q, name) for name in ("thigh", "shank", "toe")]
-    thigh = robot.model.inertias[robot.model.getJointId("hip")]
-    rotors = [float(robot.model.rotorInertia[robot.index(joint)]) for joint in ("hip", "knee")]
-    boom = robot.model.inertias[robot.model.getJointId("boom_z")]
+    robot, leg = load("spear_ii"), by_urdf("spear_ii")
+    hip, knee = (float(robot.model.rotorInertia[robot.index(joint)]) for joint in ("hip", "knee"))
     return [
-        ("M", "moving slider and what it carries", boom.mass, "kg", '"mass of the boom"'),
+        ("M", "moving slider and what it carries", leg.torso_mass, "kg", '"mass of the boom"'),
         ("m₁", "mass of the thigh", leg.thigh_mass, "kg", ""),
         ("m₂", "mass of the shank", leg.shank_mass, "kg", ""),
-        ("J₁", "inertia of the thigh about its centre of mass", float(thigh.inertia[1, 1]), "kg·m²", ""),
+        ("J₁", "inertia of the thigh about its centre of mass", leg.thigh_inertia, "kg·m²", ""),
         (
             "J₂",
             "inertia of the shank about its centre of mass",
-            shank_about_com(),
+            leg.shank_inertia,
             "kg·m²",
             "Table 2.4: about the knee",
         ),
-        ("J_mH", "inertia of the hip's rotor itself", rotors[0], "kg·m²", "Table 2.4: times N²"),
-        ("J_mK", "inertia of the knee's rotor itself", rotors[1], "kg·m²", "Table 2.4: times N²"),
+        ("J_mH", "inertia of the hip's rotor itself", hip, "kg·m²", "Table 2.4: times N²"),
+        ("J_mK", "inertia of the knee's rotor itself", knee, "kg·m²", "Table 2.4: times N²"),
         ("N_Knee", "gear ratio of the knee", leg.knee_ratio, "1", "exchanged with N_Hip in the table"),
         ("N_Hip", "gear ratio of the hip", leg.hip_ratio, "1", "exchanged with N_Knee in the table"),
         ("d₁", "hip to the thigh's centre of mass", leg.thigh_com, "m", ""),
         ("d₂", "knee to the shank's centre of mass", leg.shank_com, "m", ""),
-        ("l₁", "length of the thigh", float(np.linalg.norm(places[1] - places[0])), "m", "Table 5.1"),
-        ("l₂", "length of the shank", float(np.linalg.norm(places[2] - places[1])), "m", "Table 5.1"),
+        ("l₁", "length of the thigh", leg.thigh_length, "m", "Table 5.1"),
+        ("l₂", "length of the shank", leg.shank_length, "m", "Table 5.1"),
         ("θ_mHip, θ_mKnee", "angles of the rotors", None, "rad", '"rad/s²" in the table'),
     ]
 
@@ -137,41 +125,12 @@ def estimates() -> Rows:
 
 def quadruped() -> Rows:
     """Returns Table 5.1: as printed, and Q-SPEAR by its URDF."""
-    shipped, labels = shipped_quadruped(), LABELS | LINK_ONLY
-    return [
-        (*labels[field.name], getattr(Q_SPEAR, field.name), shipped[field.name]) for field in fields(QuadrupedDesign)
-    ]
+    labels, design = LABELS | LINK_ONLY, by_urdf("q_spear")
+    return [(*labels[name], printed, _known(getattr(design, name))) for name, printed in TABLE_5_1.items()]
 
 
-def shipped_quadruped() -> dict[str, float | None]:
-    """Returns Table 5.1 by Q-SPEAR's URDF, for one leg; None where the URDF gives nothing."""
-    robot = load("q_spear")
-    torso, thigh, shank = (
-        robot.model.inertias[robot.model.getJointId(name)] for name in ("pitch", "posterior_hip", "posterior_knee")
-    )
-    rows = [robot.index(f"posterior_{joint}") for joint in ("hip", "knee")]
-    q = np.zeros(robot.nq)
-    places = [robot.frame_position(q, f"posterior_{name}") for name in ("thigh", "shank", "toe")]
-    hip, knee = (float(robot.model.armature[row]) / PAIR for row in rows)
-    return {
-        "torso_mass": torso.mass,
-        "thigh_mass": thigh.mass / PAIR,
-        "shank_mass": shank.mass / PAIR,
-        "total_mass": torso.mass + LEGS / PAIR * (thigh.mass + shank.mass),
-        "torso_inertia": float(torso.inertia[1, 1]),
-        "thigh_inertia": float(thigh.inertia[1, 1]) / PAIR,
-        "shank_inertia": float(shank.inertia[1, 1]) / PAIR,
-        "hip_inertia": hip,
-        "knee_inertia": knee,
-        "knee_ratio": robot.gear_ratio("posterior_knee"),
-        "hip_ratio": robot.gear_ratio("posterior_hip"),
-        "thigh_length": float(np.linalg.norm(places[1] - places[0])),
-        "shank_length": float(np.linalg.norm(places[2] - places[1])),
-        "thigh_com": float(abs(thigh.lever[2])),
-        "shank_com": float(abs(shank.lever[2])),
-        "stiffness": None,
-        "speed": None,
-    }
+def _known(value: float) -> float | None:
+    return None if isnan(value) else value
 
 
 def _row(name: str, row: TableRow) -> tuple[Cell, ...]:
