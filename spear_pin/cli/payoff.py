@@ -23,6 +23,7 @@ from spear_pin.cli.arguments import (
 from spear_pin.cli.legs import BODY, SIDE, called, in_the_plane, one_leg, rests_on, write_leg, write_plane
 from spear_pin.cli.motors import EFFICIENCY
 from spear_pin.cli.output import aligned, progress
+from spear_pin.cli.pairs import RANGE, once, ranges
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue, SpearError, UnknownName, require
 from spear_pin.words import number
@@ -66,6 +67,14 @@ def add(commands: Commands) -> None:
         type=numbers,
         metavar="A,B,...",
         help="stiffnesses of a leg's spring, in N·m/rad (default: five around the optimum)",
+    )
+    parser.add_argument(
+        "--over",
+        type=ranges,
+        action="extend",
+        default=[],
+        metavar=RANGE,
+        help="choose these numbers, too, at each point, such as knee_motor_size=0.5:3 with the motor's mass; for hops",
     )
     motors = parser.add_argument_group(
         "motors", "by default those of the robot's TOML file, else motors of the catalogue scaled to the robot"
@@ -120,6 +129,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     drives = given_drives(arguments, robot)
     program = Program()
     given = {"speeds": speeds, "stiffnesses": arguments.stiffnesses, "drives": drives or None, "bus": arguments.bus}
+    given["over"] = once(arguments.over, "--over") or None
     own = {name: value for name, value in given.items() if value is not None} | {
         "n_jobs": arguments.workers or os.cpu_count()
     }
@@ -177,7 +187,7 @@ def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study],
     from spear_pin.gaits.collocation import casadi
     from spear_pin.studies.payoff import bounds
 
-    for option in ("body", "flight_times"):
+    for option in ("body", "flight_times", "over"):
         _only(arguments, option, "only with --leg")
     casadi()
     if arguments.robot == QUADRUPED:
@@ -213,7 +223,7 @@ def _hops(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], S
 def _only(arguments: argparse.Namespace, option: str, expected: str) -> None:
     """Refuse an option that has no place."""
     value = getattr(arguments, option)
-    if value is not None:
+    if value not in (None, []):
         raise BadValue(f"--{option.replace('_', '-')}", value, expected)
 
 
@@ -296,6 +306,7 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
         knee, hip = (most(figures.peak, part) for part in ("knee", "hip"))
         unstable = ": unstable" if figures.multiplier > 1.0 else ""
         spring = f"{figures.stiffness:.3g} N·m/rad, " if finding.point.kind != "none" else ""
+        spring += "".join(f"{name} {value:.3g}, " for name, value in figures.chosen.items())
         return (
             f"{figures.cost:.4f}, {study.gaits.energy(study.robot, figures):.3g} J:"
             f" {spring}peak knee {knee:.3g}, hip {hip:.3g} N·m,"

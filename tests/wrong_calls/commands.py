@@ -132,6 +132,7 @@ OPTIONS = {
         "--speeds": (*RISING, "1e9"),
         "--stiffnesses": RISING,
         "--flight-times": ("0.2",),
+        "--over": ("knee_motor_size=0.5:2",),
         "--body": ("1",),
         "--knee-motor --knee-ratio=15": NAME,
         "--hip-motor --hip-ratio=15": NAME,
@@ -146,6 +147,7 @@ OPTIONS = {
     },
     "payoff spear_ii": {
         "--flight-times": (*RISING, "1e9"),
+        "--over": ("", "x", "knee_motor_size", "knee_motor_size=2:3", "frequency=1:3", "knee_motor=0.5:2", "x=1:2"),
         "--speeds": ("2",),
         "--leg": ("leg",),
         "--bends": ("1",),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -41,6 +41,7 @@ class Figures:
         ledger: gap of the energy ledger over the energy that the motors draw.
         held: bounds of the search that are active at the gait, in words.
         starts: number of starts of the search that ended at this cost.
+        chosen: numbers of the robot, law or spring that a study also let the search choose, by name.
     """
 
     stiffness: float
@@ -62,6 +63,7 @@ class Figures:
     ledger: float
     held: tuple[str, ...]
     starts: int = 1
+    chosen: Mapping[str, float] = field(default_factory=dict)
 
 
 @typed

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +31,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 from spear_pin.studies.payoff.grid import Point
 from spear_pin.studies.payoff.knee import released, tied, with_knee, with_values
-from spear_pin.studies.payoff.motors import PARTS, Motors
+from spear_pin.studies.payoff.motors import PARTS, Motors, geared
 
 TORQUE = "stance_torque"  # what is solved for the flight time
 FOOTING = 0.05  # of the weight: what the law lets rest on the toe at least while the knee flexes
@@ -40,6 +41,7 @@ FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked fo
 FIRST, SHORTEST = 0.5, 0.03  # of the way to another point: the first step, and the least
 LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
 MISSED = 1e-3  # of limits, together: a hop that misses more keeps them not
+NO_RANGES: Mapping[str, tuple[float, float]] = MappingProxyType({})
 ALIKE, APART = 0.01, 0.1  # of a cost; of a range: starts nearer than that are one
 
 
@@ -227,11 +229,11 @@ def problem(task: Task, system: HybridSystem, loaded: str = LANDED) -> Problem:
         system: the hop at the beginning, whose numbers are within their ranges or widen these.
         loaded: margin of the toe's load that is kept.
     """
-    at_most, at_least = limits(system.robot, task.motors)
+    at_most, at_least = limits(system.robot, task.motors, task.ranges)
     at_least[loaded] = TREAD * system.robot.weight
     if system.spring.rest is None:
         at_least["deflection_knee"] = TAUT
-    drives = NO_MOTORS if task.motors is None else {part: getattr(task.motors, part) for part in PARTS}
+    drives = NO_MOTORS if task.motors is None else geared(task.motors, system.robot)
     over = dict[str, tuple[float, float]]()
     for name in task.chosen:
         (least, most), value = task.ranges[name], number(system, name)
@@ -242,14 +244,20 @@ def problem(task: Task, system: HybridSystem, loaded: str = LANDED) -> Problem:
     return Problem(task.measure, over, (TORQUE,), keep, at_most, at_least, None, drives)
 
 
-def limits(robot: Robot, motors: Motors | None) -> tuple[dict[str, float], dict[str, float]]:
-    """Returns upper and lower bounds of measures, by the robot's file and the motors."""
+def limits(
+    robot: Robot, motors: Motors | None, ranges: Mapping[str, tuple[float, float]] = NO_RANGES
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Returns upper and lower bounds of measures, by the robot's file and the motors.
+
+    A motor keeps its greatest speed behind the greatest ratio among `ranges`, if its gears are among them.
+    """
     at_most, at_least = dict[str, float](), dict[str, float]()
     for part in PARTS:
         own, fastest = robot.limits[part], np.inf
         if motors is not None:
             drive, at_least[f"reserve_{part}"] = getattr(motors, part), 0.0
-            fastest = (drive.motor.max_speed or np.inf) / drive.gearbox.ratio
+            _, ratio = ranges.get(f"{part}_ratio", (0.0, drive.gearbox.ratio))
+            fastest = (drive.motor.max_speed or np.inf) / ratio
         low, high = own.position
         upper = {
             "peak_torque": own.effort or np.inf,

@@ -7,17 +7,19 @@ all hops with one flight time refer to the same work.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from spear_pin.errors import NoGait
+from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch
+from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
@@ -26,8 +28,8 @@ from spear_pin.studies.hop_of_another import scaled_hopping
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
-from spear_pin.studies.payoff.hop_search import TORQUE, Best, Task, best_hop, first_hops, led_to
-from spear_pin.studies.payoff.motors import Motors
+from spear_pin.studies.payoff.hop_search import NO_RANGES, TORQUE, Best, Task, best_hop, first_hops, led_to
+from spear_pin.studies.payoff.motors import Motors, as_built
 from spear_pin.studies.payoff.searches import Search, rebuilt
 from spear_pin.studies.payoff.study import Study, studied
 
@@ -104,20 +106,33 @@ def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
     return chosen | ({"stiffness": times(STIFFNESS, stiffness)} if free else {})
 
 
-def figures_of(gait: Gait, motors: Motors, best: Best | None = None, samples: int = MESH) -> Figures:
+def figures_of(
+    gait: Gait, motors: Motors, best: Best | None = None, samples: int = MESH, over: Iterable[str] = ()
+) -> Figures:
     """Returns figures of a hop.
 
     Args:
         gait: a hop in place.
-        motors: motors that drive it.
+        motors: motors that drive it, of size 1.
         best: the search that found it, which says what holds it.
         samples: number of samples of each phase.
+        over: names of numbers that the search also chose.
     """
     robot, flight = gait.system.robot, gait.durations["flight"]
     trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
     friction, done = Sampled(robot, trajectory).largest("friction_used"), work(robot, flight)
     held, starts = ((), 1) if best is None else (_held(best.design, done), best.starts)
-    return figures(gait, motors, trajectory, work=done, speed=flight, friction=friction, held=held, starts=starts)
+    found = figures(
+        gait,
+        as_built(motors, robot),
+        trajectory,
+        work=done,
+        speed=flight,
+        friction=friction,
+        held=held,
+        starts=starts,
+    )
+    return replace(found, chosen={name: number(gait.system, name) for name in over})
 
 
 def _held(design: codesign.Design, work: float) -> tuple[str, ...]:
@@ -159,22 +174,35 @@ def _begun(robot: Robot, asked: Search) -> list[Gait]:
     return found
 
 
-def task_of(robot: Robot, motors: Motors | None, measure: str, asked: Search) -> Task:
+def task_of(
+    robot: Robot,
+    motors: Motors | None,
+    measure: str,
+    asked: Search,
+    over: Mapping[str, tuple[float, float]] = NO_RANGES,
+) -> Task:
     """Returns what a search minimises, where, and how far."""
     point, (mesh,) = asked.point, asked.meshes
     return Task(
         flight_time=point.speed,
         measure=measure,
         motors=motors,
-        ranges=ranges(robot, free=point.stiffness is None),
+        ranges={**ranges(robot, free=point.stiffness is None), **over},
         tolerance=TOLERANCES[mesh],
         starts=COLD if asked.start is None else FREELY if point.stiffness is None else BESIDE[point.kind],
         seed=int(asked.key[:8], 16),
     )
 
 
+@dataclass(frozen=True)
 class Hops(Gaits):
-    """Hops of one leg in place, found as fixed points."""
+    """Hops of one leg in place, found as fixed points.
+
+    Attributes:
+        over: least and greatest values of further numbers that are chosen at each point, such as `knee_motor_size`.
+    """
+
+    over: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     kind = "hopping"
     words = WORDS
@@ -184,8 +212,8 @@ class Hops(Gaits):
 
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
         """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
-        best = best_hop(task_of(robot, motors, "electricity", asked), _begun(robot, asked))
-        return best.gait, figures_of(best.gait, motors, best, asked.meshes[0]), None
+        best = best_hop(task_of(robot, motors, "electricity", asked, self.over), _begun(robot, asked))
+        return best.gait, figures_of(best.gait, motors, best, asked.meshes[0], self.over), None
 
     def reference(self, robot: Robot, speed: float) -> Gait:
         """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
@@ -206,16 +234,23 @@ class Hops(Gaits):
         return Spring.scaled(robot).stiffness
 
     def check(self, robot: Robot, speeds: Sequence[float]) -> None:
-        """Refuses flight times that no such gait has."""
+        """Refuses flight times that no such gait has, and numbers that cannot be chosen."""
+        system = scaled_hopping(robot)
         for flight in speeds:
-            check_wanted(scaled_hopping(robot), {"flight_time": flight})
+            check_wanted(system, {"flight_time": flight})
+        for name, bounds in self.over.items():
+            value, (low, high) = number(system, name), bounds
+            if name in ranges(robot, free=True):
+                raise BadValue("over", name, "a number other than those that each search chooses")
+            if not low <= value <= high or not low < high:
+                raise BadValue(f"over[{name!r}]", bounds, f"a range with the robot's own value in it, {value:g}")
 
     def asked(self, robot: Robot) -> Mapping[str, Any]:
         """Returns further data that tell one study from another."""
         return {
             "gait": "hop",
             "search": "descents from several starts",
-            "ranges": {name: list(ends) for name, ends in ranges(robot, free=True).items()},
+            "ranges": {name: list(ends) for name, ends in {**ranges(robot, free=True), **self.over}.items()},
         }
 
     def energy(self, robot: Robot, figures: Figures) -> float:
@@ -226,12 +261,14 @@ class Hops(Gaits):
 HOPS = Hops()
 
 
-def hops(robot: Robot, path: Path, **options: Any) -> Study:
+def hops(robot: Robot, path: Path, *, over: Mapping[str, tuple[float, float]] = NO_RANGES, **options: Any) -> Study:
     """Finds hops of least electricity without a spring, with fixed and with switchable ones.
 
     Args:
         robot: a leg with boom_x locked, as `spear_pin.monopod` cuts it, or SPEAR-II.
         path: path of the store; searches in it are not repeated.
+        over: least and greatest values of further numbers that each search chooses, such as `knee_motor_size`: with
+            the mass that its motor then has.
         **options: see `studied`; speeds are flight times, in s, by default `SHARES` of SPEAR-II's for the leg's size.
 
     Raises:
@@ -239,4 +276,4 @@ def hops(robot: Robot, path: Path, **options: Any) -> Study:
         MissingExtra: heyoka, or for several processes joblib, is not installed.
     """
     batch.require()
-    return studied(HOPS, robot, path, **options)
+    return studied(Hops(dict(over)), robot, path, **options)

@@ -8,7 +8,7 @@ from typing import Any
 
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
-from spear_pin.hybrid.parameters import changed, rebuilt, with_parameters
+from spear_pin.hybrid.parameters import changed, rebuilt, with_numbers
 from spear_pin.model.spring import Spring
 from spear_pin.studies.payoff.grid import FIXED
 
@@ -45,7 +45,7 @@ def tied(system: HybridSystem) -> HybridSystem:
 
 def with_values(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
     """Returns the system with other numbers; a spring that never releases rests where the knee lands."""
-    other = with_parameters(system, values)
+    other = with_numbers(system, values)
     if other.spring.rest is None:
         return other
     return rebuilt(other, spring=replace(other.spring, rest=other.law.knee_touchdown))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from spear_pin.errors import BadValue
-from spear_pin.model.catalogue import motor, scaled
+from spear_pin.model.catalogue import motor, scaled, sized
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.robot import Robot
-from spear_pin.model.variants import vary
+from spear_pin.model.variants import motor_size, vary
 from spear_pin.studies.design import joints_of
 from spear_pin.studies.hardware import Rig
 
@@ -106,6 +106,26 @@ def fitted(robot: Robot, motors: Motors) -> Robot:
             rotor = drive.motor.known("rotor_inertia") + drive.gearbox.inertia
             values |= {f"{part}_ratio": drive.gearbox.ratio, f"{part}_rotor": rotor}
     return vary(robot, **values)
+
+
+def geared(motors: Motors, robot: Robot) -> dict[str, Drive]:
+    """Returns the drive of each part, of a motor of size 1, behind the robot's gears."""
+    drives = {part: getattr(motors, part) for part in PARTS}
+    return {
+        part: replace(drive, gearbox=replace(drive.gearbox, ratio=robot.gear_ratio(joints_of(robot, part)[0])))
+        for part, drive in drives.items()
+    }
+
+
+def as_built(motors: Motors, robot: Robot) -> Motors:
+    """Returns motors behind the robot's gears, of the size that they have in it."""
+
+    def of(part: str, drive: Drive) -> Drive:
+        size = motor_size(robot, joints_of(robot, part)[0])
+        return drive if size == 1.0 else replace(drive, motor=sized(drive.motor, size))
+
+    drives = {part: of(part, drive) for part, drive in geared(motors, robot).items()}
+    return replace(motors, knee=drives["knee"], hip=drives["hip"])
 
 
 def own_rotors(robot: Robot) -> tuple[str, ...]:

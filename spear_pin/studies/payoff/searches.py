@@ -12,6 +12,7 @@ from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.gait import KINDS, Gait
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
+from spear_pin.model.variants import vary
 from spear_pin.studies.payoff.figures import Figures
 from spear_pin.studies.payoff.grid import Point
 from spear_pin.studies.payoff.store import digest
@@ -72,6 +73,7 @@ class SearchEnd:
 def written(gait: Gait) -> dict[str, Any]:
     """Returns the data of a gait that its robot does not give, as JSON."""
     return {
+        "varied": dict(gait.system.robot.varied),
         "law": asdict(gait.system.law),
         "spring": asdict(gait.system.spring),
         "state": [part.tolist() for part in gait.state],
@@ -89,7 +91,7 @@ def rebuilt(kind: str, robot: Robot, said: Mapping[str, Any]) -> Gait:
     spring = Spring(**{name: _tuples(value) for name, value in said["spring"].items()})
     q, v = (np.array(part, dtype=float) for part in said["state"])
     multipliers = np.array([complex(*pair) for pair in said["multipliers"]])
-    system = build(robot, law, spring)
+    system = build(vary(robot, **said["varied"]), law, spring)
     return Gait(system, (q, v), said["parameters"], said["residual"], multipliers, said["durations"])
 
 

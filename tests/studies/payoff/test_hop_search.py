@@ -46,6 +46,7 @@ class TestLimits:
         assert not [name for name in limits(robot, None)[1] if name.startswith("reserve")]
         slower = replace(motors, knee=replace(motors.knee, motor=replace(motors.knee.motor, max_speed=150.0)))
         assert limits(robot, slower)[0]["peak_speed_knee"] == 10.0
+        assert limits(robot, slower, {"knee_ratio": (8.0, 30.0)})[0]["peak_speed_knee"] == 5.0
 
 
 class TestKnee:

@@ -1,16 +1,20 @@
 """Hops of a payoff study: what they cost, what starts one knee from another, and one that is really searched."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from spear_pin import load, simulate
-from spear_pin.gaits.search import find_gait
-from spear_pin.hybrid.parameters import with_parameters
+from spear_pin import load, simulate, vary
+from spear_pin.errors import SpearError
+from spear_pin.gaits.search import find_gait, gait_beside
+from spear_pin.hybrid.parameters import with_numbers, with_parameters
+from spear_pin.model.catalogue import sized
 from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.payoff import Motors, Point, Search, answer, hops
 from spear_pin.studies.payoff.gaits import attempt
 from spear_pin.studies.payoff.grid import FIXED, SWITCHED
-from spear_pin.studies.payoff.hopping import HOPS, MESH, figures_of, ranges, work
+from spear_pin.studies.payoff.hopping import HOPS, MESH, Hops, figures_of, ranges, work
 from spear_pin.studies.payoff.motors import PARTS, known
 from spear_pin.studies.payoff.searches import rebuilt, written
 from tests.model.small_leg import small_leg
@@ -45,6 +49,36 @@ class TestFigures:
     def test_written_and_rebuilt(self, hop):
         again = rebuilt(HOPS.kind, hop.system.robot, written(hop))
         assert again.system.law == hop.system.law and again.system.spring == hop.system.spring
+
+    def test_of_another_motor(self, hop, motors):
+        """It draws what its own windings and gears make it draw, and is written with its robot."""
+        robot = vary(hop.system.robot, knee_motor_size=2.0, knee_ratio=12.0)
+        gait = gait_beside(with_numbers(hop.system, {"knee_motor_size": 2.0, "knee_ratio": 12.0}), hop.state, [], {})
+        found, flight = figures_of(gait, motors, over=["knee_motor_size"]), gait.durations["flight"]
+        other = replace(
+            motors.knee, motor=sized(motors.knee.motor, 2.0), gearbox=replace(motors.knee.gearbox, ratio=12.0)
+        )
+        cycle = simulate(gait.system, gait.state, samples=MESH)
+        drawn = sum(
+            energy_drawn(points_of(robot, cycle, part), drive) for part, drive in (("knee", other), ("hip", motors.hip))
+        )
+        assert found.cost * work(robot, flight) == pytest.approx(drawn) and found.chosen == {"knee_motor_size": 2.0}
+        again = rebuilt(HOPS.kind, hop.system.robot, written(gait)).system.robot
+        assert again.mass == pytest.approx(robot.mass) and again.mass > hop.system.robot.mass + 0.1
+
+
+@pytest.mark.parametrize(
+    ("over", "why"),
+    [
+        ({"knee_motor_size": (2.0, 3.0)}, "a range with the robot's own value in it, 1"),
+        ({"knee_motor_size": (1.0, 1.0)}, "a range with the robot's own value in it, 1"),
+        ({"frequency": (1.0, 3.0)}, "a number other than those that each search chooses"),
+        ({"knee_motor": (0.5, 3.0)}, "knee_motor_size"),
+    ],
+)
+def test_numbers_that_cannot_be_chosen(hop, over, why):
+    with pytest.raises(SpearError, match=why):
+        Hops(over).check(hop.system.robot, [0.2])
 
 
 def test_ranges_are_within_the_joints_limits(hop):
