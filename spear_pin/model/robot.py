@@ -44,7 +44,7 @@ class Robot(Shown):
 
     Attributes:
         name: name of the robot.
-        model: the `pinocchio.Model`, its armature set.
+        model: the `pinocchio.Model`, its armature set. Do not change it; `with_model` makes a robot with another.
         coordinates: nv names, in the order of v. Those of a floating joint are the velocity and the
             angular velocity of its link in the link's own frame.
         configuration: nq names, in the order of q; a floating joint has its position and its quaternion.

@@ -152,15 +152,17 @@ def _bent(
     across: Sequence[Local[T]],
     radius: float,
 ) -> Array | None:
-    """Returns the step corrected by what a trial says of the constraints' curvature; None where there is none.
+    """Returns the step corrected by what a trial says of the constraints' curvature; None where it says nothing.
 
     Without it short steps follow a curved border: Nocedal and Wright, Numerical Optimization, section 18.11.
     """
-    curved = replace(best, c=there.c - best.A @ (there.x - best.x), slopes=lambda: (best.g, best.A))
+    step = there.x - best.x
+    curved = replace(best, c=there.c - best.A @ step, slopes=lambda: (best.g, best.A))
     try:
-        return _ahead(curved, hessian, lower, upper, across, radius).s
+        bent = _ahead(curved, hessian, lower, upper, across, radius).s
     except FAILURES:
         return None
+    return None if np.allclose(bent, step, rtol=1e-3, atol=0.0) else bent
 
 
 def _plain(local: Local[T]) -> Array:

@@ -6,6 +6,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 from spear_pin.errors import BadValue, Infeasible, NoGait
@@ -67,6 +68,7 @@ class Gaits(ABC):
         meshes: meshes of a search; see `Search`.
         finer: meshes of the search that tells how much meshes matter.
         begins: kinds of knee in the order in which a first gait is looked for, from initial guesses.
+        over: least and greatest values of further numbers of the robot that are chosen at each point.
     """
 
     kind: str
@@ -74,6 +76,7 @@ class Gaits(ABC):
     meshes: tuple[int, ...]
     finer: tuple[int, ...]
     begins: tuple[str, ...] = (NONE, SWITCHED)
+    over: Mapping[str, tuple[float, float]] = MappingProxyType({})
 
     @abstractmethod
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
@@ -98,6 +101,9 @@ class Gaits(ABC):
     @abstractmethod
     def check(self, robot: Robot, speeds: Sequence[float]) -> None:
         """Refuses speeds that no such gait has."""
+
+    def suits(self, robot: Robot) -> None:  # noqa: B027 - most kinds of gait take any
+        """Refuses a robot, with its motors, with which no search can begin."""
 
     @abstractmethod
     def asked(self, robot: Robot) -> Mapping[str, Any]:

@@ -42,6 +42,7 @@ FIRST, SHORTEST = 0.5, 0.03  # of the way to another point: the first step, and 
 LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
 MISSED = 1e-3  # of limits, together: a hop that misses more keeps them not
 NO_RANGES: Mapping[str, tuple[float, float]] = MappingProxyType({})
+SAME = 1e-6  # SI: by which the state of a hop may change where its spring is let go
 ALIKE, APART = 0.01, 0.1  # of a cost; of a range: starts nearer than that are one
 
 
@@ -99,7 +100,7 @@ def best_hop(task: Task, begun: Sequence[Gait]) -> Best:
     low, high = task.ranges[TORQUE]
     for i, start in enumerate(starts(task, begun)):
         try:
-            end = descended(task, start, wary=i % 2 == 1)
+            end = descended(task, start, wary=i // len(begun) % 2 == 1)
         except MissingExtra:
             raise
         except REFUSALS as error:
@@ -218,7 +219,10 @@ def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, codesign.Design]:
     )
     values = {name: number(design.gait.system, name) for name in wanted.names}
     system = released(start.system) if design.missed <= MISSED else start.system
-    return gait_beside(with_values(system, values), design.gait.state, wanted.vary, wanted.keep), design
+    gait = gait_beside(with_values(system, values), design.gait.state, wanted.vary, wanted.keep)
+    if max(float(np.abs(ours - its).max()) for ours, its in zip(gait.state, design.gait.state, strict=True)) > SAME:
+        raise NoGait("the spring is slack in stance", gait.residual)
+    return gait, design
 
 
 def problem(task: Task, system: HybridSystem, loaded: str = LANDED) -> Problem:

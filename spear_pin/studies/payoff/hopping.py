@@ -12,7 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from spear_pin.errors import BadValue, NoGait
+from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
@@ -24,6 +24,7 @@ from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
+from spear_pin.model.variants import parameters_of, value_of, vary
 from spear_pin.studies.hop_of_another import scaled_hopping
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
@@ -107,7 +108,12 @@ def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
 
 
 def figures_of(
-    gait: Gait, motors: Motors, best: Best | None = None, samples: int = MESH, over: Iterable[str] = ()
+    gait: Gait,
+    motors: Motors,
+    best: Best | None = None,
+    samples: int = MESH,
+    over: Iterable[str] = (),
+    own: Robot | None = None,
 ) -> Figures:
     """Returns figures of a hop.
 
@@ -117,10 +123,11 @@ def figures_of(
         best: the search that found it, which says what holds it.
         samples: number of samples of each phase.
         over: names of numbers that the search also chose.
+        own: robot to whose work the cost refers, for any motor; by default the hop's.
     """
     robot, flight = gait.system.robot, gait.durations["flight"]
     trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
-    friction, done = Sampled(robot, trajectory).largest("friction_used"), work(robot, flight)
+    friction, done = Sampled(robot, trajectory).largest("friction_used"), work(own or robot, flight)
     held, starts = ((), 1) if best is None else (_held(best.design, done), best.starts)
     found = figures(
         gait,
@@ -145,27 +152,28 @@ def _held(design: codesign.Design, work: float) -> tuple[str, ...]:
 
 
 def _begun(robot: Robot, asked: Search) -> list[Gait]:
-    """Returns hops at the point of a search: the start's, and ones by SPEAR-II's scaled law, as far as they lead there.
+    """Returns hops at the point of a search: the start's, and those by SPEAR-II's scaled law that lead there.
 
-    The flight time of the latter is SPEAR-II's for the leg's size, or else the wanted one.
+    Beside the start's it is one of the latter. Their flight time is SPEAR-II's for the leg's size, or the wanted one.
 
     Raises:
         NoGait: there is none; the first failure is raised.
     """
     point, start, found, failures = asked.point, asked.start, list[Gait](), list[NoGait]()
 
-    def add(kind: str, hop: Gait) -> None:
+    def leads(kind: str, hop: Gait) -> bool:
         try:
             found.append(led_to(point, kind, hop))
         except NoGait as error:
             failures.append(error)
+            return False
+        return True
 
     if start is not None and start.gait is not None:
-        add(start.point.kind, rebuilt(Hops.kind, robot, start.gait))
+        leads(start.point.kind, rebuilt(Hops.kind, robot, start.gait))
     try:
         for hop in first_hops(robot, (USUAL * scale_of(robot).time, point.speed)):
-            add(SWITCHED, hop)
-            if found:
+            if leads(SWITCHED, hop) and start is not None:
                 break
     except NoGait as error:
         failures.append(error)
@@ -213,7 +221,7 @@ class Hops(Gaits):
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
         """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
         best = best_hop(task_of(robot, motors, "electricity", asked, self.over), _begun(robot, asked))
-        return best.gait, figures_of(best.gait, motors, best, asked.meshes[0], self.over), None
+        return best.gait, figures_of(best.gait, motors, best, asked.meshes[0], self.over, robot), None
 
     def reference(self, robot: Robot, speed: float) -> Gait:
         """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
@@ -238,18 +246,26 @@ class Hops(Gaits):
         system = scaled_hopping(robot)
         for flight in speeds:
             check_wanted(system, {"flight_time": flight})
-        for name, bounds in self.over.items():
-            value, (low, high) = number(system, name), bounds
-            if name in ranges(robot, free=True):
-                raise BadValue("over", name, "a number other than those that each search chooses")
-            if not low <= value <= high or not low < high:
-                raise BadValue(f"over[{name!r}]", bounds, f"a range with the robot's own value in it, {value:g}")
+        for name, ends in self.over.items():
+            if name not in parameters_of(robot):
+                raise UnknownName("parameter of the robot", name, parameters_of(robot))
+            if len(ends) != 2 or not ends[0] < ends[1]:
+                raise BadValue(f"over[{name!r}]", ends, "a least and a greatest value")
+            for end in ends:
+                vary(robot, **{name: end})  # its error says what is valid
+
+    def suits(self, robot: Robot) -> None:
+        """Refuses ranges without the number of a robot with its motors, with which a search begins."""
+        for name, (low, high) in self.over.items():
+            value = value_of(robot, name)
+            if not low <= value <= high:
+                raise BadValue(f"over[{name!r}]", (low, high), f"a range with the robot's own value in it, {value:g}")
 
     def asked(self, robot: Robot) -> Mapping[str, Any]:
         """Returns further data that tell one study from another."""
         return {
             "gait": "hop",
-            "search": "descents from several starts",
+            "search": "descents from several starts, with springs held taut",
             "ranges": {name: list(ends) for name, ends in {**ranges(robot, free=True), **self.over}.items()},
         }
 
@@ -267,8 +283,9 @@ def hops(robot: Robot, path: Path, *, over: Mapping[str, tuple[float, float]] = 
     Args:
         robot: a leg with boom_x locked, as `spear_pin.monopod` cuts it, or SPEAR-II.
         path: path of the store; searches in it are not repeated.
-        over: least and greatest values of further numbers that each search chooses, such as `knee_motor_size`: with
-            the mass that its motor then has.
+        over: least and greatest values of further numbers of the robot that each search chooses, such as
+            `knee_motor_size`, with the mass of that motor. With ratios a motor keeps its greatest speed behind the
+            greatest one. Costs refer to the work of the robot as it is.
         **options: see `studied`; speeds are flight times, in s, by default `SHARES` of SPEAR-II's for the leg's size.
 
     Raises:

@@ -9,7 +9,7 @@ from spear_pin.errors import BadValue
 from spear_pin.model.catalogue import motor, scaled, sized
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.robot import Robot
-from spear_pin.model.variants import motor_size, vary
+from spear_pin.model.variants import MASS, motor_size, parameters_of, vary
 from spear_pin.studies.design import joints_of
 from spear_pin.studies.hardware import Rig
 
@@ -98,13 +98,15 @@ def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | No
 
 
 def fitted(robot: Robot, motors: Motors) -> Robot:
-    """Returns the robot with the motors' gears and rotors, except for those that its file has."""
+    """Returns the robot with the motors' gears, rotors and, where it has them, masses, except for those of its file."""
     values: dict[str, float] = {}
     for part in PARTS:
         drive: Drive = getattr(motors, part)
         if part not in motors.own:
             rotor = drive.motor.known("rotor_inertia") + drive.gearbox.inertia
             values |= {f"{part}_ratio": drive.gearbox.ratio, f"{part}_rotor": rotor}
+            if drive.motor.mass is not None and f"{part}_{MASS}" in parameters_of(robot):
+                values[f"{part}_{MASS}"] = drive.motor.mass
     return vary(robot, **values)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.motor import Drive
+from spear_pin.model.variants import MASS, SIZE
 from spear_pin.studies.design import joints_of
 from spear_pin.studies.payoff.motors import PARTS, SPARE
 from spear_pin.studies.payoff.study import Study
@@ -15,12 +16,11 @@ ALWAYS = (
         " lift-off at no cost; a fixed one rests at the knee's angle of touchdown, the only angle tried, and pulls both"
         " ways, in swing too",
     ),
-    (
-        "left out",
-        "what motors give back, neither stored nor passed to others, what electronics draw at rest, friction of gears"
-        " beyond their efficiency, the mass of other motors and of springs, and feedback: the gaits are periodic, not"
-        " all are stable by themselves",
-    ),
+)
+LEFT_OUT = (
+    "what motors give back, neither stored nor passed to others, what electronics draw at rest, friction of gears"
+    " beyond their efficiency, the mass of {} springs, and feedback: the gaits are periodic, not all are stable by"
+    " themselves"
 )
 
 
@@ -28,7 +28,9 @@ def rests_of(study: Study) -> list[tuple[str, str]]:
     """Returns the assumptions of a study, as names and texts."""
     motors = [(f"{part} motors, {study.motors.said[part]}", _motor(study, part)) for part in PARTS]
     limits = "limits of the file", "; ".join(_limits(study, part) for part in PARTS)
-    return [*motors, limits, *study.gaits.words.rests, *ALWAYS]
+    weighed = all(part in study.motors.own or f"{part}_{MASS}" in study.robot.varied for part in PARTS)
+    left = "left out", LEFT_OUT.format("" if weighed else "other motors and of").replace("  ", " ")
+    return [*motors, limits, *study.gaits.words.rests, *ALWAYS, left]
 
 
 def _motor(study: Study, part: str) -> str:
@@ -36,12 +38,13 @@ def _motor(study: Study, part: str) -> str:
     name = drive.motor.name.removesuffix(" (assumption)")
     sized = f", to bear {SPARE:g} times the rms torque of a {study.gaits.words.one} of least effort without springs"
     instead = " instead of the file's" if part in study.motors.replaced else ""
+    chosen = ", its size and mass chosen at each point" if f"{part}_{SIZE}" in study.gaits.over else ""
     rotor = f"rotor {drive.reflected_inertia:.2e} kg·m² at the joint{instead}"
     return (
         f"{name}{sized if study.motors.said[part] == 'assumed' else ''}; {drive.gearbox.ratio:g}:1, efficiency"
         f" {drive.gearbox.efficiency:g}, {drive.bus:g} V: {drive.continuous_torque:.3g} N·m for ever,"
         f" {drive.stall_torque:.3g} N·m at rest, {drive.no_load_speed:.3g} rad/s without load;"
-        f" {'the rotor of the file' if part in study.motors.own else rotor}"
+        f" {'the rotor of the file' if part in study.motors.own else rotor}{chosen}"
     )
 
 

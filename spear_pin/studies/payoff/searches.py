@@ -91,7 +91,8 @@ def rebuilt(kind: str, robot: Robot, said: Mapping[str, Any]) -> Gait:
     spring = Spring(**{name: _tuples(value) for name, value in said["spring"].items()})
     q, v = (np.array(part, dtype=float) for part in said["state"])
     multipliers = np.array([complex(*pair) for pair in said["multipliers"]])
-    system = build(vary(robot, **said["varied"]), law, spring)
+    varied = said.get("varied", robot.varied)
+    system = build(robot if varied == dict(robot.varied) else vary(robot, **varied), law, spring)
     return Gait(system, (q, v), said["parameters"], said["residual"], multipliers, said["durations"])
 
 

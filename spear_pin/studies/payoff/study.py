@@ -146,6 +146,7 @@ def studied(
     store = Store(path, asked)
     motors = motors_for(gaits, robot, drives, bus, speeds, store, tell)
     searcher = Searcher(gaits, fitted(robot, motors), motors, store, n_jobs, tell)
+    gaits.suits(searcher.robot)
     work = _Work(searcher)
     first = gaits.first(robot, speeds)
     points = {kind: [Point(kind, speed, 0.0 if kind == NONE else None) for speed in first] for kind in KINDS}
@@ -255,7 +256,9 @@ class _Work:
         starts = [found for near in grid.neighbours(point) if (found := self.at(near)) is not None]
         if self.begun is not None and not any(self.at(each) for each in grid):
             begun = self.begun.point
-            starts = [self.begun] if (begun.kind, begun.speed) == (point.kind, point.speed) else []
+            beside = [each for each in grid if (each.kind, each.speed) == (begun.kind, begun.speed)]
+            left = [each for each in beside if each not in self.tries]
+            starts = [self.begun] if point in beside or not left else []
         return [each for start in starts if (each := self.of(point, start)).key not in done]
 
     def best(self, grid: Grid) -> tuple[dict[str, SearchEnd], float]:
@@ -264,6 +267,10 @@ class _Work:
         The speed is the one at which a switchable spring costs least, among those at which most kinds have a gait.
         """
         everything = [each for point in grid if (each := self.at(point)) is not None]
+        if not everything:
+            words, reasons = self.searcher.gaits.words, [each for tries in self.tries.values() for each in tries]
+            failed = next(each for each in reasons if each.reason)
+            raise SpearError(f"no point has a {words.one}; {words.of(failed.point)}: {failed.reason}")
         kinds = {
             end.point.speed: {each.point.kind for each in everything if each.point.speed == end.point.speed}
             for end in everything

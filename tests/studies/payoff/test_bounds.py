@@ -19,8 +19,8 @@ SPEEDS, STIFFNESSES = (1.8, 2.0, 2.2), (20.0, 40.0, 60.0)
 
 @pytest.fixture
 def study(monkeypatch, tmp_path):
-    def run(stub, path=tmp_path / "store.jsonl", **options):
-        monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", Stubbed(stub))
+    def run(stub, path=tmp_path / "store.jsonl", begins=Stubbed.begins, **options):
+        monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", Stubbed(stub, begins))
         values = {"speeds": SPEEDS, "stiffnesses": STIFFNESSES, "drives": DRIVES} | options
         return front(load("q_spear"), path, **values)
 
@@ -81,6 +81,22 @@ class TestBounds:
         found = study(Stub(lambda point, start: point == hard))
         assert found.at(hard) is None and all(each.reason for each in found.tries[hard])
         assert all(found.at(point) is not None for point in found.grid if point != hard)
+
+    def test_a_first_gait_of_free_stiffness_leads_to_the_points_beside_it_or_else_to_all(self, study, tmp_path):
+        stub = Stub()
+        found = study(stub, begins=(SWITCHED,))
+        free = Point(SWITCHED, 1.8, None)
+        assert {point for point, start, _ in stub.asked if start == free} <= {
+            *(Point(SWITCHED, 1.8, stiffness) for stiffness in STIFFNESSES)
+        }
+        assert all(found.at(point) is not None for point in found.grid)
+        stub = Stub(fails=lambda point, start: point.stiffness is not None and point.speed == 1.8)
+        found = study(stub, tmp_path / "other.jsonl", begins=(SWITCHED,))
+        assert all((found.at(point) is None) == (point.speed == 1.8) for point in found.grid)
+
+    def test_no_point_of_the_grid_has_a_gait(self, study):
+        with pytest.raises(SpearError, match="no point has a bound; .*: no gait found: it is so"):
+            study(Stub(fails=lambda point, start: point.stiffness is not None), begins=(SWITCHED,))
 
     def test_a_better_gait_spreads_to_its_neighbours(self, study):
         """From the fastest speed a better branch is found, which slower ones reach from there only."""

@@ -184,6 +184,13 @@ class TestBest:
             ends(MissingExtra("heyoka", "fast", "a descent"))
 
 
+def test_a_spring_that_is_slack_on_the_way_is_told(start, monkeypatch):
+    design = SimpleNamespace(missed=0.0, gait=replace(start, state=(start.state[0], start.state[1] + 1e-3)))
+    monkeypatch.setattr(hop_search, "optimize_design", lambda *given, **named: design)
+    with pytest.raises(NoGait, match="the spring is slack in stance"):
+        descended(task(start.system.robot), replace(start, system=start.system))
+
+
 @pytest.mark.slow
 @pytest.mark.extra("heyoka")
 class TestDescent:

@@ -63,6 +63,8 @@ class TestFigures:
             energy_drawn(points_of(robot, cycle, part), drive) for part, drive in (("knee", other), ("hip", motors.hip))
         )
         assert found.cost * work(robot, flight) == pytest.approx(drawn) and found.chosen == {"knee_motor_size": 2.0}
+        at_home = figures_of(gait, motors, own=hop.system.robot)
+        assert HOPS.energy(hop.system.robot, at_home) == pytest.approx(drawn) and at_home.cost > found.cost
         again = rebuilt(HOPS.kind, hop.system.robot, written(gait)).system.robot
         assert again.mass == pytest.approx(robot.mass) and again.mass > hop.system.robot.mass + 0.1
 
@@ -71,14 +73,16 @@ class TestFigures:
     ("over", "why"),
     [
         ({"knee_motor_size": (2.0, 3.0)}, "a range with the robot's own value in it, 1"),
-        ({"knee_motor_size": (1.0, 1.0)}, "a range with the robot's own value in it, 1"),
-        ({"frequency": (1.0, 3.0)}, "a number other than those that each search chooses"),
+        ({"knee_motor_size": (1.0, 1.0)}, "a least and a greatest value"),
+        ({"knee_motor_size": (-1.0, 2.0)}, "a finite number > 0"),
+        ({"frequency": (1.0, 3.0)}, "unknown parameter of the robot 'frequency'"),
         ({"knee_motor": (0.5, 3.0)}, "knee_motor_size"),
     ],
 )
 def test_numbers_that_cannot_be_chosen(hop, over, why):
     with pytest.raises(SpearError, match=why):
         Hops(over).check(hop.system.robot, [0.2])
+        Hops(over).suits(hop.system.robot)
 
 
 def test_ranges_are_within_the_joints_limits(hop):

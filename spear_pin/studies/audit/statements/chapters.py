@@ -8,6 +8,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from spear_pin.errors import BadValue
 from spear_pin.studies import published_costs
 from spear_pin.studies.audit import printed_designs, printed_equations, printed_estimates, switch
 from spear_pin.studies.audit.prose import joined, read
@@ -32,13 +33,16 @@ def chapter(name: str) -> tuple[Statement, ...]:
 def _statement(id: str, said: dict[str, Any]) -> Statement:
     fields: dict[str, Any] = {name: _fixed(each) for name, each in said.items()}
     given = fields.pop("given", ())
-    if "study" in fields:
-        module, _, name = fields["study"].partition(".")
-        function = getattr(MODULES[module], name)
-        fields["study"] = partial(function, *given) if given else function
-    if "criterion" in fields:
-        fields["criterion"] = named(fields["criterion"], fields.get("printed"))
-    return Statement(id, **fields)
+    try:
+        if "study" in fields or given:
+            module, _, name = fields["study"].partition(".")
+            function = getattr(MODULES[module], name)
+            fields["study"] = partial(function, *given) if given else function
+        if "criterion" in fields:
+            fields["criterion"] = named(fields["criterion"], fields.get("printed"))
+        return Statement(id, **fields)
+    except (KeyError, AttributeError, TypeError, ValueError) as error:
+        raise BadValue(f"statement {id!r}", said, "fields of Statement, a study of MODULES, one criterion") from error
 
 
 def _fixed(each: Any) -> Any:
