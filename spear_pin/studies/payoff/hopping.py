@@ -39,7 +39,7 @@ SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
 TOLERANCES = {MESH: 1e-4, FINER: 1e-5}  # of the search: the relative gain that ends a descent
 # random starts: of a first hop, of one whose stiffness is chosen, and of one beside a neighbour's
-COLD, FREELY, BESIDE = 12, 6, {NONE: 2, FIXED: 2, SWITCHED: 1}
+COLD, FREELY, BESIDE = 6, 4, {NONE: 2, FIXED: 2, SWITCHED: 1}
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 RATES, TORQUES, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
 WORDS = Words(
