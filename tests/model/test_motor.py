@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.catalogue import (
-    G_CM2,
     GEARBOXES,
     MOTORS,
     VERIFICATIONS,
@@ -62,7 +61,7 @@ class TestClosedForms:
         knee = Drive(motor("ec_60_flat_100w_24v"), Gearbox(15.0), bus=24.0)
         assert knee.reflected_inertia == pytest.approx(15**2 * 1210e-7, rel=1e-12)
         assert knee.reflected_inertia == pytest.approx(0.027, abs=5e-4)  # of Table 2.4
-        geared = replace(knee, gearbox=Gearbox(15.0, inertia=17.6 * G_CM2))
+        geared = replace(knee, gearbox=Gearbox(15.0, inertia=17.6e-7))
         assert geared.reflected_inertia - knee.reflected_inertia == pytest.approx(225 * 17.6e-7, rel=1e-9)
 
     def test_the_rotor_of_the_knee_is_that_of_the_urdf(self):
