@@ -4,6 +4,7 @@ import base64
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
@@ -17,6 +18,7 @@ from spear_pin.gaits.sensitivity.many_measures import measured
 from spear_pin.hybrid.parameters import number
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
+from spear_pin.model.robot import Robot
 from spear_pin.studies.energetics import costs
 from spear_pin.studies.payoff import Motors
 from spear_pin.studies.payoff.bounding import figures_of, request
@@ -94,10 +96,12 @@ def fill_payoff(table: Table, folder: Path) -> None:
     table.add("sensitivity, with drives", gait.sensitivity(["stiffness"], motors=motors).outputs)
 
 
-def _shipped_for(robot: object, motors: Motors, search: Search) -> tuple[Gait, Figures, object]:
+def _shipped_for(robot: Robot, motors: Motors, search: Search) -> tuple[Gait, Figures, object]:
+    """The shipped gait, its cost referred to the study's robot, which has the mass of the given motors."""
     point = search.point
     gait = of_leg(point.stiffness if point.stiffness is not None else 56.0)
-    return gait, figures_of(gait, motors, request(gait.system.robot, point, motors)), SOLUTION
+    found = figures_of(gait, motors, request(gait.system.robot, point, motors))
+    return gait, replace(found, cost=found.cost * gait.system.robot.weight / robot.weight), SOLUTION
 
 
 SUBJECTS: dict[str, Callable[[Table, Path], None]] = {
