@@ -98,15 +98,16 @@ def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | No
 
 
 def fitted(robot: Robot, motors: Motors) -> Robot:
-    """Returns the robot with the motors' gears, rotors and, where it has them, masses, except for those of its file."""
+    """Returns the robot with the motors' gears and rotors, except for those of its file; given motors bring their mass."""
     values: dict[str, float] = {}
     for part in PARTS:
         drive: Drive = getattr(motors, part)
         if part not in motors.own:
             rotor = drive.motor.known("rotor_inertia") + drive.gearbox.inertia
             values |= {f"{part}_ratio": drive.gearbox.ratio, f"{part}_rotor": rotor}
-            if drive.motor.mass is not None and f"{part}_{MASS}" in parameters_of(robot):
-                values[f"{part}_{MASS}"] = drive.motor.mass
+            weighed = drive.motor.mass is not None and motors.said.get(part) != "assumed"
+            if weighed and f"{part}_{MASS}" in parameters_of(robot):
+                values[f"{part}_{MASS}"] = drive.motor.known("mass")
     return vary(robot, **values)
 
 

@@ -24,3 +24,4 @@ def test_a_given_motor_brings_its_mass():
     given = Drive(motor("ec_90_flat_260w"), Gearbox(15.0, 0.83), 48.0)
     assert fitted(robot, Motors(given, hip, own=("hip",))).mass == pytest.approx(robot.mass + 1.0 - 0.470)
     assert fitted(robot, Motors(given, hip, own=("knee", "hip"))).mass == robot.mass
+    assert fitted(robot, Motors(given, hip, {"knee": "assumed"}, ("hip",))).mass == robot.mass
