@@ -98,7 +98,7 @@ def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | No
 
 
 def fitted(robot: Robot, motors: Motors) -> Robot:
-    """Returns the robot with the motors' gears and rotors, except for those of its file; given motors bring their mass."""
+    """Returns the robot with the motors' gears and rotors but for its file's; given motors bring their mass."""
     values: dict[str, float] = {}
     for part in PARTS:
         drive: Drive = getattr(motors, part)
