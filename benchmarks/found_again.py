@@ -28,7 +28,7 @@ from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart
 from tests.gaits.sensitivity.oracle import order
 
-STEPS = (2e-3, 2e-4, 2e-5)  # of a number; the next where extrapolation is not sure, or events change to a side
+STEPS = (1e-2, 2e-3, 2e-4, 2e-5)  # of a number; the next where extrapolation is not sure, or events change to a side
 SURE = 1e-7  # of the largest derivative: how much the last extrapolation may change
 SMALL = 1e-3  # elasticity up to which an error is relative to it
 UNTOLD = ("kink", "spring_switch")  # where a toe sets out, or a spring is slack: the motion is the same without

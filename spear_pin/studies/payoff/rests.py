@@ -19,7 +19,7 @@ ALWAYS = (
 )
 LEFT_OUT = (
     "what motors give back, neither stored nor passed to others, what electronics draw at rest, friction of gears"
-    " beyond their efficiency, the mass of {} springs, and feedback: the gaits are periodic, not all are stable by"
+    " beyond their efficiency, the mass of {}springs, and feedback: the gaits are periodic, not all are stable by"
     " themselves"
 )
 
@@ -29,7 +29,7 @@ def rests_of(study: Study) -> list[tuple[str, str]]:
     motors = [(f"{part} motors, {study.motors.said[part]}", _motor(study, part)) for part in PARTS]
     limits = "limits of the file", "; ".join(_limits(study, part) for part in PARTS)
     weighed = all(part in study.motors.own or f"{part}_{MASS}" in study.robot.varied for part in PARTS)
-    left = "left out", LEFT_OUT.format("" if weighed else "other motors and of").replace("  ", " ")
+    left = "left out", LEFT_OUT.format("" if weighed else "other motors and of ")
     return [*motors, limits, *study.gaits.words.rests, *ALWAYS, left]
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from docs import make_errata
+from spear_pin.errors import BadValue
 from spear_pin.studies.audit.errata import ERRATA
 from spear_pin.studies.audit.printed_designs import SPEAR_II, TABLE_2_4
 from spear_pin.studies.audit.statements import (
@@ -29,7 +30,7 @@ from spear_pin.studies.audit.statements import (
     command_of,
 )
 from spear_pin.studies.audit.statements import criteria as c
-from spear_pin.studies.audit.statements.chapters import chapter
+from spear_pin.studies.audit.statements.chapters import chapter, statement_of
 from spear_pin.studies.audit.statements.statement import Statement
 from spear_pin.studies.audit.statements.tables import TABULATIONS
 
@@ -299,3 +300,19 @@ class TestTables:
         (table,) = TABULATIONS[5]
         for label, _, printed, of_urdf in table.rows():
             assert of_urdf is None or of_urdf == pytest.approx(printed, rel=1e-9), label
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"study": "nowhere.found"},
+        {"study": "switch.nothing"},
+        {"given": [1.0]},
+        {"criterion": {"nearly": 1.0}},
+        {"criterion": {"near": [1.0, 0.1], "below": 1.0}},
+        {"plaice": "Section 1"},
+    ],
+)
+def test_what_is_no_statement_is_named(said):
+    with pytest.raises(BadValue, match="statement 'leg-mass'"):
+        statement_of("leg-mass", {"place": "Section 1", "says": "It is so."} | said)

@@ -27,10 +27,15 @@ MODULES = {
 
 def chapter(name: str) -> tuple[Statement, ...]:
     """Returns the statements of a file, in their order."""
-    return tuple(_statement(id, said) for id, said in read(f"statements/{name}.toml").items())
+    return tuple(statement_of(id, said) for id, said in read(f"statements/{name}.toml").items())
 
 
-def _statement(id: str, said: dict[str, Any]) -> Statement:
+def statement_of(id: str, said: dict[str, Any]) -> Statement:
+    """Makes a statement from its table in a file.
+
+    Raises:
+        BadValue: the table has another field, or a study or a criterion that there is not.
+    """
     fields: dict[str, Any] = {name: _fixed(each) for name, each in said.items()}
     given = fields.pop("given", ())
     try:
