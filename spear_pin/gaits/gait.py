@@ -139,7 +139,7 @@ class Gait(Shown):
 
         Raises:
             BadValue: the file could not describe the system, because it has hardware, dry friction of joints, a rotary
-                boom, a robot that was not read from a file or was cut from one and cannot be cut again in the same way,
+                boom, a robot whose model is not that of its file or that cannot be cut from one again in the same way,
                 another change, a builder of its own under the name of another, or a limit that is not finite.
             BadFile: the file cannot be written.
         """

@@ -12,7 +12,7 @@ from spear_pin.hybrid.automaton import REPLACED, HybridSystem
 from spear_pin.hybrid.ground import PLACE
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
-from spear_pin.model.numbers import body_numbers, with_body_numbers
+from spear_pin.model.numbers import body_numbers
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.variants import PARAMETERS, parameters_of, value_of, vary
@@ -171,16 +171,10 @@ def with_numbers(system: HybridSystem, values: Mapping[str, float]) -> HybridSys
         UnknownName: nothing has a number of that name.
         BadValue: a value is not valid for its number.
     """
-    robot = system.robot
-    varied = {name: float(value) for name, value in values.items() if name in parameters_of(robot)}
-    bodies = {
-        name: float(value) for name, value in values.items() if name not in varied and name in body_numbers(robot)
-    }
-    rest = {name: value for name, value in values.items() if name not in varied and name not in bodies}
-    if varied or bodies:
-        other = vary(robot, **varied)
-        system = rebuilt(system, with_body_numbers(other, bodies) if bodies else other)
-    return with_parameters(system, rest)
+    varied = {name: float(value) for name, value in values.items() if name in numbers_of_robot(system.robot)}
+    if varied:
+        system = rebuilt(system, vary(system.robot, **varied))
+    return with_parameters(system, {name: value for name, value in values.items() if name not in varied})
 
 
 def _parts(system: HybridSystem) -> dict[str, Any]:

@@ -102,4 +102,4 @@ def on_rotary_boom(robot: Robot, boom: RotaryBoom | None = None) -> Robot:
     if robot.added is not None:
         raise BadValue("robot", robot, "one without a rotary boom")
     moving = float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]))
-    return robot.with_model(robot.model, added=Arm(boom or RotaryBoom(), robot.index(HEIGHT), moving))
+    return robot.with_model(robot.model, base=robot.base, added=Arm(boom or RotaryBoom(), robot.index(HEIGHT), moving))

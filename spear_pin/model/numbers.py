@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue
 from spear_pin.model.equations import REMEMBERED, mechanism_of
 from spear_pin.model.robot import Robot
 
@@ -33,7 +33,6 @@ UNITS: Mapping[str, str] = {
 }
 """What is said of each joint, with its unit: mass, centre of mass in the joint's frame parallel to the world at q = 0,
 inertia about it in the plane or, in space, about its axes, reflected inertia of the rotor, viscous friction."""
-POSITIVE = ("mass", "inertia", "inertia_xx", "inertia_yy", "inertia_zz", "armature", "viscous")
 AXES = "xyz"
 ROUNDING = 1e-9
 
@@ -83,32 +82,23 @@ def _of_body(body: pin.Inertia, turn: Any, planar: bool) -> dict[str, float]:
     return values | {f"inertia_{axis}{axis}": tensor[k, k] for k, axis in enumerate(AXES)}
 
 
-def with_body_numbers(robot: Robot, values: Mapping[str, float]) -> Robot:
-    """Returns a robot with other numbers of its bodies; the given one is left unchanged.
-
-    A body keeps the shape of its inertia unless a moment about one axis is given, a length its direction.
+def changed(robot: Robot, values: Mapping[str, float]) -> pin.Model:
+    """Returns a robot's model with other numbers of its bodies, which `variants.vary` has checked.
 
     Raises:
-        UnknownName: the robot has no number of a name.
-        BadValue: a value is not a finite number, or not > 0 where that is required.
+        BadValue: a body cannot have an inertia.
     """
     known = body_numbers(robot)
-    model = robot.model.copy()
+    model: pin.Model = robot.model.copy()
     for name, value in values.items():
-        if name not in known:
-            raise UnknownName("number of the robot", name, known)
         joint, what = _parts(robot, name)
-        if not np.isfinite(value) or ((what in POSITIVE or not what) and not value > 0.0):
-            raise BadValue(
-                name, value, f"a finite number{'' if what.startswith('com') else ' > 0'}, in {known[name].unit}"
-            )
         if what.startswith("inertia_"):
             _set_inertia(model, int(model.getJointId(joint)), what, name, value)
         elif what:
             _set(model, int(model.getJointId(joint)), what, value, known[name].value)
         else:
             _stretch(robot, model, name, value / known[name].value)
-    return robot.with_model(model)
+    return model
 
 
 def _unit(what: str, turns: bool) -> str:

@@ -41,8 +41,9 @@ def unsaid(robot: Robot) -> tuple[str, ...]:
     while first.cut is not None:
         first = first.cut.robot
     has = {"a robot that was no file": first.source == MODEL, "a robot with added inertia": robot.added is not None}
-    if robot.cut is not None and not any(has.values()):
-        has["a robot that cannot be cut again as it was"] = not _again(robot)
+    if not any(has.values()):
+        again = "another model than its file" if robot.cut is None else "a robot that cannot be cut again as it was"
+        has[again] = not _again(robot)
     return tuple(name for name, there in has.items() if there)
 
 
@@ -138,5 +139,5 @@ def _again(robot: Robot) -> bool:
             warnings.simplefilter("ignore", RobotWarning)
             again = robot_of(origin(robot))
     except SpearError:
-        return False
+        return robot.cut is None  # a file that is gone may come back
     return again.model == robot.model and again.cut == robot.cut

@@ -58,7 +58,8 @@ class Robot(Shown):
         dimension: number of these directions, 2 or 3.
         source: registered name or path from which the robot was loaded.
         options: arguments of `load` that were given, by name: base, motors, repair.
-        varied: parameters that differ from the source, by name (see `spear_pin.model.variants`).
+        varied: numbers that differ from the source, by name (see `spear_pin.model.variants`).
+        base: the model before numbers of bodies were changed, which is `model` if none were.
         added: inertia in addition to the model's, if there is any (see `spear_pin.model.boom`).
         cut: the robot out of which it was cut, if any (see `spear_pin.model.cut`).
         settings: settings from the TOML file in its folder, if any (see `spear_pin.model.settings`).
@@ -83,12 +84,14 @@ class Robot(Shown):
         source: str = "",
         options: Mapping[str, Any] = UNCHANGED,
         varied: Mapping[str, float] = UNCHANGED,
+        base: pin.Model | None = None,
         added: Added | None = None,
         cut: Cut | None = None,
         settings: Settings | None = None,
     ) -> None:
         self.added, self.cut, self.settings = added, cut, settings
         self.name, self.model, self.source = name, model, source or name
+        self.base = model if base is None else base
         self.options: Mapping[str, Any] = MappingProxyType(dict(options))
         self.varied: Mapping[str, float] = MappingProxyType(dict(varied))
         self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
@@ -111,7 +114,7 @@ class Robot(Shown):
         return f"Robot({printable(repr(self.name))}, {sizes}, toes={list(self.toes)}{rest})"
 
     def __reduce__(self) -> tuple[object, ...]:
-        return _rebuild, (self.model, self._arguments())
+        return _rebuild, (self.model, self._arguments() | {"base": None if self.base is self.model else self.base})
 
     def _arguments(self) -> dict[str, Any]:
         """Returns the arguments that made it, except for the model."""
@@ -119,18 +122,14 @@ class Robot(Shown):
         plain = {"options": dict(self.options), "varied": dict(self.varied)}  # which can be pickled
         return {name: getattr(self, name) for name in names} | plain
 
-    def with_model(
-        self, model: pin.Model, *, varied: Mapping[str, float] | None = None, added: Added | None = None
-    ) -> Robot:
+    def with_model(self, model: pin.Model, **others: Any) -> Robot:
         """Returns the robot with another model of the same frames.
 
         Args:
             model: the model, with its new numbers.
-            varied: numbers in which it differs from its source; by default those of this robot.
-            added: inertia in addition to the model's; by default that of this robot.
+            **others: attributes that are not those of this robot: varied, added, base. Without `base` it is `model`.
         """
-        given = {name: value for name, value in (("varied", varied), ("added", added)) if value is not None}
-        return Robot(model, **self._arguments() | given)
+        return Robot(model, **self._arguments() | others)
 
     @cached_property
     def arm(self) -> float | None:

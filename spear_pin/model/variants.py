@@ -6,7 +6,7 @@ Shipped robots have them, and robots that were cut out of others, for those have
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass
 from math import copysign
 from numbers import Real
@@ -16,13 +16,14 @@ from typing import Any, Literal
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue, RobotWarning, UnknownName
+from spear_pin.errors import BadValue, RobotWarning, UnknownName, listed
 from spear_pin.kinds import typed
 from spear_pin.model.catalogue import mass_law, motor
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.fitting import hold
 from spear_pin.model.motor import Motor
+from spear_pin.model.numbers import body_numbers, changed
 from spear_pin.model.recut import LIKE, recut
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import shipped
@@ -42,7 +43,7 @@ OWN = {"hip": motor("faulhaber_3863h024cr").known("mass"), "knee": motor("spear_
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of a robot that `vary` changes.
+    """A number that shipped robots have besides those of their bodies.
 
     Attributes:
         default: its value in the URDF of a shipped robot.
@@ -141,17 +142,19 @@ def vary(robot: Robot, **values: float) -> Robot:
     inertia is N² J. Another size of a motor multiplies its rotor's inertia and its mass as `catalogue.sized` does. A
     motor is a point on the hip's axis (assumption): the knee's moves with the thigh, the hip's with the torso or the
     slider. The masses of gears stay.
+    A body keeps the shape of its inertia unless a moment about one axis is given, a length its direction.
     Shapes that are drawn keep their size.
 
     Args:
-        robot: a shipped robot, or one that `monopod` or `sagittal` cut out of another; as it is or varied already. Of
-            a cut a rotor's inertia is that of one motor, of which a pair of legs has two.
-        **values: new values by names of `PARAMETERS`, in their units. Earlier variations are kept.
+        robot: any robot, as it is or varied already. `PARAMETERS` are of shipped robots and of those that `monopod` or
+            `sagittal` cut out of others, where a rotor's inertia is that of one motor, of which a pair of legs has two.
+        **values: new values by names of `PARAMETERS` or `numbers.body_numbers`, in their units. Earlier variations are
+            kept. Numbers of bodies are set after the others.
 
     Raises:
-        UnknownName: the robot has no parameter of that name; the text lists those that it has.
-        BadValue: a value is not a finite number > 0 (>= 0 for a rotor or friction), or the robot's model was
-            changed by other means.
+        UnknownName: the robot has no number of that name; the text lists those that it has.
+        BadValue: a value is not a finite number > 0 (>= 0 for a rotor or friction; any for a centre of mass), the
+            robot's model was changed by other means, or a parameter changes a number of a body that was set before.
 
     Example:
         >>> from spear_pin import load, vary
@@ -159,22 +162,33 @@ def vary(robot: Robot, **values: float) -> Robot:
         20.0
     """
     valid = parameters_of(robot)
+    own = {name: value for name, value in values.items() if name in valid}
     for name, value in values.items():
-        if name not in valid:
-            raise UnknownName("parameter", name, valid)
-        may_be_zero = name.endswith(("_rotor", "_damping"))  # a joint without a motor has no rotor
-        if isinstance(value, bool) or not (
-            isinstance(value, Real) and 0 <= value <= MAX_NUMBER and (value or may_be_zero)
-        ):
-            unit = PARAMETERS[name].unit
-            expected = f"a finite number {'>=' if may_be_zero else '>'} 0" + ("" if unit == "1" else f", in {unit}")
-            raise BadValue(name, value, expected)
+        if name not in own and name not in body_numbers(robot):
+            raise UnknownName("parameter", name, (*valid, *body_numbers(robot)))
+        unit = PARAMETERS[name].unit if name in own else body_numbers(robot)[name].unit
+        sign = "" if name[:-1].endswith("_com_") else " >= 0" if name.endswith(("_rotor", "_damping")) else " > 0"
+        number = isinstance(value, Real) and not isinstance(value, bool) and abs(value) <= MAX_NUMBER
+        if not number or (value < 0 and sign) or (value == 0 and sign == " > 0"):
+            raise BadValue(name, value, f"a finite number{sign}" + ("" if unit == "1" else f", in {unit}"))
     if not values:
         return robot
-    if robot.model != _model(robot, robot.varied):
-        raise BadValue("robot", robot, "one whose model only `vary` has changed since it was loaded")
     varied = {**robot.varied, **{name: float(value) for name, value in values.items()}}
-    return robot.with_model(_model(robot, varied), varied=varied)
+    bodies = {name: value for name, value in varied.items() if name not in valid}
+    base = _with_parameters(robot, own, bodies.keys() - values) if own else robot.base
+    return robot.with_model(changed(robot.with_model(base), bodies) if bodies else base, varied=varied, base=base)
+
+
+def _with_parameters(robot: Robot, values: Mapping[str, float], keep: Set[str]) -> pin.Model:
+    """Returns the model before numbers of bodies are set, with other parameters, which leave some of these numbers."""
+    if robot.base != _model(robot, robot.varied):
+        raise BadValue("robot", robot, "one whose model only `vary` has changed since it was loaded")
+    base = _model(robot, {**robot.varied, **values})
+    old, new = (body_numbers(robot.with_model(model)) for model in (robot.base, base)) if keep else ({}, {})
+    for name in sorted(keep):
+        if old[name] != new[name]:
+            raise BadValue(name, robot.varied[name], f"one given again with {listed([*values])}: that changes it, too")
+    return base
 
 
 def with_knee_motor(robot: Robot, other: Motor, **gears: float) -> Robot:
@@ -203,7 +217,7 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     else:
         model = recut(cut.kind, cut.robot, cut.legs, cut.body).model
     motors = None if cut is None else {joint: len(turns) for joint, turns in cut.angles.items()}
-    for name, value in varied.items():
+    for name, value in ((name, varied[name]) for name in parameters_of(robot) if name in varied):
         if _kind(name) is None:
             _change(model, name, value)
         elif not name.endswith(CURVED):

@@ -10,7 +10,7 @@ import pytest
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping, load, monopod, simulate, vary
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.hybrid.dry_friction import with_dry_friction
-from spear_pin.hybrid.parameters import changed, limits, parameter, with_hardware, with_parameters
+from spear_pin.hybrid.parameters import changed, limits, parameter, with_hardware, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.studies.hardware import Rig
@@ -19,6 +19,12 @@ from tests.slow import slow_but
 
 def of_a_model(robot):
     return load(robot.model, ["toe"], motors=["hip", "knee"], base="fixed")
+
+
+def heavier(robot):
+    model = robot.model.copy()
+    model.damping[0] = 1.0
+    return robot.with_model(model)
 
 
 class TestSaveAndLoad:
@@ -63,6 +69,7 @@ class TestSaveAndLoad:
             (lambda system: with_hardware(system, Rig().on(system.robot)), "hardware"),
             (lambda system: hopping(of_a_model(system.robot)), "a robot that was no file"),
             (lambda system: hopping(monopod(of_a_model(system.robot), "leg")), "a robot that was no file"),
+            (lambda system: hopping(heavier(system.robot), system.law), "another model than its file"),
             (lambda system: with_dry_friction(system, {"boom_z": 1.0}), "dry friction of joints"),
             (lambda system: hopping(on_rotary_boom(system.robot), system.law), "a robot with added inertia"),
             (lambda system: changed(system, lambda built: built), "a change of its own"),
@@ -90,6 +97,11 @@ class TestSaveAndLoad:
         with pytest.raises(BadFile, match="hop.json: is not a saved gait"):
             Gait.load(path)
         assert Gait.load(again.save(tmp_path / "again.json")).system.robot.varied == {"knee_ratio": 14.0}
+
+    def test_keeps_numbers_of_bodies(self, tmp_path, hop):
+        heavy = replace(hop, system=with_numbers(hop.system, {"knee_mass": 0.7}))
+        again = Gait.load(heavy.save(tmp_path / "hop.json")).system.robot
+        assert again.model == heavy.system.robot.model != hop.system.robot.model and again.varied == {"knee_mass": 0.7}
 
     def test_path_may_be_text(self, tmp_path, hop):
         path = hop.save(str(tmp_path / "hop.json"))

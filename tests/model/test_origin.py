@@ -13,6 +13,7 @@ from spear_pin import load, monopod, sagittal, vary
 from spear_pin.errors import BadValue, SpearError, UnknownName
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.model.legs import find_legs
+from spear_pin.model.numbers import body_numbers
 from spear_pin.model.origin import origin, robot_of, unsaid
 from spear_pin.model.variants import PARAMETERS
 from tests.model.legged import quadruped, slider
@@ -203,14 +204,17 @@ class TestVary:
         gears = ("hip_ratio", "knee_ratio", "hip_rotor", "knee_rotor")
         leg = monopod(load(write(quadruped())), "FL")
         error = refusal(UnknownName, lambda: vary(leg, torso_mass=1.0))
-        assert set(error.valid) == {*gears, "boom_damping"}
-        error = refusal(UnknownName, lambda: vary(sagittal(load("q_spear_full")), boom_damping=1.0))
-        assert set(error.valid) == {*gears, "hip_distance", "torso_mass", "torso_inertia"} < set(PARAMETERS)
+        assert set(error.valid) == {*gears, "boom_damping", *body_numbers(leg)}
+        pairs = sagittal(load("q_spear_full"))
+        error = refusal(UnknownName, lambda: vary(pairs, boom_damping=1.0))
+        own = {*gears, "hip_distance", "torso_mass", "torso_inertia"}
+        assert set(error.valid) == own | {*body_numbers(pairs)} and own < set(PARAMETERS)
 
     def test_gears_go_with_motors(self, write):
         leg = monopod(load(write(quadruped()), motors=["FL_bend"]), "FL")
         assert set(refusal(UnknownName, lambda: vary(leg, hip_ratio=2.0)).valid) == {
-            *("knee_ratio", "knee_rotor", "boom_damping")
+            *("knee_ratio", "knee_rotor", "boom_damping"),
+            *body_numbers(leg),
         }
 
     def test_model_changed_by_other_means(self):

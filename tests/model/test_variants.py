@@ -11,6 +11,7 @@ from spear_pin.errors import BadValue, RobotWarning, UnknownName
 from spear_pin.model.catalogue import mass_law, motor, sized
 from spear_pin.model.loading import load
 from spear_pin.model.monopod import monopod
+from spear_pin.model.numbers import body_numbers
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS, motor_size, vary, with_knee_motor
 
@@ -250,6 +251,20 @@ class TestPurity:
         assert steps.model == at_once.model and steps.varied == at_once.varied
         assert vary(steps, hip_distance=0.7, torso_mass=35, torso_inertia=2.1).model == robot.model
 
+    def test_numbers_of_bodies_stay_when_others_are_varied(self):
+        robot = load("q_spear_full", base="chain")
+        steps = vary(vary(robot, roll_inertia_xx=0.7), hip_spacing=0.4)
+        at_once = vary(robot, hip_spacing=0.4, roll_inertia_xx=0.7)
+        assert steps.model == at_once.model != robot.model and steps.varied == at_once.varied
+        assert vary(steps, hip_spacing=0.32).model == vary(robot, roll_inertia_xx=0.7).model
+
+    def test_a_number_that_was_set_is_not_changed_by_another(self):
+        lighter = vary(load("spear_ii"), hip_mass=0.8)
+        with pytest.raises(BadValue, match=r"hip_mass is 0\.8; expected one given again with knee_motor_mass"):
+            vary(lighter, knee_motor_mass=0.5)
+        again = vary(lighter, knee_motor_mass=0.5, hip_mass=0.9)
+        assert body_numbers(again)["hip_mass"].value == 0.9
+
     def test_nothing_to_vary(self):
         for source in ("spear_ii", "q_spear"):
             robot = load(source)
@@ -295,14 +310,18 @@ class TestRefusals:
             *("hip_distance", "torso_mass", "torso_inertia"),
             *("hip_ratio", "knee_ratio", "hip_rotor", "knee_rotor"),
             *("hip_motor_mass", "knee_motor_mass", "hip_motor_size", "knee_motor_size"),
+            *body_numbers(load("q_spear")),
         )
 
     def test_of_another_robot(self):
         """The monopod has motors, but no torso."""
-        motors = "hip_motor_mass, knee_motor_mass, hip_motor_size, knee_motor_size"
-        gears = f"hip_ratio, knee_ratio, hip_rotor, knee_rotor, {motors}, boom_damping"
-        with pytest.raises(UnknownName, match=f"^unknown parameter 'hip_distance'; valid: {gears}$"):
+        with pytest.raises(UnknownName, match="^unknown parameter 'hip_distance'; nearest of 21: ") as caught:
             vary(load("spear_ii"), hip_distance=0.9)
+        assert caught.value.valid == (
+            *("hip_ratio", "knee_ratio", "hip_rotor", "knee_rotor"),
+            *("hip_motor_mass", "knee_motor_mass", "hip_motor_size", "knee_motor_size", "boom_damping"),
+            *body_numbers(load("spear_ii")),
+        )
 
     @each_parameter
     @pytest.mark.parametrize("value", [-1, -1e-9, np.nan, np.inf, -np.inf, 1e200, 1j, "1", None, True, [1.0]])

@@ -235,7 +235,7 @@ def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
     In space masses of bodies are left out: most are of one side, and a symmetric gait has no derivative by them.
     """
     robot = system.robot
-    # a robot whose bodies are changed is not varied any more
+    # a parameter may change a number of a body that is chosen
     own = () if set(besides) & set(body_numbers(robot)) else parameters_of(robot)
     masses = [name for name in body_numbers(robot) if name.endswith("_mass") and robot.dimension == 2]
     if "torso_mass" in parameters_of(robot):  # which is that of the base's last joint
