@@ -9,16 +9,14 @@ drivetrain take some minutes; the latter print the table of docs/results/motors.
 from __future__ import annotations
 
 import argparse
-import math
 import runpy
 import subprocess
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
-import matplotlib.pyplot as plt
 import numpy as np
 
+from docs.stability import stability
 from spear_pin import (
     Gait,
     HoppingLaw,
@@ -32,13 +30,10 @@ from spear_pin import (
     sagittal,
     simulate,
 )
-from spear_pin.errors import SpearError
 from spear_pin.gaits.feedback import regulated
 from spear_pin.gaits.orbits.embedding import embedded
-from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.hardware import Sensing
-from spear_pin.hybrid.parameters import number, with_hardware, with_numbers
-from spear_pin.hybrid.periodic import chart, multipliers
+from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.basin import basin
@@ -85,10 +80,6 @@ PALETTE = "split[a][b];[a]palettegen=max_colors=64:stats_mode=diff[p];[b][p]pale
 SPEEDS = (1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5)  # m/s, of the long strides that ship
 MOTORS = ("spear_ii_knee", "ec_60_flat_100w_24v", "ec_90_flat_90w_24v", "ec_90_flat_260w")
 RATIOS = (6.0, 8.0, 10.0, 12.0, 15.0, 18.0, 22.0, 26.0, 30.0)
-NUMBERS_OF_TROT = (  # name, label, ends of the range, step
-    ("roll_inertia_xx", "roll inertia of the torso (kg·m²)", (0.2, 1.2), 0.025),
-    ("hip_spacing", "distance between left and right hips (m)", (0.2, 0.45), 0.005),
-)
 PUSHES = {"torso_x": np.linspace(-0.6, 0.6, 9), "pitch": np.linspace(-1.2, 1.2, 9)}  # m/s, rad/s
 
 
@@ -256,52 +247,8 @@ def branches() -> None:
 
 
 def stable() -> None:
-    """Write the trot's multipliers over roll inertia and hip spacing, without feedback and with that of the trot."""
-    trot = Gait.load("trot")
-    feedback = feedback_of(regulated(trot).system)
-    figure, axes = plt.subplots(1, 2, figsize=(8.0, 3.4), sharey=True, layout="constrained")
-    for ax, (name, label, ends, step) in zip(axes, NUMBERS_OF_TROT, strict=True):
-        gaits = [gait for end in ends for gait in walked(trot, name, end, step)]
-        gaits.sort(key=lambda gait: number(gait.system, name))
-        x = [number(gait.system, name) for gait in gaits]
-        free = np.array([np.sort(np.abs(gait.multipliers))[::-1] for gait in gaits])
-        held = [largest_held(gait, feedback) for gait in gaits]
-        for i, text in enumerate(("largest", "second", "third")):
-            ax.plot(x, free[:, i], label=f"{text}, without feedback")
-        ax.plot(x, held, "k--", label="largest, with the trot's own feedback")
-        ax.axhline(1.0, color="grey", lw=0.8)
-        ax.axvline(number(trot.system, name), color="grey", lw=0.8, ls=":")
-        ax.set_xlabel(label)
-        print(name, f"{x[0]:.4f} to {x[-1]:.4f}", free[0, :3], free[-1, :3], f"held {min(held):.3f} to {max(held):.3f}")
-    axes[0].set_ylabel("|multiplier| of half a stride")
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=2, fontsize="small")
-    print(plots.save_figure(figure, IMAGES / "stability.svg"))
-
-
-def walked(gait: Gait, name: str, end: float, step: float) -> list[Gait]:
-    """Returns gaits from one to another value of a number, or to where the branch ends, with steps down to 1/64."""
-    found, least = [gait], step / 64.0
-    while step >= least and (last := number(found[-1].system, name)) != end:
-        value = end if abs(end - last) <= step else last + math.copysign(step, end - last)
-        before = found[-2:]
-        (q, v), reach = before[-1].state, 0.0
-        if len(before) > 1:
-            past = number(before[0].system, name)
-            reach = (value - last) / (last - past)
-        guess = tuple(now + reach * (now - then) for now, then in zip((q, v), before[0].state, strict=True))
-        try:
-            found.append(find_gait(with_numbers(gait.system, {name: value}), guess=guess))
-        except SpearError:
-            step /= 2.0
-    return found
-
-
-def largest_held(gait: Gait, feedback: EventFeedback) -> float:
-    """Returns the largest multiplier of a gait with the gains of another one's feedback."""
-    section = chart(gait.system, gait.state)
-    nominal = np.concatenate(section.state(np.zeros(section.dimension)))
-    closed = with_feedback(gait.system, replace(feedback, nominal=tuple(nominal)))
-    return float(np.abs(multipliers(closed, gait.state)).max())
+    """Write the trot's multipliers over its roll inertia and hip spacing; it takes three minutes."""
+    print(plots.save_figure(stability(), IMAGES / "stability.svg"))
 
 
 def designed() -> None:

@@ -86,11 +86,13 @@ def changed(robot: Robot, values: Mapping[str, float]) -> pin.Model:
     """Returns a robot's model with other numbers of its bodies, which `variants.vary` has checked.
 
     Raises:
-        BadValue: a body cannot have an inertia.
+        BadValue: a body cannot have an inertia, or a number is zero in the robot's equations.
     """
     known = body_numbers(robot)
     model: pin.Model = robot.model.copy()
     for name, value in values.items():
+        if name not in known:
+            raise BadValue(name, value, "a number that is not zero with the robot's other numbers")
         joint, what = _parts(robot, name)
         if what.startswith("inertia_"):
             _set_inertia(model, int(model.getJointId(joint)), what, name, value)

@@ -186,8 +186,8 @@ def _with_parameters(robot: Robot, values: Mapping[str, float], keep: Set[str]) 
     base = _model(robot, {**robot.varied, **values})
     old, new = (body_numbers(robot.with_model(model)) for model in (robot.base, base)) if keep else ({}, {})
     for name in sorted(keep):
-        if old[name] != new[name]:
-            raise BadValue(name, robot.varied[name], f"one given again with {listed([*values])}: that changes it, too")
+        if old[name] != new.get(name):
+            raise BadValue(name, robot.varied[name], f"a value given again, as {listed([*values])} sets it, too")
     return base
 
 

@@ -148,6 +148,8 @@ def test_it_remembers_what_was_varied_and_can_be_pickled():
     after = vary(on_rotary_boom(SLIDER, LOW), boom_damping=3.0)
     np.testing.assert_array_equal(after.mass_matrix(q), robot.mass_matrix(q))
     assert after.model.damping[0] == 3.0
+    lighter = on_rotary_boom(vary(SLIDER, knee_mass=0.4), LOW)
+    assert vary(lighter, boom_damping=3.0).model == vary(SLIDER, knee_mass=0.4, boom_damping=3.0).model
     assert plain.mass_matrix(q)[0, 0] == pytest.approx(6.8) and robot.mass_matrix(q)[0, 0] > 8.0
 
 

@@ -102,12 +102,14 @@ class TestUnsaid:
         whole = load(write(quadruped()))
         whole.model.armature = 2.0 * whole.model.armature
         assert unsaid(monopod(whole, "FL")) == ("a robot that cannot be cut again as it was",)
+        assert unsaid(whole) == ("another model than its file",)
 
     def test_file_that_is_gone(self, write):
         path = write(quadruped())
         cut = monopod(load(path), "FL")
         path.unlink()
         assert unsaid(cut) == ("a robot that cannot be cut again as it was",)
+        assert unsaid(cut.cut.robot) == ()  # the file may come back
 
 
 def changed(said, value, *names):

@@ -253,17 +253,28 @@ class TestPurity:
 
     def test_numbers_of_bodies_stay_when_others_are_varied(self):
         robot = load("q_spear_full", base="chain")
-        steps = vary(vary(robot, roll_inertia_xx=0.7), hip_spacing=0.4)
+        steps = vary(vary(vary(robot, roll_inertia_xx=0.9), roll_inertia_xx=0.7), hip_spacing=0.4)
         at_once = vary(robot, hip_spacing=0.4, roll_inertia_xx=0.7)
         assert steps.model == at_once.model != robot.model and steps.varied == at_once.varied
         assert vary(steps, hip_spacing=0.32).model == vary(robot, roll_inertia_xx=0.7).model
 
     def test_a_number_that_was_set_is_not_changed_by_another(self):
         lighter = vary(load("spear_ii"), hip_mass=0.8)
-        with pytest.raises(BadValue, match=r"hip_mass is 0\.8; expected one given again with knee_motor_mass"):
+        with pytest.raises(
+            BadValue, match=r"hip_mass is 0\.8; .*, as knee_motor_mass sets it"
+        ):
             vary(lighter, knee_motor_mass=0.5)
         again = vary(lighter, knee_motor_mass=0.5, hip_mass=0.9)
         assert body_numbers(again)["hip_mass"].value == 0.9
+
+    def test_a_number_that_vanishes(self):
+        given = vary(load("spear_ii"), knee_armature=0.02)
+        with pytest.raises(
+            BadValue, match=r"knee_armature is 0\.02; .*, as knee_rotor sets it"
+        ):
+            vary(given, knee_rotor=0.0)
+        with pytest.raises(BadValue, match=r"knee_armature is 0\.02; expected a number that is not zero"):
+            vary(given, knee_rotor=0.0, knee_armature=0.02)
 
     def test_nothing_to_vary(self):
         for source in ("spear_ii", "q_spear"):
@@ -278,6 +289,9 @@ class TestPurity:
         robot = vary(load(source), hip_distance=0.85, knee_ratio=20)
         twin = duplicate(robot)
         assert twin.varied == robot.varied and twin.model == robot.model
+        if source == "q_spear":
+            lighter = vary(robot, anterior_knee_mass=1.0)
+            assert vary(duplicate(lighter), hip_ratio=50.0).model == vary(lighter, hip_ratio=50.0).model
         q, v = state(robot)
         np.testing.assert_array_equal(twin.bias(q, v), robot.bias(q, v))
         assert vary(twin, torso_mass=30).varied == {"hip_distance": 0.85, "knee_ratio": 20.0, "torso_mass": 30.0}
