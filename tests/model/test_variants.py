@@ -260,18 +260,14 @@ class TestPurity:
 
     def test_a_number_that_was_set_is_not_changed_by_another(self):
         lighter = vary(load("spear_ii"), hip_mass=0.8)
-        with pytest.raises(
-            BadValue, match=r"hip_mass is 0\.8; .*, as knee_motor_mass sets it"
-        ):
+        with pytest.raises(BadValue, match=r"hip_mass is 0\.8; .*, as knee_motor_mass sets it"):
             vary(lighter, knee_motor_mass=0.5)
         again = vary(lighter, knee_motor_mass=0.5, hip_mass=0.9)
         assert body_numbers(again)["hip_mass"].value == 0.9
 
     def test_a_number_that_vanishes(self):
         given = vary(load("spear_ii"), knee_armature=0.02)
-        with pytest.raises(
-            BadValue, match=r"knee_armature is 0\.02; .*, as knee_rotor sets it"
-        ):
+        with pytest.raises(BadValue, match=r"knee_armature is 0\.02; .*, as knee_rotor sets it"):
             vary(given, knee_rotor=0.0)
         with pytest.raises(BadValue, match=r"knee_armature is 0\.02; expected a number that is not zero"):
             vary(given, knee_rotor=0.0, knee_armature=0.02)
