@@ -13,8 +13,8 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadFile
 from spear_pin.model.elements import number, parse
 from spear_pin.model.gears import Gear
+from spear_pin.model.grammars import SRDF
 from spear_pin.model.unread import Unread, find_unread
-from spear_pin.model.urdf_grammar import SRDF
 
 FLOATING = "root_joint"  # what Pinocchio calls the joint of a floating base
 

@@ -20,11 +20,11 @@ from lxml import etree
 from spear_pin.errors import BadFile
 from spear_pin.model.elements import MAX_NUMBER, child, fault, number, numbers, parse
 from spear_pin.model.gears import Gear
+from spear_pin.model.grammars import URDF
 from spear_pin.model.inertial import Fault, copy_inertial, notes_on
 from spear_pin.model.origins import copy_origin, turn_quaternions
 from spear_pin.model.transmissions import read_transmissions
 from spear_pin.model.unread import Unread, find_unread
-from spear_pin.model.urdf_grammar import URDF
 
 MAX_LINKS = 500
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")

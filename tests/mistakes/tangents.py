@@ -8,8 +8,8 @@ MUTATIONS = [
         ["hybrid/tangent/test_hop", "hybrid/tangent/test_grazing", "hybrid/tangent/test_bound"],
         {
             "derivatives: sign of the motion after an event": (
-                "now.dy - values.slopes[:, BEGIN, None] * now.tau",
-                "now.dy + values.slopes[:, BEGIN, None] * now.tau",
+                "lag = now.tau if now.behind",
+                "lag = -now.tau if now.behind",
             ),
             "derivatives: an event at a fixed time": (
                 "stretch.dstate + stretch.end.slopes[:, None] * tau",

@@ -23,15 +23,16 @@ from spear_pin.hybrid.domain import Reset, Switch
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.fields import adjusted, flattened
 from spear_pin.hybrid.rules.cycles import counts_to
-from spear_pin.hybrid.rules.footing import closed_toes, still
+from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.strikes import Overlap, comes_to_rest, pins, struck_toes_in_space
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
-from spear_pin.hybrid.tangent.derivative import BEGIN, END, SHORTEST, Derivative, Stretch, falling
+from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch, falling
 from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, varying
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.kinks import later, of_the_inside
+from spear_pin.hybrid.tangent.onset import setting_out, turned
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, stopped, struck, struck_in_space
@@ -125,31 +126,26 @@ class _Whole:
         clocks[:-2], clocks[BEGIN], clocks[END] = t, arc.t, arc.end
         states[:, :-2], states[:, BEGIN], states[:, END] = y, arc.y, arc.after
         values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
-        if SLIP in arc.domain.contacts and self._begins_to_slide(arc):
+        if SLIP in arc.domain.contacts and (toes := setting_out(self.system, arc)):
+            seen = values.slopes[nv:, :-2], slopes.slopes[nv:, :-2, nv:n]
+            states[:, :-2] = turned(self.system, arc, toes, y, *seen)
+            values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
             for rows in (values.rows[..., None], slopes.rows):
                 rows[:, BEGIN] = of_the_inside(rows, BEGIN)
         bends = arc.event is None and not arc.smooth
         for place, kink in ((BEGIN, now.bent is not None), (END, bends)):
             if kink:
                 slopes.rows[:, place] = of_the_inside(slopes.rows, place)
-        if now.behind:
-            now.dy, now.behind = now.dy - values.slopes[:, BEGIN, None] * now.tau, False
-        motion = slopes.slopes[nv:, :-2, :-1].reshape(nv, -1, POINTS, n + c).transpose(1, 2, 0, 3)
-        S = carried(motion, lengths, now.dy)
-        after = now.dy if arc.end - arc.t <= SHORTEST else S.end
-        stretch = Stretch(arc, states, S, after, values, slopes, held, now.tau)
+        # S is carried at a fixed time since the last event: a toe that begins to slide moves the same way at first
+        lag = now.tau if now.behind else np.zeros(c)
+        along = slopes.slopes[nv:, :-2, :-1].copy()
+        along[..., n:] += slopes.slopes[nv:, :-2, -1:] * lag
+        S = carried(along.reshape(nv, -1, POINTS, n + c).transpose(1, 2, 0, 3), lengths, now.dy)
+        stretch = Stretch(arc, states, S, lag, values, slopes, held, now.tau)
         if now.bent is not None:
             now.tau = now.bent.tau = stretch.since = later(now.bent, stretch)
         stretch.tau, now.bent = self._tau(stretch, now), stretch if bends else None
         return stretch
-
-    def _begins_to_slide(self, arc: Arc) -> bool:
-        """Tells whether a toe in space begins to slide as an arc begins, where its direction is not defined."""
-        q, v = arc.y[: self.nv], arc.y[self.nv :]
-        for toe, mode in zip(self.system.robot.toes, arc.domain.contacts, strict=True):
-            if mode == SLIP and still(float(np.linalg.norm(self.system.robot.toe_jacobian(q, toe)[:-1] @ v))):
-                return True
-        return False
 
     def _tau(self, stretch: Stretch, now: _Now) -> Array:
         """Returns how much later the event that ends an arc happens, per unit of each direction, (c,)."""

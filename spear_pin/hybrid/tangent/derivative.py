@@ -29,8 +29,8 @@ class Stretch:
     Attributes:
         arc: the arc.
         y: states, (2 nv, k).
-        carried: derivatives of the states.
-        dstate: derivatives of the state at the arc's end, at the fixed clock, (2 nv, c).
+        carried: derivatives of the states, at a fixed time since the event before the arc.
+        lag: by how much later that event happens on the fixed clock, (c,).
         said: the domain's values at the places, (..., k).
         slopes: derivatives of those values along the state, c further directions and the clock,
             (..., k, 2 nv + c + 1).
@@ -42,7 +42,7 @@ class Stretch:
     arc: Arc
     y: Array
     carried: Carried
-    dstate: Array
+    lag: Array
     said: Values
     slopes: Values
     held: Mapping[str, Any]
@@ -62,8 +62,19 @@ class Stretch:
     @cached_property
     def dy(self) -> Array:
         """Derivatives of the states at a fixed clock, (2 nv, k, c)."""
-        ends = np.stack([self._dy_at(BEGIN), self._dy_at(END)], axis=1)
-        return np.concatenate([self.carried.inside(), ends], axis=1)
+        begins = self.carried.begins
+        moving = np.concatenate([self.carried.inside(), begins[0][:, None], self._last[:, None]], axis=1)
+        return moving - self.said.slopes[..., None] * self.lag
+
+    @property
+    def dstate(self) -> Array:
+        """Derivatives of the state at the arc's end, at the fixed clock, (2 nv, c)."""
+        return self._dy_at(END)
+
+    @property
+    def _last(self) -> Array:
+        """Derivatives of the state at the arc's end, at a fixed time since the event before it, (2 nv, c)."""
+        return self.carried.begins[0] if self.at_once else self.carried.end
 
     @cached_property
     def dsaid(self) -> Values:
@@ -89,8 +100,9 @@ class Stretch:
 
     def _dy_at(self, place: int) -> Array:
         """Returns the derivatives of the state at the beginning or the end, (2 nv, c)."""
-        begins: Array = self.carried.begins[0]
-        return begins if place == BEGIN else self.dstate
+        moving = self.carried.begins[0] if place == BEGIN else self._last
+        found: Array = moving - self.said.slopes[:, place, None] * self.lag
+        return found
 
     @cached_property
     def rates(self) -> Values:
