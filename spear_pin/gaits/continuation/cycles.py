@@ -14,12 +14,13 @@ from spear_pin.gaits.lane_cycles import LaneCycles
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.targets import measure_of
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import FEW, has_lanes, may_vary
+from spear_pin.hybrid.batch import FEW, LOCK, has_lanes, may_vary
 from spear_pin.hybrid.parameters import number, numbers_of_robot, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import one_by_one, return_map
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.shooting import Cycle, Cycles
 from spear_pin.hybrid.tangent.record import Recorder, many
+from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.seeds import Seeds, seeds
 
 KEPT = 16  # systems with other robots: three are asked for again and again
@@ -72,7 +73,21 @@ class Family:
         """Runs one cycle from each state with its values of the numbers, (m, k)."""
         if self._in_lanes:
             return self._by_lanes(q, v, values)
+        if self.differentiable and not self.measures:
+            return _joined([self._recorded(*each) for each in zip(q, v, values, strict=True)])
         return self._by_reference(np.arange(len(q)), q, v, values)
+
+    def _recorded(self, q: Array, v: Array, values: Array) -> Cycles:
+        """Runs a cycle as those with derivatives are run, or by the reference engine where it does not close so."""
+        try:
+            with LOCK:
+                lap = self.recorder(values).lap(np.concatenate([q, v]))
+        except REFUSALS:
+            return self._by_reference(np.arange(1), q[None], v[None], values[None])
+        durations = {phase: np.array([lap.spent.get(phase, 0.0)]) for phase in self.system.phases}
+        after, nothing, reason = lap.y[None], np.empty((1, 0)), np.array([""], dtype=object)
+        ends = after[:, : len(q)], after[:, len(q) :]
+        return Cycles(*ends, nothing, durations, reason, np.zeros(1, dtype=bool), [lap.order])
 
     @cached_property
     def differentiable(self) -> bool:
@@ -113,16 +128,10 @@ class Family:
             for lanes in np.split(same, range(FEW, len(same), FEW)):  # more lanes do not keep the order of events
                 chosen.append(lanes)
                 parts.append(self._few(q[lanes], v[lanes], values[lanes]))
-        back = np.argsort(np.concatenate(chosen))
-        orders = [order for each in parts for order in each.orders]
-        durations = {
-            phase: np.concatenate([each.durations[phase] for each in parts])[back] for phase in parts[0].durations
-        }
-        q, v, measured, reason, reference = (
-            np.concatenate([getattr(each, name) for each in parts])[back]
-            for name in ("q", "v", "measured", "reason", "reference")
-        )
-        return Cycles(q, v, measured, durations, reason, reference, [orders[i] for i in back])
+        back, found = np.argsort(np.concatenate(chosen)), _joined(parts)
+        durations = {phase: seconds[back] for phase, seconds in found.durations.items()}
+        orders, reason, reference = [found.orders[i] for i in back], found.reason[back], found.reference[back]
+        return Cycles(found.q[back], found.v[back], found.measured[back], durations, reason, reference, orders)
 
     def _few(self, q: Array, v: Array, values: Array) -> Cycles:
         names, system = self.names, self.system
@@ -142,3 +151,13 @@ class Family:
             return lambda result, values: measure(self.member(values.tolist()), result)
 
         return one_by_one(self.system, cycle, [measured(name) for name in self.measures])
+
+
+def _joined(parts: Sequence[Cycles]) -> Cycles:
+    """Returns the cycles of all parts, in their order."""
+    durations = {phase: np.concatenate([each.durations[phase] for each in parts]) for phase in parts[0].durations}
+    q, v, measured, reason, reference = (
+        np.concatenate([getattr(each, name) for each in parts])
+        for name in ("q", "v", "measured", "reason", "reference")
+    )
+    return Cycles(q, v, measured, durations, reason, reference, [order for each in parts for order in each.orders])

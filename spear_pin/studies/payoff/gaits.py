@@ -68,6 +68,10 @@ class Gaits(ABC):
         meshes: meshes of a search; see `Search`.
         finer: meshes of the search that tells how much meshes matter.
         begins: kinds of knee in the order in which a first gait is looked for, from initial guesses.
+        cold: kinds of knee whose points are searched from initial guesses where no neighbour leads to a gait; with a
+            spring only beside points of the same kind that have one.
+        valleys: kinds of knee for which searches end in several valleys; at each speed the softest spring is searched
+            from initial guesses as well.
         over: least and greatest values of further numbers of the robot that are chosen at each point.
     """
 
@@ -76,6 +80,8 @@ class Gaits(ABC):
     meshes: tuple[int, ...]
     finer: tuple[int, ...]
     begins: tuple[str, ...] = (NONE, SWITCHED)
+    cold: tuple[str, ...] = ()
+    valleys: tuple[str, ...] = ()
     over: Mapping[str, tuple[float, float]] = MappingProxyType({})
 
     @abstractmethod

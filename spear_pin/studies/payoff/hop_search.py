@@ -1,8 +1,8 @@
 """The hop of least cost of a point: descents by exact derivatives from many starts.
 
 A descent keeps the flight time and the limits of joints and motors. It also keeps the toe on the ground until the
-torque switches to extension, and the spring taut until it releases: beyond these limits hops are of another kind, and
-their cost jumps. So one descent ends in one valley; starts elsewhere lead to others.
+torque switches to extension, knee and hip off the ground, and the spring taut until it releases: beyond these limits
+hops are of another kind, and their cost jumps. One descent ends in one valley; starts elsewhere lead to others.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ from spear_pin.studies.payoff.motors import PARTS, Motors, geared
 TORQUE = "stance_torque"  # what is solved for the flight time
 FOOTING = 0.05  # of the weight: what the law lets rest on the toe at least while the knee flexes
 TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far a descent keeps from a toe that leaves, a spring that is slack
-LOADED, LANDED = "margin_lift_off", "margin_lift_off_before_torque_switch"  # in stance, and until the torque switches
+CLEAR = 0.005  # m: how far it keeps knee and hip from the ground
+LOADED = "margin_lift_off_before_torque_switch"
 FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
 FIRST, SHORTEST = 0.5, 0.03  # of the way to another point: the first step, and the least
 LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
@@ -98,9 +99,9 @@ def best_hop(task: Task, begun: Sequence[Gait]) -> Best:
     found: list[tuple[Gait, codesign.Design, bool]] = []
     failures: list[str] = []
     low, high = task.ranges[TORQUE]
-    for i, start in enumerate(starts(task, begun)):
+    for start in starts(task, begun):
         try:
-            end = descended(task, start, wary=i // len(begun) % 2 == 1)
+            end = descended(task, start)
         except MissingExtra:
             raise
         except REFUSALS as error:
@@ -142,7 +143,7 @@ def _missed(design: codesign.Design) -> str:
     worst = max(design.bounds, key=miss)
     value, bound = design.bounds[worst]
     measure = worst.rsplit(" ", 2)[0]
-    unit = "N" if measure in (LOADED, LANDED) else described(measure).unit
+    unit = "N" if measure == LOADED else described(measure).unit
     return f"{measure.replace('_', ' ')} is {value:.3g} instead of {worst[len(measure) + 1 :]} {bound:.3g} {unit}"
 
 
@@ -184,27 +185,14 @@ def _hop(system: HybridSystem, near: Gait, flight_time: float) -> Gait:
     return gait_beside(begun, near.state, [TORQUE], {"flight_time": flight_time})
 
 
-def descended(task: Task, start: Gait, *, wary: bool = False) -> tuple[Gait, codesign.Design]:
-    """Leads a hop down to the minimum near it, with the task's flight time.
-
-    Args:
-        task: what to minimise.
-        start: the hop.
-        wary: whether a hop with a fixed spring, which ends at many cliffs, first keeps its toe loaded all through
-            stance. Both ways lead to valleys that the other misses.
+def descended(task: Task, start: Gait) -> tuple[Gait, codesign.Design]:
+    """Leads a hop down to the minimum near it, with the task's flight time; within limits its spring then releases.
 
     Raises:
         MissingExtra: heyoka is not installed.
         NoGait, NotDifferentiable: there is no way down, or no hop at its end.
     """
-    if wary and start.system.spring.rest is not None:
-        start, _ = _down(task, start, LOADED)
-    return _down(task, start, LANDED)
-
-
-def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, codesign.Design]:
-    """Leads a hop down; `loaded` is the margin of the toe's load that is kept. Within limits its spring releases."""
-    wanted = problem(task, start.system, loaded)
+    wanted = problem(task, start.system)
     design = optimize_design(
         replace(start, system=tied(start.system)),
         wanted.minimize,
@@ -225,16 +213,16 @@ def _down(task: Task, start: Gait, loaded: str) -> tuple[Gait, codesign.Design]:
     return gait, design
 
 
-def problem(task: Task, system: HybridSystem, loaded: str = LANDED) -> Problem:
+def problem(task: Task, system: HybridSystem) -> Problem:
     """Returns what a descent minimises, and within which bounds.
 
     Args:
         task: what to minimise.
         system: the hop at the beginning, whose numbers are within their ranges or widen these.
-        loaded: margin of the toe's load that is kept.
     """
     at_most, at_least = limits(system.robot, task.motors, task.ranges)
-    at_least[loaded] = TREAD * system.robot.weight
+    at_least[LOADED] = TREAD * system.robot.weight
+    at_least |= {f"margin_fall:{part}": CLEAR for part in PARTS}
     if system.spring.rest is None:
         at_least["deflection_knee"] = TAUT
     drives = NO_MOTORS if task.motors is None else geared(task.motors, system.robot)

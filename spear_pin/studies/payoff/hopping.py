@@ -28,7 +28,7 @@ from spear_pin.model.variants import parameters_of, value_of, vary
 from spear_pin.studies.hop_of_another import scaled_hopping
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
-from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
+from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
 from spear_pin.studies.payoff.hop_search import NO_RANGES, TORQUE, Best, Task, best_hop, first_hops, led_to
 from spear_pin.studies.payoff.motors import Motors, as_built
 from spear_pin.studies.payoff.searches import Search, rebuilt
@@ -38,8 +38,7 @@ USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
 TOLERANCES = {MESH: 1e-4, FINER: 1e-5}  # of the search: the relative gain that ends a descent
-# random starts: of a first hop, of one whose stiffness is chosen, and of one beside a neighbour's
-COLD, FREELY, BESIDE = 6, 4, {NONE: 2, FIXED: 2, SWITCHED: 1}
+COLD, FREELY = {NONE: 1, FIXED: 16, SWITCHED: 1}, 4  # random starts: beside SPEAR-II's law, with a chosen stiffness
 KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 RATES, TORQUES, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
 WORDS = Words(
@@ -152,29 +151,22 @@ def _held(design: codesign.Design, work: float) -> tuple[str, ...]:
 
 
 def _begun(robot: Robot, asked: Search) -> list[Gait]:
-    """Returns hops at the point of a search: the start's, and those by SPEAR-II's scaled law that lead there.
+    """Returns hops at the point of a search: the start's, or without one those by SPEAR-II's scaled law.
 
-    Beside the start's it is one of the latter. Their flight time is SPEAR-II's for the leg's size, or the wanted one.
+    The flight time of the latter is SPEAR-II's for the leg's size, or the wanted one; from there they are led.
 
     Raises:
         NoGait: there is none; the first failure is raised.
     """
     point, start, found, failures = asked.point, asked.start, list[Gait](), list[NoGait]()
-
-    def leads(kind: str, hop: Gait) -> bool:
-        try:
-            found.append(led_to(point, kind, hop))
-        except NoGait as error:
-            failures.append(error)
-            return False
-        return True
-
     if start is not None and start.gait is not None:
-        leads(start.point.kind, rebuilt(Hops.kind, robot, start.gait))
+        return [led_to(point, start.point.kind, rebuilt(Hops.kind, robot, start.gait))]
     try:
-        for hop in first_hops(robot, (USUAL * scale_of(robot).time, point.speed)):
-            if leads(SWITCHED, hop) and start is not None:
-                break
+        for hop in first_hops(robot, sorted({USUAL * scale_of(robot).time, point.speed})):
+            try:
+                found.append(led_to(point, SWITCHED, hop))
+            except NoGait as error:
+                failures.append(error)
     except NoGait as error:
         failures.append(error)
     if not found:
@@ -197,7 +189,7 @@ def task_of(
         motors=motors,
         ranges={**ranges(robot, free=point.stiffness is None), **over},
         tolerance=TOLERANCES[mesh],
-        starts=COLD if asked.start is None else FREELY if point.stiffness is None else BESIDE[point.kind],
+        starts=COLD[point.kind] if asked.start is None else FREELY if point.stiffness is None else 0,
         seed=int(asked.key[:8], 16),
     )
 
@@ -217,6 +209,7 @@ class Hops(Gaits):
     meshes = (MESH,)
     finer = (FINER,)
     begins = (SWITCHED, NONE)  # a motor that is too weak for any hop alone may do with a spring
+    cold, valleys = KINDS, (FIXED,)
 
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
         """Finds the gait of least electrical cost of a robot with its motors, and its figures."""

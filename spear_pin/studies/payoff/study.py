@@ -25,7 +25,7 @@ from spear_pin.studies.sweep.store import fingerprint
 STEPS = (0.25, 0.5, 1.0, 1.5, 2.0)  # of the stiffness that the optimiser chooses
 TRIES = 4  # searches of a point that fails, each from another neighbour
 GAITS = 2  # gaits of a point, each from another neighbour
-FOLLOWED = 1  # rounds in which neighbours, of the same kind, of what became better are searched again
+FOLLOWED = 6  # rounds in which neighbours, of the same kind, of what became better are searched again
 BEGUN = 2  # points that are searched from initial guesses at a time
 STARTS = 2  # of the search for the stiffness at the end
 BETTER = 0.005  # of a cost: what counts as better
@@ -157,6 +157,7 @@ def studied(
     grid = Grid(speeds, tuple(stiffnesses))
     tell(f"{len(list(grid))} points, each searched about three times")
     work.fill(grid)
+    work.alone(grid)
     work.again(grid)
     best, speed = work.best(grid)
     again = searcher.find([Search(each.point, each, gaits.finer) for each in best.values()])
@@ -236,6 +237,23 @@ class _Work:
             if not searches:
                 return
             self.search(searches)
+
+    def alone(self, grid: Grid) -> None:
+        """Searches from initial guesses where there are several valleys, and where neighbours led to no gait."""
+        gaits = self.searcher.gaits
+        softest = [Point(kind, speed, grid.stiffnesses[0]) for kind in gaits.valleys for speed in grid.speeds]
+        while points := [*softest, *(point for point in grid if point not in softest and self._is_open(grid, point))]:
+            self.search([self.of(point) for point in points])
+            self.fill(grid)
+            softest = []
+
+    def _is_open(self, grid: Grid, point: Point) -> bool:
+        """Tells whether initial guesses may lead to a gait of a point that has none."""
+        if point.kind not in self.searcher.gaits.cold or self.at(point) is not None:
+            return False
+        beside = [near for near in grid.neighbours(point) if near.kind == point.kind]
+        likely = point.kind == NONE or any(self.at(near) is not None for near in beside)
+        return likely and self.of(point).key not in {each.key for each in self.tries.get(point, ())}
 
     def again(self, grid: Grid) -> None:
         """Searches every point once more, until it has a gait from another neighbour."""

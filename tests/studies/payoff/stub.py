@@ -59,8 +59,8 @@ class Stub:
 class Stubbed(Bounds):
     """Bounds whose search a stub makes."""
 
-    def __init__(self, stub, begins=Bounds.begins):
-        self.search, self.begins = stub, begins
+    def __init__(self, stub, begins=Bounds.begins, cold=(), valleys=()):
+        self.search, self.begins, self.cold, self.valleys = stub, begins, cold, valleys
 
 
 SOLUTION = Solution({"stiffness": np.array([112.0])}, 1.0, {"mean speed": 1e-9}, True, "Solve_Succeeded", 42)

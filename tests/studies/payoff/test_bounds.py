@@ -19,8 +19,8 @@ SPEEDS, STIFFNESSES = (1.8, 2.0, 2.2), (20.0, 40.0, 60.0)
 
 @pytest.fixture
 def study(monkeypatch, tmp_path):
-    def run(stub, path=tmp_path / "store.jsonl", begins=Stubbed.begins, **options):
-        monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", Stubbed(stub, begins))
+    def run(stub, path=tmp_path / "store.jsonl", begins=Stubbed.begins, cold=(), valleys=(), **options):
+        monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", Stubbed(stub, begins, cold, valleys))
         values = {"speeds": SPEEDS, "stiffnesses": STIFFNESSES, "drives": DRIVES} | options
         return front(load("q_spear"), path, **values)
 
@@ -68,6 +68,30 @@ class TestBounds:
         found = study(Stub(lambda point, start: point == hard and start != Point(SWITCHED, 2.0, 60.0)))
         assert [bool(each.reason) for each in found.tries[hard]][:4] == [True, True, True, False]
         assert found.at(hard).cost == cost(hard) and "it is so" in found.tries[hard][0].reason
+
+    def test_where_no_neighbour_leads_to_a_gait_initial_guesses_do(self, study):
+        """Once the neighbours have failed; what is beside it then begins there."""
+        hard, alone = Point(SWITCHED, 2.0, 40.0), Point(FIXED, 2.2, 60.0)
+        stub = Stub(lambda point, start: point in (hard, alone) and start is not None)
+        found = study(stub, cold=(SWITCHED,))
+        assert found.at(hard).cost == cost(hard) and found.at(alone) is None
+        assert [point for point, start, _ in stub.asked if start is None].count(hard) == 1
+
+    def test_a_kind_with_valleys_is_searched_from_initial_guesses_at_each_speed(self, study):
+        """A better valley then spreads over the whole grid, by every neighbour."""
+
+        def deep(point, start):
+            below = start is None or (start.kind == FIXED and start in reached)
+            if point.kind == FIXED and below:
+                reached.add(point)
+            return cost(point) * (0.5 if point.kind == FIXED and below else 1.0)
+
+        reached = set()
+        stub = Stub(costs=deep)
+        found = study(stub, valleys=(FIXED,))
+        softest = [Point(FIXED, speed, 20.0) for speed in SPEEDS]
+        assert [point for point, start, _ in stub.asked if start is None and point.kind == FIXED] == softest
+        assert all(found.at(point).cost == 0.5 * cost(point) for point in found.grid if point.kind == FIXED)
 
     def test_a_second_start_that_fails_gives_way_to_another(self, study):
         """For the doubt compares two gaits of a point."""

@@ -14,7 +14,7 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.payoff import Motors, Point, hop_search
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
-from spear_pin.studies.payoff.hop_search import TAUT, TREAD, Task, best_hop, descended, led_to, limits, starts
+from spear_pin.studies.payoff.hop_search import CLEAR, TAUT, TREAD, Task, best_hop, descended, led_to, limits, starts
 from spear_pin.studies.payoff.hopping import ranges
 from spear_pin.studies.payoff.knee import released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
@@ -145,7 +145,7 @@ class TestBest:
             own = start.system.law.frequency
             begun = [replace(start, system=with_values(start.system, {"frequency": own + x * span})) for x in shares]
 
-            def down(task, start, wary):
+            def down(task, start):
                 end = next(left)
                 if isinstance(end, Exception):
                     raise end
@@ -198,14 +198,12 @@ class TestDescent:
         cycle = simulate(gait.system, gait.state, samples=480, progress=False)
         return sum(energy_drawn(points_of(gait.system.robot, cycle, part), getattr(motors, part)) for part in PARTS)
 
-    @pytest.mark.parametrize(
-        ("kind", "stiffness", "wary"), [(SWITCHED, 48.84, False), (FIXED, 100.0, False), (FIXED, 100.0, True)]
-    )
-    def test_it_leads_down_within_limits(self, start, motors, kind, stiffness, wary):
+    @pytest.mark.parametrize(("kind", "stiffness"), [(SWITCHED, 48.84), (FIXED, 177.0)])
+    def test_it_leads_down_within_limits(self, start, motors, kind, stiffness):
         """Costs, torques and load are those of samples, which the descent does not use."""
         begun = led_to(Point(kind, 0.2, stiffness), SWITCHED, start)
         wanted = task(start.system.robot, motors)
-        end, design = descended(wanted, begun, wary=wary)
+        end, design = descended(wanted, begun)
         assert self.drawn(end, motors) == pytest.approx(design.objective, rel=1e-4)
         assert self.drawn(end, motors) < 0.9 * self.drawn(begun, motors) and design.missed < 1e-3
         assert end.durations["flight"] == pytest.approx(0.2, abs=1e-8) and end.residual < 1e-9
@@ -216,6 +214,8 @@ class TestDescent:
         load = cycle.force[stance, 0, 1]
         wave = cycle.t[stance] - cycle.t[stance][0] < 0.5 / end.system.law.frequency
         assert load[wave].min() > (TREAD - 1e-3) * end.system.robot.weight
+        heights = [end.system.robot.frame_position(q, "knee")[-1] for q in cycle.q]
+        assert min(heights) > CLEAR - 1e-5
         if kind == SWITCHED:
             angle = cycle.q[stance, knee]
             assert angle[-1] - angle[0] > TAUT - 1e-4
