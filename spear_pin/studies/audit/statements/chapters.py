@@ -10,7 +10,7 @@ from typing import Any
 
 from spear_pin.errors import BadValue
 from spear_pin.studies import published_costs
-from spear_pin.studies.audit import printed_designs, printed_equations, printed_estimates, switch
+from spear_pin.studies.audit import knees, printed_designs, printed_equations, printed_estimates, switch
 from spear_pin.studies.audit.prose import joined, read
 from spear_pin.studies.audit.statements import averages, bound_numbers, hop_numbers, push_numbers, turn_numbers
 from spear_pin.studies.audit.statements.criteria import named
@@ -19,7 +19,7 @@ from spear_pin.studies.audit.statements.statement import Statement
 MODULES = {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(printed_designs, printed_equations, printed_estimates, published_costs, switch),
+        *(knees, printed_designs, printed_equations, printed_estimates, published_costs, switch),
         *(bound_numbers, hop_numbers, push_numbers, turn_numbers),
     )
 }
