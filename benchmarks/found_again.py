@@ -57,13 +57,14 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("gaits", nargs="*", metavar="GAIT", help=f"of {', '.join(GAITS)}; all by default")
+    parser.add_argument("--over", metavar="A,B,...", help="numbers; by default those of the gait's list")
     asked = parser.parse_args()
     warnings.simplefilter("ignore")
     begin("gait", "number", "value", "sides", "state", *MEASURED)
     for name in asked.gaits or GAITS:
         make, over = GAITS[name]
         gait = make()
-        for each in over:
+        for each in asked.over.split(",") if asked.over else over:
             row(name, " | ".join([each, *compared(gait, each)]))
 
 
