@@ -117,6 +117,10 @@ MUTATIONS = [
                 'at_least[f"reserve_{part}"] = getattr(motors, part), 0.0',
                 "_ = getattr(motors, part), 0",
             ),
+            "the knee may come down to the ground": (
+                'at_least |= {f"margin_fall:{part}"',
+                '_ = {f"margin_fall:{part}"',
+            ),
             "springs push at the end": ("released(start.system) if", "start.system if"),
             "the kind changes with a spring": ("_towards(gait, kind, 0.0, here)", "gait"),
         },

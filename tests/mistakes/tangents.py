@@ -56,6 +56,11 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/tangent/onset",
+        ["hybrid/tangent/test_in_space"],
+        {"a toe that sets out lags behind its direction": ("found[len(v) :, i] -= ", "found[len(v) :, i] -= 0.0 * ")},
+    ),
+    *mistakes_in(
         "hybrid/tangent/section",
         ["gaits/sensitivity/test_sensitivity", "hybrid/tangent/test_in_space", "gaits/test_linear"],
         {
