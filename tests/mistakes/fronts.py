@@ -110,22 +110,16 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "studies/payoff/hop_search",
-        ["studies/audit/test_knees"],
-        {
-            "the knee may come down to the ground": (
-                'at_least |= {f"margin_fall:{part}"',
-                '_ = {f"margin_fall:{part}"',
-            ),
-        },
-    ),
-    *mistakes_in(
-        "studies/payoff/hop_search",
         ["studies/payoff/test_hop_search"],
         {
             "a hop beyond its limits is the best": ("if each[1].missed <= MISSED]", "]"),
             "motors do without reserve": (
                 'at_least[f"reserve_{part}"] = getattr(motors, part), 0.0',
                 "_ = getattr(motors, part), 0",
+            ),
+            "the knee may come down to the ground": (
+                'at_least |= {f"margin_fall:{part}"',
+                '_ = {f"margin_fall:{part}"',
             ),
             "springs push at the end": ("released(start.system) if", "start.system if"),
             "the kind changes with a spring": ("_towards(gait, kind, 0.0, here)", "gait"),

@@ -48,6 +48,10 @@ class TestLimits:
         assert limits(robot, slower)[0]["peak_speed_knee"] == 10.0
         assert limits(robot, slower, {"knee_ratio": (8.0, 30.0)})[0]["peak_speed_knee"] == 5.0
 
+    def test_a_descent_keeps_knee_and_hip_off_the_ground(self, start, motors):
+        at_least = hop_search.problem(task(start.system.robot, motors), start.system).at_least
+        assert at_least["margin_fall:knee"] == at_least["margin_fall:hip"] == CLEAR
+
 
 class TestKnee:
     @pytest.mark.parametrize(("kind", "stiffness"), [(NONE, 0.0), (SWITCHED, 20.0)])
