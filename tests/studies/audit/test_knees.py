@@ -9,6 +9,7 @@ from spear_pin.hybrid.periodic import residual
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.studies.audit import knees
 from spear_pin.studies.audit.knees import BOUND, GAITS, HOP
+from spear_pin.studies.audit.prose import read
 from spear_pin.studies.design import points_of
 from spear_pin.studies.payoff import hopping
 from spear_pin.studies.payoff.bounding import BOUNDS
@@ -32,7 +33,8 @@ def test_what_they_cost():
     assert knees.costs(HOP) == pytest.approx((16.98, 2.381, 5.477), rel=1e-3)
     assert knees.costs(BOUND) == pytest.approx((0.4171, 0.2169, 0.2263), rel=1e-3)
     assert knees.switchable_over_fixed() == pytest.approx((2.30, 1.043), rel=2e-3)
-    assert knees.motors_chosen()[:3] == pytest.approx((2.83, 0.923, 0.534), rel=1e-3)
+    assert knees.switchable_over_none() == pytest.approx((0.3225, 0.5425, 0.1436, 1.011), rel=1e-3)
+    assert knees.motors_chosen() == pytest.approx((2.83, 0.9226, 0.5335, 2.692, 1.175, 3.319), rel=1e-3)
 
 
 @pytest.mark.slow
@@ -41,7 +43,7 @@ def test_what_its_motors_have_to_do_is_what_a_bound_without_springs_takes():
     """The search for that bound ends where it ended before."""
     gait = BOUNDS.reference(load("q_spear"), knees.SPEED)
     cycle = simulate(gait.system, gait.state, progress=False)
-    for part, (torque, rate) in knees.read("knees/motors.toml").items():
+    for part, (torque, rate) in read("knees/motors.toml").items():
         given = points_of(gait.system.robot, cycle, part)
         assert (given.rms.max(), abs(given.speed).max()) == pytest.approx((torque, rate), rel=1e-3)
 

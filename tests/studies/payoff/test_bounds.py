@@ -77,6 +77,11 @@ class TestBounds:
         assert found.at(hard).cost == cost(hard) and found.at(alone) is None
         assert [point for point, start, _ in stub.asked if start is None].count(hard) == 1
 
+    def test_a_kind_that_has_no_gait_anywhere_is_not_searched_from_initial_guesses_at_each_point(self, study):
+        stub = Stub(lambda point, start: point.kind == SWITCHED)
+        study(stub, cold=(SWITCHED,))
+        assert not [point for point, start, _ in stub.asked if start is None and point.kind == SWITCHED]
+
     def test_a_kind_with_valleys_is_searched_from_initial_guesses_at_each_speed(self, study):
         """A better valley then spreads over the whole grid, by every neighbour."""
 

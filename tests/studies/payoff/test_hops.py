@@ -14,9 +14,9 @@ from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.payoff import Motors, Point, Search, answer, hops
 from spear_pin.studies.payoff.gaits import attempt
 from spear_pin.studies.payoff.grid import FIXED, SWITCHED
-from spear_pin.studies.payoff.hopping import HOPS, MESH, Hops, figures_of, ranges, work
+from spear_pin.studies.payoff.hopping import HOPS, MESH, Hops, figures_of, ranges, task_of, work
 from spear_pin.studies.payoff.motors import PARTS, known
-from spear_pin.studies.payoff.searches import rebuilt, written
+from spear_pin.studies.payoff.searches import SearchEnd, rebuilt, written
 from tests.model.small_leg import small_leg
 
 
@@ -89,6 +89,17 @@ def test_ranges_are_within_the_joints_limits(hop):
     found = ranges(hop.system.robot, free=True)
     assert found["knee_touchdown"] == (0.3, 2.2) and "stiffness" in found
     assert "stiffness" not in ranges(hop.system.robot, free=False)
+
+
+def test_only_a_search_without_a_start_or_of_a_free_stiffness_has_random_starts(hop, motors):
+    robot = hop.system.robot
+
+    def count(point, start=None):
+        return task_of(robot, motors, "electricity", Search(point, start, HOPS.meshes)).starts
+
+    soft, free = Point(FIXED, 0.2, 22.0), Point(FIXED, 0.2, None)
+    begun = SearchEnd("key", soft, "cold", HOPS.meshes, 0.0)
+    assert count(soft, begun) == 0 < count(Point(SWITCHED, 0.2, 22.0)) < count(free, begun) < count(soft)
 
 
 @pytest.mark.slow
