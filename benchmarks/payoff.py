@@ -39,7 +39,7 @@ def main() -> None:
     arguments = parser.parse_args()
     begin("point", "descents: cost", "starts that agree", "s", "CMA-ES: cost", "hops", "of them within limits", "s")
     for name in arguments.only:
-        print(row(name, *beside(POINTS[name], arguments.hops)), flush=True)
+        row(name, *beside(POINTS[name], arguments.hops))
 
 
 def beside(point: Point, hops: int) -> tuple[object, ...]:
@@ -59,10 +59,13 @@ def beside(point: Point, hops: int) -> tuple[object, ...]:
 
 
 def evolved(followed: Followed, hops: int) -> tuple[list[float], int]:
-    """Costs of the hops within limits that CMA-ES tried, and how many it tried."""
+    """Costs of the hops within limits that CMA-ES tried, and how many it tried.
+
+    Where it stops it begins again, nearer to the first hop if it has found none.
+    """
     import cma
 
-    costs, tried = list[float](), 0
+    costs, tried, spread, seed = list[float](), 0, SPREAD, SEED
     (x0,) = followed.known
 
     def cost(x: np.ndarray) -> float:
@@ -74,11 +77,13 @@ def evolved(followed: Followed, hops: int) -> tuple[list[float], int]:
             costs.append(value)
         return value + PENALTY * missed
 
-    search = cma.CMAEvolutionStrategy(list(x0), SPREAD, {"bounds": [0.0, 1.0], "seed": SEED, "verbose": -9})
-    while not search.stop() and tried < hops:
-        points = search.ask()
-        search.tell(points, [cost(x) for x in points])
-        tried += len(points)
+    while tried < hops:
+        search = cma.CMAEvolutionStrategy(list(x0), spread, {"bounds": [0.0, 1.0], "seed": seed, "verbose": -9})
+        while not search.stop() and tried < hops:
+            points = search.ask()
+            search.tell(points, [cost(x) for x in points])
+            tried += len(points)
+        spread, seed = spread if costs else 0.5 * spread, seed + 1
     return costs, tried
 
 

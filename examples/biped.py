@@ -79,7 +79,7 @@ def step(robot, side, other, spring):
     contacts = tuple(STICK if toe == f"{side}_toe" else OPEN for toe in robot.toes)
     mount = Mount(f"{side}_knee", spring, rest=f"{side}_rest", taut=f"{side}_taut")
     thrust = Guard("thrust", compressing, Reset(latch=lambda q, v, held, p: {"thrusting": 1.0}))
-    guards = *spring_switches(mount, KNEES[side]), thrust, *fall([*robot.actuated, f"{other}_toe"])  # joints are frames
+    guards = *spring_switches(mount), thrust, *fall([*robot.actuated, f"{other}_toe"])  # joints are frames
     stance = Domain(f"{side}_stance", f"{side}_stance", contacts, stance_law, mounts=(mount,), guards=guards)
     lift_off = {f"{side}_toe": Reset(release=(f"{side}_knee",), phase=f"{side}_flight")}
     lands = touchdown(f"{other}_toe", Reset((f"{other}_toe",), (), land, f"{other}_stance"), f"{other}_touchdown")
@@ -104,7 +104,17 @@ def running(robot, law=None, spring=None, contact=None, *, ground=None):
     domains = (*step(robot, "left", "right", spring), *step(robot, "right", "left", spring))
     measures = {"mean_speed": lambda run: (run.state[0][0] - run.start[0][0]) / sum(run.durations.values())}
     return HybridSystem(
-        "running", robot, law, spring, contact, domains, "left_touchdown", ("torso_x",), running, guess, measures
+        "running",
+        robot,
+        law,
+        {"knee": spring},
+        contact,
+        domains,
+        "left_touchdown",
+        ("torso_x",),
+        running,
+        guess,
+        measures,
     )
 
 

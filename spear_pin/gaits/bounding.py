@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_guards import OVERLOAD, SHORTEST_SPAN, knee_back, mount, overload
+from spear_pin.gaits.bounding_guards import OVERLOAD, SHORTEST_SPAN, knee_back, overload
 from spear_pin.gaits.bounding_law import (
     LEGS,
     STATES,
@@ -29,18 +28,20 @@ from spear_pin.gaits.bounding_law import (
     phases_of,
     stance_law,
 )
+from spear_pin.gaits.springing import Springing, springing_of
 from spear_pin.gaits.virtual_constraints import Evolution, begun, progress, value
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Law, Mount, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.ground import Ground, as_ground, given
-from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touchdown
+from spear_pin.hybrid.phases import contact_domains, fall, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import PAIR_STIFFNESS, Spring
+from spear_pin.model.springs import Springs, springs_by_name
 
 Guards = tuple[Guard, ...]
 Engage = Callable[[Leg, Sequence[float], Held], Held]
@@ -52,7 +53,7 @@ LONGEST = 2.0  # s: a phase of Q-SPEAR
 def bounding(
     robot: Robot,
     law: BoundingLaw,
-    spring: Spring | None = None,
+    spring: Spring | Mapping[str, Spring] | None = None,
     contact: Contact | None = None,
     *,
     ground: Ground | None = None,
@@ -67,7 +68,8 @@ def bounding(
         law: parameters of the controller, for instance those of a shipped gait.
         spring: the knee springs of a pair of legs; by default 2 · 56 N·m/rad (source: Table 5.1), without damping (the
             source gives none for the quadruped), or `Spring.scaled` for another quadruped. A spring with a rest angle,
-            in flexion, never releases.
+            in flexion, never releases. Several springs of each pair by name, on the leg's joint of that name or on a
+            path by the names of the leg's parts.
         contact: friction of level ground; by default 0.8 (assumption).
         ground: the ground, instead of `contact`.
 
@@ -79,14 +81,14 @@ def bounding(
         >>> bounding(load("q_spear"), Gait.load("long_stride").system.law).phases
         ('posterior_stance', 'double_1', 'flight_1', 'anterior_stance', 'double_2', 'flight_2')
     """
-    spring, contact = spring or _spring(robot), given(contact, ground)
+    springs, contact = springs_by_name(_spring(robot) if spring is None else spring, "knee"), given(contact, ground)
     return HybridSystem(
         kind="bounding",
         robot=robot,
         law=law,
-        spring=spring,
+        springs=springs,
         contact=contact,
-        domains=tuple(_domains(robot, law, spring)),
+        domains=tuple(_domains(robot, law, springs)),
         section="posterior_touchdown",
         cyclic=("torso_x",),
         build=bounding,
@@ -103,22 +105,25 @@ def _spring(robot: Robot) -> Spring:
 # domains
 
 
-def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]:
+def _domains(robot: Robot, law: BoundingLaw, springs: Springs) -> Iterator[Domain]:
     """Returns the domains from each leg's stance, through flight or a double stance, to the other leg's stance."""
     legs, phases = legs_of(robot), phases_of(robot)
     stances = {phase.bearing: phase for phase in phases if phase.bearing}
     flights = {phase.lifted: phase for phase in phases if phase.lifted}
     overloaded = overload(OVERLOAD * 10.0 ** round(math.log10(scale_of(robot).torque)))  # compiled for each value
-    engage = _engagement(legs, spring)
+    springing = {leg.name: springing_of(robot, springs, leg) for leg in legs}
+    engage = _engagement(springing)
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
 
     def sprung(bearing: tuple[Leg, ...]) -> tuple[tuple[Mount, ...], tuple[Guard, ...]]:
         """Returns the springs that act while some legs are on the ground, and where they go slack."""
-        acting = bearing if spring.rest is None else legs
-        undamped = replace(spring, damping=0.0)  # as what is let go
-        mounts = tuple(mount(leg, spring if leg in bearing else undamped) for leg in acting)
-        pairs = zip(mounts, acting, strict=True)
-        return mounts, tuple(guard for mount, leg in pairs for guard in spring_switches(mount, leg.knee))
+        mounts, switches = list[Mount](), list[Guard]()
+        for leg in legs:
+            own = springing[leg.name]
+            acting = own.mounts if leg in bearing else own.fixed
+            mounts += acting
+            switches += own.switches(acting)
+        return tuple(mounts), tuple(switches)
 
     def grounded(name: str, bearing: tuple[Leg, ...], control: Law, resets: Mapping[str, Reset], own: Guards) -> Any:
         mounts, switches = sprung(bearing)
@@ -131,9 +136,9 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
         double = f"double_{1 if leg is legs[0] else 2}"  # from this leg's stance to the other's
         stance, next_stance, flight = stances[leg], stances[other], flights[leg]
         lands = _lands(other, double, engage)
-        leaves = {leg.toe: _lifts(leg, flight, None, spring)}
+        leaves = {leg.toe: _lifts(leg, flight, None, springing)}
         yield from grounded(stance.name, (leg,), stance_law(leg, stance), leaves, (_passing(stance), lands))
-        leaves = {leg.toe: _lifts(leg, next_stance, other, spring), other.toe: _lifts(other, stance, leg, spring)}
+        leaves = {leg.toe: _lifts(leg, next_stance, other, springing), other.toe: _lifts(other, stance, leg, springing)}
         yield from grounded(double, legs, double_law(legs), leaves, ())
         returns = _lands(leg, stance, engage, "return", resumed=True)
         mounts, switches = sprung(())
@@ -141,22 +146,16 @@ def _domains(robot: Robot, law: BoundingLaw, spring: Spring) -> Iterator[Domain]
         yield Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), mounts=mounts, guards=guards)
 
 
-def _engagement(legs: tuple[Leg, Leg], spring: Spring) -> Engage:
-    """Returns the spring values that are latched as a leg lands: at its own angle, or fixed once and for all."""
+def _engagement(springs: Mapping[str, Springing]) -> Engage:
+    """Returns what is latched of springs as a leg lands: where its own rest, and whether fixed ones are taut."""
 
-    def switched(leg: Leg, q: Sequence[float], held: Held) -> Held:
-        return {f"{leg.name}_rest": q[leg.knee], f"{leg.name}_taut": 1.0}
-
-    def fixed(leg: Leg, q: Sequence[float], held: Held) -> Held:
-        if f"{leg.name}_taut" in held:  # as it was
-            return {}
-        rest = spring.rest or 0.0
-        latched: dict[str, Any] = {f"{each.name}_rest": each.side * rest for each in legs}
-        return latched | {
-            f"{each.name}_taut": float(each.side * q[each.knee] > rest or not spring.unilateral) for each in legs
+    def engage(leg: Leg, q: Sequence[float], held: Held) -> Held:
+        others = (each.keep(q, held) for name, each in springs.items() if name != leg.name)
+        return {
+            name: value for latched in (springs[leg.name].engage(q, held), *others) for name, value in latched.items()
         }
 
-    return switched if spring.rest is None else fixed
+    return engage
 
 
 # events that change the phase
@@ -175,13 +174,13 @@ def _lands(leg: Leg, phase: Phase | str, engage: Engage, name: str = "touchdown"
     return touchdown(leg.toe, Reset(impact=(leg.toe,), latch=latch, phase=into), f"{leg.name}_{name}")
 
 
-def _lifts(leg: Leg, phase: Phase, remaining: Leg | None, spring: Spring) -> Reset:
+def _lifts(leg: Leg, phase: Phase, remaining: Leg | None, springing: Mapping[str, Springing]) -> Reset:
     """Makes the leg lift off, into flight or into the stance of the remaining leg."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
         return _fly(phase, q, v, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
 
-    return Reset(release=() if spring.rest is not None else (leg.joint,), latch=latch, phase=phase.name)
+    return Reset(release=springing[leg.name].released, latch=latch, phase=phase.name)
 
 
 # guards

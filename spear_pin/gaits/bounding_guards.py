@@ -1,12 +1,11 @@
-"""Parts of a bounding leg that are the same in the plane and in space: spring, lift-off by the knee, and overload."""
+"""Parts of a bounding leg that are the same in the plane and in space: lift-off by the knee, and overload."""
 
 from __future__ import annotations
 
 from typing import Any, Protocol
 
-from spear_pin.hybrid.domain import Guard, Mount, Reset
+from spear_pin.hybrid.domain import Guard, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
-from spear_pin.model.spring import Spring
 
 OVERLOAD = 1e4  # N·m: a hundred times what Q-SPEAR's gaits take
 BEYOND = 1e-3  # rad: a knee must flex so far beyond θ̄ before its return lifts the leg
@@ -14,20 +13,11 @@ SHORTEST_SPAN = 0.2  # share of a stance's span that remains at least when a swi
 
 
 class Kneed(Protocol):
-    """The leg's knee: the names of leg and knee, the side to which the knee flexes, and how far it is flexed."""
+    """The leg's knee: the name of the leg, and how far the knee is flexed."""
 
     @property
     def name(self) -> str: ...  # noqa: D102
-    @property
-    def joint(self) -> str: ...  # noqa: D102
-    @property
-    def side(self) -> float: ...  # noqa: D102
     def flexion(self, q: Any) -> Any: ...  # noqa: D102
-
-
-def mount(leg: Kneed, spring: Spring) -> Mount:
-    """Returns the leg's spring, given by its latched values."""
-    return Mount(leg.joint, spring, rest=f"{leg.name}_rest", taut=f"{leg.name}_taut", side=leg.side)
 
 
 def knee_back(leg: Kneed, reset: Reset) -> tuple[Guard, Guard]:

@@ -232,6 +232,11 @@ class Leg:
         return f"{self.name}_toe"
 
     @property
+    def above(self) -> str:
+        """Name of the leg's hip."""
+        return f"{self.name}_hip"
+
+    @property
     def joint(self) -> str:
         """Name of the leg's knee."""
         return f"{self.name}_knee"

@@ -29,11 +29,12 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dry_friction import DryFriction
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.parameters import LIMITS, PARTS, Fitted, limits, parameter, rebuilt, replaced
+from spear_pin.hybrid.parameters import LIMITS, Fitted, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
+from spear_pin.model.path_data import path_of, spring_data
 from spear_pin.model.spring import Spring
 from spear_pin.printable import printable
 from spear_pin.showing import Shown
@@ -154,7 +155,7 @@ class Gait(Shown):
             "format": FORMAT,
             "kind": self.system.kind,
             "robot": origin(self.system.robot),
-            **{part: asdict(getattr(self.system, part)) for part in PARTS},
+            **_parts(self.system),
             "limits": {name: float(limit) for name, limit in limits(self.system).items()},
             "state": {"q": self.state[0].tolist(), "v": self.state[1].tolist()},
             "parameters": dict(self.parameters),
@@ -193,8 +194,7 @@ class Gait(Shown):
             build, law = kinds[data["kind"]]
             robot = robot_of(data["robot"])
             contact = Ground if data["contact"].keys() & {"slope", "height"} else Contact
-            kinds_of_parts = zip((law, Spring, contact), PARTS, strict=True)
-            system = build(robot, *(_part(kind, data[part]) for kind, part in kinds_of_parts))
+            system = build(robot, _part(law, data["law"]), _springs(data), _part(contact, data["contact"]))
             if "feedback" in data:
                 system = with_feedback(system, _part(EventFeedback, data["feedback"]))
             system = replace(system, **data.get("limits", {}))
@@ -233,7 +233,8 @@ def _check(data: Any) -> None:
     """Refuses data in which a part of a gait is missing or of another kind; the system is checked as it is built."""
     if not isinstance(data, dict):
         raise ValueError("it is no JSON object")
-    objects = ("robot", *PARTS, "state", "parameters", "durations")
+    springs = "springs" if "springs" in data else "spring"
+    objects = ("robot", "law", springs, "contact", "state", "parameters", "durations")
     check_keys("field", data, ("format", "kind", *objects, "residual", "multipliers"), ("limits", "feedback"))
     if data["format"] != FORMAT:
         raise BadValue("format", data["format"], repr(FORMAT))
@@ -261,6 +262,28 @@ def _numbers(name: str, values: Any, count: int | None = None) -> NDArray[np.flo
     if not right or count not in (None, len(values)):
         raise BadValue(name, values, "numbers" if count is None else f"{count} numbers")
     return np.array(values, dtype=float)
+
+
+def _parts(system: HybridSystem) -> dict[str, Any]:
+    """Returns law, springs and contact, as a file has them."""
+    springs = {name: spring_data(spring) for name, spring in system.springs.items()}
+    named = {"spring": next(iter(springs.values()))} if len(springs) == 1 else {"springs": springs}
+    return {"law": asdict(system.law), **named, "contact": asdict(system.contact)}
+
+
+def _springs(data: Mapping[str, Any]) -> Spring | dict[str, Spring]:
+    """Returns what `_parts` wrote of springs."""
+    if "spring" in data:
+        return _spring(data["spring"])
+    return {name: _spring(values) for name, values in data["springs"].items()}
+
+
+def _spring(values: Any) -> Spring:
+    if not isinstance(values, dict):
+        raise BadValue("springs", values, "a JSON object for each")
+    path, others = path_of(values)
+    spring: Spring = _part(Spring, others)
+    return replace(spring, path=path)
 
 
 def _part(kind: type, values: Mapping[str, Any]) -> Any:

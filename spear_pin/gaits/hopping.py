@@ -11,17 +11,19 @@ import numpy as np
 
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.inputs import ANGLE, Input
+from spear_pin.gaits.springing import springing
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
-from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset, Switch
+from spear_pin.hybrid.domain import Domain, Guard, Held, Reset, Switch
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.ground import Ground, as_ground, given
-from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches, touchdown
+from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import only_leg, scale_of, shipped, touchdown_inertia
 from spear_pin.model.spring import Spring
+from spear_pin.model.springs import springs_by_name
 
 LONGEST, FALLING = 5.0, 0.8  # s, m/s: a phase of SPEAR-II, and how fast it lands in a guess
 FLAT = 1e-9  # 1/m: a smaller change of the normal force with the torque counts as zero
@@ -157,9 +159,9 @@ def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, 
 def sprung_flight_law(
     t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations
 ) -> Sequence[Any]:
-    """Returns the torques of the flight law when the spring stays engaged: the motor also balances the spring."""
+    """Returns the torques of the flight law when springs stay engaged: the motors also balance them."""
     hip, knee = flight_law(t, q, v, held, p, dyn, ops)
-    return hip, knee - dyn.spring_torque("knee")
+    return hip - dyn.spring_torque("hip"), knee - dyn.spring_torque("knee")
 
 
 def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
@@ -201,7 +203,7 @@ def _normal_force(q: Any, held: Any, p: HoppingLaw, dyn: Dynamics) -> tuple[Any,
 def hopping(
     robot: Robot,
     law: HoppingLaw | None = None,
-    spring: Spring | None = None,
+    spring: Spring | Mapping[str, Spring] | None = None,
     contact: Contact | None = None,
     *,
     ground: Ground | None = None,
@@ -214,13 +216,16 @@ def hopping(
     Args:
         robot: SPEAR-II, with boom_x locked or free, or another leg as `spear_pin.monopod` cuts it.
         law: parameters of the controller; for another leg those of `HoppingLaw.scaled`.
-        spring: the knee spring; for another leg that of `Spring.scaled`.
+        spring: the knee spring, or several by name, each on the joint of its name or on its own path; for another leg
+            that of `Spring.scaled`.
         contact: friction of level ground.
         ground: the ground, instead of `contact`.
 
     Raises:
-        BadValue: law, spring or contact is missing, both contact and ground are given, or the robot is not a planar one
-            with a toe "toe" and motors on "hip" and "knee" last.
+        BadValue: law, spring or contact is missing, both contact and ground are given, the motor is to imitate a knee
+            spring beside springs without one, or the robot is not a planar one with a toe "toe" and motors on "hip" and
+            "knee" last.
+        UnknownName: a spring is on no joint or frame of the robot.
 
     Example:
         >>> from spear_pin import HoppingLaw, hopping, load
@@ -228,7 +233,8 @@ def hopping(
         >>> system.phases
         ('stance', 'flight')
     """
-    law, spring, contact = law or HoppingLaw(), spring or Spring(), given(contact, ground)
+    law, contact = law or HoppingLaw(), given(contact, ground)
+    springs = springing(robot, springs_by_name(Spring() if spring is None else spring, "knee"))
     if not robot.planar or robot.toes != ("toe",) or robot.coordinates[-2:] != ("hip", "knee"):
         raise BadValue("robot", robot, "a planar robot with the toe 'toe' whose last joints are 'hip' and 'knee'")
     if robot.actuated != ("hip", "knee"):
@@ -238,23 +244,20 @@ def hopping(
     if forward is None and law.foot_placement != 0.0:
         raise BadValue("HoppingLaw.foot_placement", law.foot_placement, "0 while boom_x is locked")
 
-    def engaged(q: Sequence[float], held: Held) -> Held:
-        if spring.rest is None:
-            return {"knee_touchdown": q[knee], "taut": 1.0}
-        if "taut" in held:  # as it was
-            return {}
-        return {"knee_touchdown": spring.rest, "taut": float(q[knee] > spring.rest or not spring.unilateral)}
+    imitated = "taut" in {mount.taut for mount in springs.mounts}
+    if law.virtual_stiffness and not imitated:
+        expected = "0 unless there is a spring at the knee, which it follows"
+        raise BadValue("HoppingLaw.virtual_stiffness", law.virtual_stiffness, expected)
 
     def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        return {**engaged(q, held), "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
+        own = {} if imitated else {"knee_touchdown": q[knee], "taut": 1.0}
+        return {**own, **springs.engage(q, held), "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
 
     def latch_lift_off(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        speed = {"speed": 0.0 if forward is None else v[forward]}
-        return speed if spring.rest is None else {**speed, **engaged(q, held)}
+        return {"speed": 0.0 if forward is None else v[forward], **springs.keep(q, held)}
 
-    mount = Mount("knee", spring, rest="knee_touchdown", taut="taut")
-    fixed = () if spring.rest is None else (replace(mount, spring=replace(spring, damping=0.0)),)
-    lift_off = Reset(release=() if fixed else ("knee",), latch=latch_lift_off, phase="flight")
+    fixed = springs.fixed
+    lift_off = Reset(release=springs.released, latch=latch_lift_off, phase="flight")
     flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"], "compressing": 0.0, "limited": 0.0})
     fallen = fall(["hip", "knee"])
     stance = Domain(
@@ -262,8 +265,8 @@ def hopping(
         "stance",
         (STICK,),
         stance_law,
-        mounts=(mount,),
-        guards=(*spring_switches(mount, knee), *fallen),
+        mounts=springs.mounts,
+        guards=(*springs.switches(springs.mounts), *fallen),
         switch=Switch("torque_switch", _half_periods, flip),
     )
     flight = Domain(
@@ -273,7 +276,7 @@ def hopping(
         sprung_flight_law if fixed else flight_law,
         mounts=fixed,
         guards=(
-            *(switch for each in fixed for switch in spring_switches(each, knee)),
+            *springs.switches(fixed),
             touchdown("toe", Reset(impact=("toe",), latch=latch_touchdown, phase="stance")),
             *fallen,
             Guard("apex", rate(rise)),
@@ -283,7 +286,7 @@ def hopping(
         kind="hopping",
         robot=robot,
         law=law,
-        spring=spring,
+        springs=springs.springs,
         contact=contact,
         domains=(*contact_domains(stance, robot.toes, lift_off, first=_limit_guards(law)), flight),
         section="touchdown",

@@ -268,7 +268,7 @@ def round_hopping(
         kind="round_hopping",
         robot=robot,
         law=law,
-        spring=spring,
+        springs={KNEE: spring},
         contact=contact,
         domains=(
             *((stance,) if law.unlimited_friction else contact_domains(limited, robot.toes, into_flight)),

@@ -145,7 +145,7 @@ def series_hopping(
         kind="series_hopping",
         robot=robot,
         law=law,
-        spring=spring,
+        springs={"knee_spring": spring},
         contact=contact,
         domains=(*contact_domains(stance, robot.toes, lift_off), flight),
         section="touchdown",

@@ -17,7 +17,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import LOCK, has_lanes, may_vary
 from spear_pin.hybrid.newton import Lanes
 from spear_pin.hybrid.orders import Order
-from spear_pin.hybrid.parameters import NONZERO, parameter, with_parameters
+from spear_pin.hybrid.parameters import left_out_at_zero, parameter, with_parameters
 from spear_pin.hybrid.result import Moment, Run
 from spear_pin.hybrid.shooting import Cycle, Cycles
 from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE
@@ -170,6 +170,6 @@ def tangent_cycles(
     known = may_vary(system, vary) if system.section_toes else has_lanes(system, vary)
     if len(names) < len(measures) or not known:
         return None
-    if any(name in NONZERO and parameter(system, name) == 0.0 for name in vary):
+    if any(left_out_at_zero(name) and parameter(system, name) == 0.0 for name in vary):
         return None  # what is zero is not compiled
     return TangentCycles(system, tuple(vary), names)

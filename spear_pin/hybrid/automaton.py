@@ -52,7 +52,7 @@ class HybridSystem:
         kind: name of the gait's automaton.
         robot: the robot.
         law: parameters of the control law.
-        spring: parameters of the springs.
+        springs: the springs by name; of several mounts of the same kind, as those of two legs, the one that they share.
         contact: parameters of the ground, a `Ground` or the `Contact` of a level one.
         domains: the domains, sorted by phase, sticking before slipping.
         section: name of the event that closes a cycle, see `shortest_flight`. A system without a section has an empty
@@ -81,7 +81,7 @@ class HybridSystem:
     kind: str
     robot: Robot
     law: Any
-    spring: Spring
+    springs: Mapping[str, Spring]
     contact: Contact
     domains: tuple[Domain, ...]
     section: str
@@ -111,9 +111,20 @@ class HybridSystem:
         gravity = tuple(self.robot.model.gravity.linear.tolist())
         if not self.robot.planar and any(gravity[:2]):  # a rotation about z would change the motion
             raise BadValue("gravity", gravity, "gravity along z, for a robot that is not planar")
-        check(self.robot, self.domains, self.law, self.guess)
+        check(self.robot, self.domains, self.law, self.guess, self.springs)
         if self.section:
             _ = self.landing  # its error says what is valid
+
+    @property
+    def spring(self) -> Spring:
+        """The first of the springs."""
+        return next(iter(self.springs.values()))
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """The arguments of the builder besides the robot: law, spring and contact; several springs by name."""
+        springs: Any = self.springs if len(self.springs) > 1 else next(iter(self.springs.values()), None)
+        return {"law": self.law, "spring": springs, "contact": self.contact}
 
     @cached_property
     def ground(self) -> Ground:

@@ -14,15 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines import structure, taylor
 from spear_pin.hybrid.engines.taylor import available as available
 from spear_pin.hybrid.engines.taylor import require as require
 from spear_pin.hybrid.fields import names_of
-from spear_pin.hybrid.lanes.numbers import OTHERS
 from spear_pin.hybrid.lanes.runner import FEW as FEW
 from spear_pin.hybrid.lanes.runner import Lanes
 from spear_pin.hybrid.orders import Order
-from spear_pin.hybrid.parameters import NONZERO, parameter, with_parameters
+from spear_pin.hybrid.parameters import left_out_at_zero, parameter, with_parameters
 from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
@@ -148,7 +147,7 @@ def may_differ(system: HybridSystem, name: str) -> bool:
 
     The numbers of the law, of the springs and of the ground may, except for a spring's fixed rest angle.
     """
-    return name in OTHERS or name in names_of(system.law)
+    return name in structure.all_others(system) or name in names_of(system.law)
 
 
 def has_lanes(system: HybridSystem, names: Iterable[str]) -> bool:
@@ -183,7 +182,8 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
     for name, values in given.items():
         parameter(system, name)  # its error lists the parameters
         if not may_differ(system, name):
-            raise BadValue("parameters", name, f"fields of the law, {', '.join(OTHERS[:-1])} or {OTHERS[-1]}")
+            friction, *others = structure.all_others(system)
+            raise BadValue("parameters", name, f"fields of the law, {', '.join(others)} or {friction}")
         if values.shape != (len(q),) or not np.isfinite(values).all():
             raise BadValue(f"parameters[{name!r}]", values, f"{len(q)} finite numbers")
         for value in {values.min(initial=np.inf), values.max(initial=-np.inf)} if len(q) else ():
@@ -192,7 +192,7 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
 
 def _varying(system: HybridSystem, given: Mapping[str, Array]) -> HybridSystem:
     """Returns the system without zeros among the numbers that lanes differ in: numbers that are zero are left out."""
-    most = {name: float(max(given[name], key=abs, default=0.0)) for name in NONZERO if name in given}
+    most = {name: float(max(given[name], key=abs, default=0.0)) for name in given if left_out_at_zero(name)}
     zero = {name: value for name, value in most.items() if value != 0.0 and parameter(system, name) == 0.0}
     return with_parameters(system, zero)
 

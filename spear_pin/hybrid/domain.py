@@ -23,6 +23,7 @@ from typing import Any
 
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.model.path import Joints, Path
 from spear_pin.model.spring import Spring
 
 Held = Mapping[str, Any]
@@ -33,43 +34,48 @@ Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]
 
 @dataclass(frozen=True)
 class Mount:
-    """A spring on a joint, while the spring is engaged.
+    """A spring on a path, while the spring is engaged.
 
     Attributes:
-        joint: the joint that the spring spans.
+        name: name of the mount, of which a domain has one only.
         spring: the spring's law.
-        rest: name in `held` of the latched angle.
-        taut: name in `held` of a value that is 1 while the spring pulls and 0 while it is slack.
-        side: +1 if flexion is positive, -1 if negative.
+        rest: length of the path at which the spring rests, or name in `held` of the values at which it rests: those of
+            the coordinates on which the path's length depends, a tuple if they are several.
+        taut: name in `held` of a value that is 1 while the spring pulls and 0 while it is slack; None if it pulls and
+            pushes.
+        path: the path, which grows as the spring is stretched; None for the joint of the mount's name.
+        of: name of the system's spring whose numbers it has; none means the first.
     """
 
-    joint: str
+    name: str
     spring: Spring
-    rest: str
-    taut: str
-    side: float = 1.0
+    rest: str | float
+    taut: str | None = None
+    path: Path | None = None
+    of: str = ""
 
-    def torque(self, spring: Spring, angle: Any, held: Held, ops: Any) -> Any:
-        """Returns the torque on the joint at an angle, without the damper's torque, in N·m.
+    @cached_property
+    def along(self) -> Path:
+        """The path."""
+        return Joints({self.name: 1.0}) if self.path is None else self.path
+
+    def pull(self, spring: Spring, stretch: Any, held: Held, ops: Any) -> Any:
+        """Returns the force along the path, without the damper's, in N, or N·m on a path of angles.
 
         Args:
             spring: the spring's law, with scalars of any kind.
-            angle: angle of the joint, in rad.
+            stretch: how much longer the path is than at rest.
             held: held values.
             ops: elementary functions.
         """
-        return held[self.taut] * (self.side * spring.torque(self._deflection(angle, held), ops))
+        return self._if_taut(spring.torque(stretch, ops), held)
 
-    def energy(self, angle: Any, held: Held) -> Any:
-        """Returns the energy that the spring stores at an angle, in J."""
-        return held[self.taut] * self.spring.energy(self._deflection(angle, held))
+    def energy(self, stretch: Any, held: Held) -> Any:
+        """Returns the energy that the spring stores, in J."""
+        return self._if_taut(self.spring.energy(stretch), held)
 
-    def knots(self, held: Held) -> list[float]:
-        """Returns the angles of the joint at which the spring's law has no second derivative, in rad."""
-        return [held[self.rest] + self.side * knot for knot in self.spring.knots]
-
-    def _deflection(self, angle: Any, held: Held) -> Any:
-        return self.side * (angle - held[self.rest])
+    def _if_taut(self, value: Any, held: Held) -> Any:
+        return value if self.taut is None else held[self.taut] * value
 
 
 @dataclass(frozen=True)
@@ -93,7 +99,7 @@ class Reset:
 
     Attributes:
         impact: toes that strike the ground, plastically.
-        release: joints whose engaged springs release; the energy that they still store is lost.
+        release: names of engaged springs that release; the energy that they still store is lost.
         latch: function that returns newly held values, from (q, v, held, p) after the impact.
         phase: the phase entered; None stays in the present phase, whose clock continues.
         stop: toes in space whose sliding has almost ended, and is stopped.

@@ -96,7 +96,10 @@ class Dynamics(Protocol):
         """Returns the effective inverse mass of the normal force of a slipping toe, in 1/kg."""
 
     def spring_torque(self, joint: str) -> Any:
-        """Returns the torque of the joint's spring, in N·m; 0 where none is engaged."""
+        """Returns the torque of all engaged springs on a joint, in N·m; 0 where none is engaged."""
+
+    def stretch(self, name: str) -> Any:
+        """Returns how much longer an engaged spring's path is than at rest, in rad or m, by the name of its mount."""
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
         """Returns the normal force that motor torques would give with the toes on the ground at rest, in N.

@@ -18,7 +18,7 @@ from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.fields import ADDED
-from spear_pin.hybrid.parameters import PARTS, changed, numbers_of_law, replaced
+from spear_pin.hybrid.parameters import changed, numbers_of_law, replaced
 from spear_pin.hybrid.symmetry import YAW, Mirror, mirror_of
 from spear_pin.model.scalars import dot, turn
 
@@ -147,8 +147,7 @@ def with_feedback(system: HybridSystem, feedback: EventFeedback | None) -> Hybri
     """
     if feedback_of(system) is not None:
         kept = [change for change in system.changes if not isinstance(change, EventFeedback)]
-        parts = (getattr(system, part) for part in PARTS)
-        others, system = replaced(system), system.made["builder"](system.robot, *parts)
+        others, system = replaced(system), system.made["builder"](system.robot, *system.parts.values())
         for change in kept:
             system = changed(system, change)
         system = replace(system, **others) if others else system

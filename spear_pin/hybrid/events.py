@@ -252,16 +252,17 @@ def bends(
         interpolate: makes the step's interpolant.
     """
     found = []
-    for index, angle in flow.knots:
-        before, after = (float(y[index]) - angle for y in states)
+    nv = flow.system.robot.nv
+    for knot in flow.knots:
+        before, after = (knot(y[:nv]) for y in states)
         if abs(before) > ON_KNOT and before * after < 0.0:
             side, solution = math.copysign(1.0, before), interpolate()
-            found.append((_root(partial(_beyond, solution, index, angle, side), *ends), BEND))
+            found.append((_root(partial(_beyond, solution, knot, nv, side), *ends), BEND))
     return found
 
 
-def _beyond(solution: Interpolant, index: int, angle: float, side: float, t: float) -> float:
-    return side * (float(solution(t)[index]) - angle)
+def _beyond(solution: Interpolant, knot: Callable[[Array], float], nv: int, side: float, t: float) -> float:
+    return side * knot(solution(t)[:nv])
 
 
 def _root(value: Callable[[float], float], left: float, right: float) -> float:

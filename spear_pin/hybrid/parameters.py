@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from spear_pin.errors import BadValue, SpearError, UnknownName
 from spear_pin.hybrid.automaton import REPLACED, HybridSystem
@@ -13,15 +13,22 @@ from spear_pin.hybrid.ground import PLACE
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
 from spear_pin.model.numbers import body_numbers
+from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import UNITS as OF_SPRINGS
+from spear_pin.model.spring import Spring
+from spear_pin.model.springs import unit_of
 from spear_pin.model.variants import PARAMETERS, parameters_of, value_of, vary
 
-PARTS = ("law", "spring", "contact")
+SPRING = "spring "  # begins the part that is one of the springs
 Change = Callable[[HybridSystem], HybridSystem]
 LIMITS = ("phase_limit", "shortest_flight", "overlap")
 OF_GROUND = {"friction": "1", "slope": "rad", "height": "m"}
-NONZERO = (*OF_SPRINGS, *PLACE)  # numbers that equations leave out where they are zero
+
+
+def left_out_at_zero(name: str) -> bool:
+    """Tells whether the equations leave a number out where it is zero: one of springs, or of the ground's place."""
+    return name in OF_SPRINGS or name in PLACE or "." in name
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
@@ -35,23 +42,30 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
         return system  # as it is, with what may have been replaced in it
     whole, parts = _parts(system), dict[str, Any]()
     for name, value in values.items():
-        part, inner = _owner(system, name)
-        owner = parts.get(part, whole[part])
-        given = {name: value} if inner is None else {inner: replace(getattr(owner, inner), **{name: value})}
-        parts[part] = replace(owner, **given)
+        place = _owner(system, name)
+        parts[place.part] = place.given(parts.get(place.part, whole[place.part]), value)
+    springs = {each: parts.pop(SPRING + each) for each in system.springs if SPRING + each in parts}
+    if springs:
+        parts["spring"] = {**system.springs, **springs} if len(system.springs) > 1 else springs.popitem()[1]
     return rebuilt(system, **parts)
 
 
 def rebuilt(system: HybridSystem, robot: Robot | None = None, **parts: Any) -> HybridSystem:
     """Returns a system with another robot, law, spring or contact; its other changed and replaced parts are kept.
 
+    Args:
+        system: the system.
+        robot: the other robot.
+        parts: other parts by the names of the builder's arguments; a single `spring` takes the first one's place.
+
     Raises:
         BadValue: its domains were replaced, and not by `changed`, so that they are not defined for other numbers.
     """
     kept = replaced(system)
-    again = system.build(
-        system.robot if robot is None else robot, **{part: getattr(system, part) for part in PARTS} | parts
-    )
+    if isinstance(own := parts.get("spring"), Spring) and len(system.springs) > 1:
+        first, *others = system.springs.items()
+        parts["spring"] = dict([(first[0], own), *others])
+    again = system.build(system.robot if robot is None else robot, **system.parts | parts)
     return replace(again, **kept) if kept else again  # once made it is checked
 
 
@@ -103,7 +117,8 @@ def parameter(system: HybridSystem, name: str) -> float:
         UnknownName: no part has a numeric field of that name.
         BadValue: the field holds no number to begin from.
     """
-    value = _held(system, *_owner(system, name), name)
+    place = _owner(system, name)
+    value = place.value(_parts(system)[place.part])
     if value is None:
         raise BadValue(name, value, "a number: set it in the law, spring or ground first")
     return float(value)
@@ -147,11 +162,10 @@ def numbers_of_robot(robot: Robot) -> tuple[str, ...]:
 
 def numbers_of_law(system: HybridSystem) -> tuple[str, ...]:
     """Returns the names of the numbers that a system's law has alone, and that have a value."""
-    others = {*_places(system.spring), *_places(system.ground)}  # which have a name before the law has
+    places = _places(system)
+    others = {name for part, own in places.items() if part != "law" for name in own}  # have a name before the law has
     return tuple(
-        name
-        for name, inner in _places(system.law).items()
-        if name not in others and _held(system, "law", inner, name) is not None
+        name for name, place in places["law"].items() if name not in others and place.value(system.law) is not None
     )
 
 
@@ -160,8 +174,10 @@ def unit(system: HybridSystem, name: str) -> str:
     if name in parameters_of(system.robot):
         return PARAMETERS[name].unit
     bodies = body_numbers(system.robot)
-    others: Mapping[str, str] = OF_GROUND | OF_SPRINGS | dict(getattr(system.law, "units", {}))
-    return bodies[name].unit if name in bodies else others.get(name, "")
+    others: Mapping[str, str] = OF_GROUND | dict(getattr(system.law, "units", {}))
+    if name in bodies:
+        return bodies[name].unit
+    return others.get(name, "") if name in others else unit_of(system.springs, name)
 
 
 def with_numbers(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
@@ -177,49 +193,74 @@ def with_numbers(system: HybridSystem, values: Mapping[str, float]) -> HybridSys
     return with_parameters(system, {name: value for name, value in values.items() if name not in varied})
 
 
+class _Place(NamedTuple):
+    """Where a part of a system has a number: a field of its own, of a dataclass in it, or a number of its path."""
+
+    part: str
+    inner: str | None
+    field: str
+
+    def value(self, part: Any) -> Any:
+        """Returns the number."""
+        owner = part if self.inner is None else getattr(part, self.inner)
+        return owner.numbers[self.field] if isinstance(owner, Path) else getattr(owner, self.field)
+
+    def given(self, part: Any, value: Any) -> Any:
+        """Returns the part with another number."""
+        if self.inner is None:
+            return replace(part, **{self.field: value})
+        owner, given = getattr(part, self.inner), {self.field: value}
+        return replace(part, **{self.inner: owner.moved(given) if isinstance(owner, Path) else replace(owner, **given)})
+
+
 def _parts(system: HybridSystem) -> dict[str, Any]:
-    """Returns the parts with numbers: law, spring, and ground or contact."""
-    return dict(zip(PARTS, (system.law, system.spring, system.ground), strict=True))
+    """Returns the parts with numbers: law, each spring, and ground or contact."""
+    springs = {f"{SPRING}{name}": spring for name, spring in system.springs.items()}
+    return {"law": system.law, **springs, "contact": system.ground}
 
 
-def _owner(system: HybridSystem, name: str) -> tuple[str, str | None]:
-    """Returns the part that has a number of a name, and its field if the number lies in a dataclass within the part.
+def _owner(system: HybridSystem, name: str) -> _Place:
+    """Returns where a system has the number of a name.
 
     Raises:
         UnknownName: no part has such a number.
         BadValue: two parts have one, with different values.
     """
-    owners: dict[str, tuple[str, str | None]] = {}
-    for part, whole in _parts(system).items():
-        own = {name: (part, inner) for name, inner in _places(whole).items()}
-        if name in own and name in owners and _held(system, *own[name], name) != _held(system, *owners[name], name):
-            raise BadValue("name", name, f"a number of one part, not of {owners[name][0]} and {part}: rename the law's")
+    parts, owners = _parts(system), dict[str, _Place]()
+    for part, own in _places(system).items():
+        if name in own and name in owners:
+            before = owners[name]
+            if own[name].value(parts[part]) != before.value(parts[before.part]):
+                one, other = (each.split()[0] for each in (before.part, part))
+                raise BadValue("name", name, f"a number of one part, not of {one} and {other}: rename the law's")
         owners |= own
     if name not in owners:
         raise UnknownName("parameter", name, owners)
     return owners[name]
 
 
-def _places(whole: Any) -> dict[str, str | None]:
-    """Returns where a part has its numbers, by name: None for itself, or its field that is a dataclass."""
-    own: dict[str, str | None] = {}
-    for field in fields(whole):
-        value = getattr(whole, field.name)
-        if is_dataclass(value):
-            own |= {inner.name: field.name for inner in fields(value) if _numeric(value, inner.name)}
-        elif _numeric(whole, field.name):
-            own[field.name] = None
-    return own
-
-
-def _held(system: HybridSystem, part: str, inner: str | None, name: str) -> Any:
-    """Returns what a part, or a dataclass within it, holds by a name."""
-    whole = _parts(system)[part]
-    return getattr(whole if inner is None else getattr(whole, inner), name)
+def _places(system: HybridSystem) -> dict[str, dict[str, _Place]]:
+    """Returns where each part has its numbers, by their names."""
+    found, first = dict[str, dict[str, _Place]](), next(iter(system.springs), "")
+    for part, whole in _parts(system).items():
+        spring = part.removeprefix(SPRING)
+        before = f"{spring}." if spring not in (part, first) else ""
+        own: dict[str, _Place] = {}
+        for field in fields(whole):
+            value = getattr(whole, field.name)
+            if isinstance(value, Path):
+                own |= {f"{spring}.{number}": _Place(part, field.name, number) for number in value.numbers}
+            elif is_dataclass(value):
+                inner = [each.name for each in fields(value) if _numeric(value, each.name)]
+                own |= {name: _Place(part, field.name, name) for name in inner}
+            elif _numeric(whole, field.name):
+                own[before + field.name] = _Place(part, None, field.name)
+        found[part] = own
+    return found
 
 
 def _numeric(owner: Any, name: str) -> bool:
-    return not isinstance(getattr(owner, name), (bool, str, tuple))
+    return name != "path" and not isinstance(getattr(owner, name), (bool, str, tuple))
 
 
 @typed

@@ -295,8 +295,7 @@ class _Runner:
 
     def _loses(self, domain: Domain) -> bool:
         """Tells whether springs that are not engaged in a domain still store energy."""
-        engaged = {mount.joint for mount in domain.mounts}
-        let_go = {mount.joint for mount in self.flow.domain.mounts} - engaged
+        let_go = {mount.name for mount in self.flow.domain.mounts} - {mount.name for mount in domain.mounts}
         return in_springs(self.system, self.flow.domain, self.flow.held, self.y, let_go) > NOTHING
 
     def _close_cycle(self) -> None:

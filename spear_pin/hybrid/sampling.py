@@ -14,8 +14,15 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.filippov import flow_of
 from spear_pin.hybrid.result import Segment
+from spear_pin.model.posture import spanned
 
 NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "current", "reference")
+
+
+def sprung_joints(system: HybridSystem) -> tuple[str, ...]:
+    """Returns the names of the coordinates on which springs of a system act, in the order of their mounts."""
+    mounts = [mount for domain in system.domains for mount in domain.mounts]
+    return tuple(dict.fromkeys(joint for mount in mounts for joint in spanned(mount.along, system.robot)))
 
 
 class Sampler:
@@ -26,7 +33,7 @@ class Sampler:
 
     def __init__(self, system: HybridSystem, least: int) -> None:
         """Prepares a sampler of a system, with at least so many samples a phase."""
-        self.springs = tuple(dict.fromkeys(mount.joint for domain in system.domains for mount in domain.mounts))
+        self.springs = sprung_joints(system)
         self._system, self._least = system, least
         self._phase: list[Segment] = []  # segments of the present phase
         self._columns = {name: array("d") for name in NUMERIC}  # flat: a list of rows takes five times the memory
@@ -50,7 +57,11 @@ class Sampler:
         numbers = {
             name: np.asarray(column).reshape(shapes.get(name, (n, -1))) for name, column in self._columns.items()
         }
-        mounted = [{mount.joint for mount in domain.mounts if mount.spring.pulls} for domain in domains]
+        robot = self._system.robot
+        mounted = [
+            {joint for mount in domain.mounts if mount.spring.pulls for joint in spanned(mount.along, robot)}
+            for domain in domains
+        ]
 
         def spread(values: Sequence[Any], kind: type) -> NDArray[Any]:
             return np.repeat(np.array(values, dtype=kind), counts, axis=0)

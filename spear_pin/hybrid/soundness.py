@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.contact import CONTACTS, OPEN, PINNED
 from spear_pin.hybrid.domain import Domain, Latch, Reset
 from spear_pin.hybrid.reasons import REASONS
+from spear_pin.model.posture import spanned
 from spear_pin.model.robot import Robot
 
 
@@ -30,17 +31,24 @@ class _Probe(Latched):
         raise _Missing(name)
 
 
-def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]]) -> None:
+def check(
+    robot: Robot,
+    domains: Sequence[Domain],
+    law: Any,
+    guess: Callable[[], tuple[Any, Any]],
+    springs: Collection[str],
+) -> None:
     """Checks that every name in the domains exists.
 
-    Contacts must be modes, one for each toe. Springs and friction must be on joints. Events must lead into phases,
-    strike toes, release engaged springs and end for known reasons. The rest angles of springs must be latched.
+    Contacts must be modes, one for each toe. Paths of springs and friction must be on joints. Events must lead into
+    phases, strike toes, release engaged springs and end for known reasons. Where springs rest must be latched.
 
     Args:
         robot: the robot.
         domains: domains of all phases.
         law: parameters of the control law.
         guess: returns a state (q, v) at which latches can be called.
+        springs: names of the system's springs.
 
     Raises:
         UnknownName: one of these names does not exist; the message lists the valid ones.
@@ -48,7 +56,7 @@ def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[],
     """
     phases = {domain.phase: domain.contacts for domain in reversed(domains)}  # with the contacts of its first domain
     for domain in domains:
-        _check_domain(robot, domain)
+        _check_domain(robot, domain, springs)
         for name, reset, ends in _events(domain):
             place = name, domain.name
             if reset is not None and ends is not None:
@@ -62,14 +70,25 @@ def check(robot: Robot, domains: Sequence[Domain], law: Any, guess: Callable[[],
     _check_rests(domains, law, guess)
 
 
-def _check_domain(robot: Robot, domain: Domain) -> None:
+def _check_domain(robot: Robot, domain: Domain, springs: Collection[str]) -> None:
     toes, place = robot.toes, (domain.name,)
     if len(domain.contacts) != len(toes):
         expected = f"{len(toes)}, one for each of {', '.join(toes)}"
         raise BadValue(f"contacts of domain {domain.name!r}", domain.contacts, expected)
     _known("contact of domain {!r}", place, domain.contacts, CONTACTS)
     joints = robot.coordinates
-    _known("joint of a spring of domain {!r}", place, [mount.joint for mount in domain.mounts], joints)
+    names = [mount.name for mount in domain.mounts]
+    if twice := next((name for name in names if names.count(name) > 1), ""):
+        raise BadValue(f"springs of domain {domain.name!r}", names, f"each name once, and not {twice!r} again")
+    _known("spring of a mount of domain {!r}", place, [mount.of for mount in domain.mounts if mount.of], springs)
+    for mount in domain.mounts:
+        if not springs:
+            raise BadValue("HybridSystem.springs", springs, f"the spring of the mount {mount.name!r}, by name")
+        try:
+            spanned(mount.along, robot)
+        except UnknownName as error:
+            what = f"{error.kind} of the spring {mount.name!r} of domain {domain.name!r}"
+            raise UnknownName(what, error.value, error.valid) from None
     _known("joint of dry friction of domain {!r}", place, [rub.joint for rub in domain.rubs], joints)
 
 
@@ -84,8 +103,8 @@ def _check_reset(robot: Robot, domain: Domain, reset: Reset, phases: Iterable[st
     if reset.phase is not None:
         _known("phase entered by the reset of {!r} in domain {!r}", place, [reset.phase], phases)
     _known("toe that strikes by the reset of {!r} in domain {!r}", place, reset.impact, robot.toes)
-    engaged = [mount.joint for mount in domain.mounts]
-    _known("joint whose spring is released by the reset of {!r} in domain {!r}", place, reset.release, engaged)
+    engaged = [mount.name for mount in domain.mounts]
+    _known("spring that is released by the reset of {!r} in domain {!r}", place, reset.release, engaged)
 
 
 def _check_pinned(reset: Reset, phases: Mapping[str, Sequence[str]], place: tuple[str, ...]) -> None:
@@ -111,8 +130,8 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
         raise UnknownName("latched value", missing, held)
     for domain in domains:
         for mount in domain.mounts:
-            place = mount.joint, domain.name
-            _known("latched value of the spring on {!r} in domain {!r}", place, [mount.rest, mount.taut], held)
+            names = [name for name in (mount.rest, mount.taut) if isinstance(name, str)]
+            _known("latched value of the spring {!r} in domain {!r}", (mount.name, domain.name), names, held)
 
 
 def _held(latches: Sequence[Latch], q: list[float], v: list[float], law: Any) -> tuple[Latched, str | None]:

@@ -4,37 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Container
 
+import numpy as np
+
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Mount
+from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.hybrid.own import asked, is_own, number
+from spear_pin.hybrid.springs import rest_length
+from spear_pin.model.posture import RobotPosture
 
 
 def in_springs(
-    system: HybridSystem, domain: Domain, held: Held, y: Array, joints: Container[str] | None = None
+    system: HybridSystem, domain: Domain, held: Held, y: Array, names: Container[str] | None = None
 ) -> float:
-    """Returns the energy in the engaged springs on some joints, in J.
+    """Returns the energy in some of the engaged springs, in J.
 
     Args:
         system: the system.
         domain: the present domain.
         held: held values.
         y: the state; its first nq entries are the configuration.
-        joints: joints whose springs count; None for all.
+        names: names of the mounts that count; None for all.
     """
-    energy = 0.0
+    robot, energy = system.robot, 0.0
+    posture = RobotPosture(robot, FLOATS) if domain.mounts else None
     for mount in domain.mounts:
-        if joints is None or mount.joint in joints:
-            energy += _energy(mount, float(y[system.robot.index(mount.joint)]), held)
+        if posture is not None and (names is None or mount.name in names):
+            rest = rest_length(mount, mount.along, robot, held, lambda q: posture.at(np.array(q)))
+            energy += _energy(mount, mount.along.length(posture.at(y[: robot.nq])) - rest, held)
     return energy
 
 
-def _energy(mount: Mount, angle: float, held: Held) -> float:
+def _energy(mount: Mount, stretch: float, held: Held) -> float:
     spring = mount.spring
     if not is_own(type(spring)):
-        return float(mount.energy(angle, held))
-    what = f"spring of {mount.joint!r}"
-    return number(what, spring.energy, asked(what, spring.energy, lambda: mount.energy(angle, held)))
+        return float(mount.energy(stretch, held))
+    what = f"spring of {mount.name!r}"
+    return number(what, spring.energy, asked(what, spring.energy, lambda: mount.energy(stretch, held)))
 
 
 def in_mechanism(system: HybridSystem, domain: Domain, held: Held, y: Array) -> float:

@@ -134,14 +134,15 @@ def evened(robot: Robot) -> Robot:
 
 
 def partner(robot: Robot, name: str) -> tuple[str, float]:
-    """Returns the joint or toe of a robot on a chain that another one is the mirror image of, and a joint's sign."""
+    """Returns the joint, toe or spring of a robot on a chain that another one mirrors, and a joint's sign."""
     mirror = mirror_of(robot)
     if name in robot.coordinates:
         i = robot.index(name)
         return robot.coordinates[mirror.of[i]], mirror.signs[i]
-    toes = {robot.index(leg.hip): leg.toe for leg in robot.legs}
-    hip = next(i for i, toe in toes.items() if toe == name)
-    return toes[mirror.of[hip]], 1.0
+    legs = {robot.index(leg.hip): leg for leg in robot.legs}
+    hip, own = next((i, leg) for i, leg in legs.items() if name == leg.toe or name.startswith(f"{leg.name}_"))
+    other = legs[mirror.of[hip]]
+    return other.toe if name == own.toe else f"{other.name}_{name.removeprefix(f'{own.name}_')}", 1.0
 
 
 def mirror_of(robot: Robot) -> Mirror:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 import scipy
@@ -59,14 +60,12 @@ class SliderLinkage:
         Args:
             angle: φ, in rad: how far the knee is flexed beyond the angle at which the crank is normal to the thigh.
         """
-        phi = np.asarray(angle, dtype=float)
-        return np.asarray(self.free_length - self.stop + self.crank * np.sin(phi) + self._along(phi))
+        place, _ = slider(self.crank, self.rod, self.offset, np.asarray(angle, dtype=float))
+        return np.asarray(self.free_length - self.stop + place)
 
     def lever(self, angle: ArrayLike) -> Array:
         """Returns ds/dφ, in m, at an angle φ, in rad, see `compression`."""
-        phi = np.asarray(angle, dtype=float)
-        across = self.offset - self.crank * np.cos(phi)
-        return np.asarray(self.crank * (np.cos(phi) - np.sin(phi) * across / self._along(phi)))
+        return np.asarray(slider(self.crank, self.rod, self.offset, np.asarray(angle, dtype=float))[1])
 
     def torque(self, angle: ArrayLike) -> Array:
         """Returns the torque toward extension, in N·m, at an angle φ, in rad, see `compression`."""
@@ -100,6 +99,18 @@ class SliderLinkage:
         torques = self.torque(begin + np.asarray(deflections, dtype=float))
         return (0.0, 0.0), *zip(map(float, deflections), torques.tolist(), strict=True)
 
-    def _along(self, phi: Array) -> Array:
-        """Returns how far the slider is beyond the pin, in m."""
-        return np.sqrt(self.rod**2 - (self.offset - self.crank * np.cos(phi)) ** 2)
+
+def slider(crank: Any, rod: Any, offset: Any, angle: Any, ops: Any = np) -> tuple[Any, Any]:
+    """Returns the place s(φ) of a linkage's slider, in m, and ds/dφ, for scalars of any kind; see `SliderLinkage`.
+
+    Args:
+        crank: c, in m.
+        rod: r, in m.
+        offset: e, in m.
+        angle: φ, in rad.
+        ops: elementary functions.
+    """
+    cosine, sine = ops.cos(angle), ops.sin(angle)
+    across = offset - crank * cosine
+    beyond = ops.sqrt(rod * rod - across * across)
+    return crank * sine + beyond, crank * (cosine - sine * across / beyond)

@@ -6,13 +6,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property, partial
 from itertools import islice
 from operator import add, mul
 from typing import Any, NamedTuple, Self
 
 from spear_pin.errors import UnknownName
 from spear_pin.model.directions import Round
+from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
+from spear_pin.model.vectors import Rows
 
 NO_FORCES: Mapping[str, Sequence[Any]] = {}
 
@@ -64,6 +67,35 @@ class Terms:
     position: Callable[[str], tuple[Any, ...]]
 
 
+class Posed:
+    """A robot at a configuration of scalars of any kind, as `path.Posture` describes it.
+
+    Args:
+        mechanism: the robot.
+        q: the configuration.
+        ops: elementary functions.
+    """
+
+    def __init__(self, mechanism: Mechanism, q: Sequence[Any], ops: Any) -> None:
+        self._mechanism, self._q, self.ops = mechanism, q, ops
+
+    def index(self, joint: str) -> int:
+        """Returns the index of a coordinate."""
+        return self._mechanism.coordinates.index(joint)
+
+    def angle(self, joint: str) -> Any:
+        """Returns the value of a coordinate, in rad or m."""
+        return self._q[self.index(joint)]
+
+    def point(self, frame: str, at: Sequence[Any]) -> Point:
+        """Returns a point that a frame carries, given in the frame's axes, in m."""
+        return self._points(frame, at)
+
+    @cached_property
+    def _points(self) -> Callable[[str, Sequence[Any]], Point]:
+        return self._mechanism.points(self._q, self.ops)
+
+
 class Mechanism(ABC):
     """Bodies on joints of one coordinate each, whose numbers and states may be scalars of any kind.
 
@@ -71,14 +103,15 @@ class Mechanism(ABC):
         robot: the robot.
         bodies: its bodies.
         lift: acceleration of the ground.
-        places: of each frame of the robot's model its place on its body, in m.
+        places: of each frame of the robot's model its place on its body, in m, and its axes there.
 
     Attributes:
         coordinates: names of the coordinates.
         nv: number of coordinates.
         bodies: the bodies, each after the one that it hangs on.
         frames: of each frame the number of its body, -1 for the world, and its place there, in m.
-        toes: the same of each toe.
+        axes: of each frame its axes in those of its body, the rows of a matrix.
+        toes: body and place of each toe.
         lift: acceleration of the ground, which does what gravity does, in m/s²; a vector of two or three.
         circle: directions of contact, if it goes round a post.
     """
@@ -89,9 +122,11 @@ class Mechanism(ABC):
         self.coordinates, self.nv = robot.coordinates, robot.nv
         self.bodies, self.lift = tuple(bodies), lift
         self.frames: dict[str, tuple[int, Any]] = {}
-        for frame, place in zip(robot.model.frames, places, strict=True):
+        self.axes: dict[str, Rows] = {}
+        for frame, (place, axes) in zip(robot.model.frames, places, strict=True):
             # of several of a name the first, as Pinocchio finds it
             self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, place))
+            self.axes.setdefault(frame.name, axes)
         self.toes = {toe: self.frames[toe] for toe in robot.toes}
 
     @abstractmethod
@@ -121,11 +156,34 @@ class Mechanism(ABC):
         return self._place(self._joints(q, [0.0] * self.nv, ops), frame)
 
     def _place(self, joints: Sequence[Any], frame: str) -> tuple[Any, ...]:
-        if frame not in self.frames:
-            raise UnknownName("frame", frame, self.frames)
-        i, offset = self.frames[frame]
+        i, offset = self._frame(frame)
         place: tuple[Any, ...] = joints[i].at(offset)
         return place
+
+    def _frame(self, frame: str) -> tuple[int, Any]:
+        """Returns a frame's body and its place there.
+
+        Raises:
+            UnknownName: there is no such frame.
+        """
+        if frame not in self.frames:
+            raise UnknownName("frame", frame, self.frames)
+        return self.frames[frame]
+
+    def posed(self, q: Sequence[Any], ops: Any) -> Posed:
+        """Returns the robot at a configuration, for the arguments of `position`."""
+        return Posed(self, q, ops)
+
+    def points(self, q: Sequence[Any], ops: Any) -> Callable[[str, Sequence[Any]], Point]:
+        """Returns a function that gives a point by its frame and by its place in the frame's axes.
+
+        It raises `UnknownName` for a frame that does not exist.
+        """
+        return partial(self._point, self._joints(q, [0.0] * self.nv, ops))
+
+    def _point(self, joints: Sequence[Any], frame: str, at: Sequence[Any]) -> Point:
+        """Returns a point of a frame."""
+        raise NotImplementedError
 
     def forces(
         self,

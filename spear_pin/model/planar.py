@@ -20,8 +20,10 @@ import pinocchio as pin
 from spear_pin.errors import BadValue
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.mechanism import Feet, Mechanism, Terms
+from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import vanishes
+from spear_pin.model.vectors import matrix_of, rotate
 
 Vector = tuple[Any, Any]
 ZERO: Vector = (0.0, 0.0)
@@ -77,9 +79,15 @@ class Planar(Mechanism):
             raise BadValue("robot", robot, "a planar robot whose joints have one coordinate each")
         at_zero = pin.Data(robot.model)
         pin.computeJointJacobians(robot.model, at_zero, pin.neutral(robot.model))
-        frames = ((at_zero.oMi[frame.parentJoint].rotation, frame.placement) for frame in robot.model.frames)
-        places = (_plane(turn @ placement.translation) for turn, placement in frames)
+        held = [(at_zero.oMi[frame.parentJoint], frame.placement) for frame in robot.model.frames]
+        places = (
+            (_plane(joint.rotation @ placement.translation), matrix_of(joint.rotation @ placement.rotation))
+            for joint, placement in held
+        )
         super().__init__(robot, _bodies(robot.model, at_zero), _plane(-robot.model.gravity.linear), places)
+        self.aside: dict[str, float] = {}  # y of each frame, which stays as it is
+        for frame, (joint, placement) in zip(robot.model.frames, held, strict=True):
+            self.aside.setdefault(frame.name, float((joint * placement).translation[1]))
 
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
         """Returns the equations of motion, see `Mechanism.terms`."""
@@ -132,17 +140,24 @@ class Planar(Mechanism):
             positions[toe] = position = _added(joint.origin, lever)
             drifts[toe] = _added(joint.acceleration, _scaled(-joint.spin * joint.spin, lever))
             rows = jacobians[toe] = [[0.0] * self.nv, [0.0] * self.nv]
-            while i >= 0:
-                rows[0][i], rows[1][i] = self._column(i, joints[i], position)
-                i = self.bodies[i].parent
+            for j, (x, z) in self._columns(joints, i, position):
+                rows[0][j], rows[1][j] = x, z
         return Feet(positions, jacobians, drifts)
 
-    def _column(self, i: int, joint: _Joint, position: Vector) -> Vector:
-        """Returns the velocity of a point for each unit of a joint's rate."""
-        turns = self.bodies[i].turns
-        if not turns:
-            return joint.axis
-        return _scaled(turns, (joint.origin[1] - position[1], position[0] - joint.origin[0]))
+    def _point(self, joints: Sequence[_Joint], frame: str, at: Sequence[Any]) -> Point:
+        i, offset = self._frame(frame)
+        x, y, z = rotate(self.axes[frame], tuple(at))
+        position = joints[i].at(_added(offset, (x, z)))
+        columns = {j: (along, 0.0, up) for j, (along, up) in self._columns(joints, i, position)}
+        return Point((position[0], self.aside[frame] + y, position[1]), columns)
+
+    def _columns(self, joints: Sequence[_Joint], i: int, position: Vector) -> Iterator[tuple[int, Vector]]:
+        """Yields the velocity of a point of body i for each unit of the rate of each joint that carries it."""
+        while i >= 0:
+            joint, turns = joints[i], self.bodies[i].turns
+            lever = joint.origin[1] - position[1], position[0] - joint.origin[0]
+            yield i, _scaled(turns, lever) if turns else joint.axis
+            i = self.bodies[i].parent
 
     def _joints(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> list[_Joint]:
         joints = [_WORLD] * (self.nv + 1)

@@ -20,6 +20,7 @@ import pinocchio as pin
 from spear_pin.errors import BadValue
 from spear_pin.model.directions import Round
 from spear_pin.model.mechanism import NO_FORCES, Feet, Mechanism, Terms, Toe
+from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import dot, negated, plus, times, vanishes
 from spear_pin.model.vectors import (
@@ -107,7 +108,8 @@ class Spatial(Mechanism):
         if robot.nq != robot.nv or robot.nv != robot.model.njoints - 1 or robot.added is not None:
             raise BadValue("robot", robot, 'one whose joints have one coordinate each, load(..., base="chain")')
         bodies = (_body(robot, joint) for joint in range(1, robot.model.njoints))
-        places = (floats_of(frame.placement.translation) for frame in robot.model.frames)
+        placements = (frame.placement for frame in robot.model.frames)
+        places = ((floats_of(each.translation), matrix_of(each.rotation)) for each in placements)
         super().__init__(robot, bodies, floats_of(-robot.model.gravity.linear), places)
         self.circle = robot.directions if isinstance(robot.directions, Round) else None
 
@@ -184,16 +186,25 @@ class Spatial(Mechanism):
             carried = rotate(joint.turned, add(joint.acceleration, _swung(joint, offset)))
             drifts[toe] = subtract(carried, lift)
             rows = jacobians[toe] = [[0.0] * self.nv for _ in range(3)]
-            while i >= 0:
-                body, joint = self.bodies[i], joints[i]
-                axis = rotate(joint.turned, body.axis)
-                column = cross(axis, subtract(position, joint.origin)) if body.turns else axis
+            for j, column in self._columns(joints, i, position):
                 for row, value in zip(rows, column, strict=True):
-                    row[i] = value
-                i = body.parent
+                    row[j] = value
             if self.circle is not None:
                 jacobians[toe], drifts[toe] = self.circle.moving(position, rows, drifts[toe], v, ops)
         return Feet(positions, jacobians, drifts)
+
+    def _point(self, joints: Sequence[_Joint], frame: str, at: Sequence[Any]) -> Point:
+        i, offset = self._frame(frame)
+        position = joints[i].at(add(offset, rotate(self.axes[frame], tuple(at))))
+        return Point(position, dict(self._columns(joints, i, position)))
+
+    def _columns(self, joints: Sequence[_Joint], i: int, position: Vector) -> Iterator[tuple[int, Vector]]:
+        """Yields the velocity of a point of body i for each unit of the rate of each joint that carries it."""
+        while i >= 0:
+            body, joint = self.bodies[i], joints[i]
+            axis = rotate(joint.turned, body.axis)
+            yield i, cross(axis, subtract(position, joint.origin)) if body.turns else axis
+            i = body.parent
 
     def moving_feet(self, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], ops: Any) -> dict[str, Toe]:
         """Returns the motion of the toes, without their Jacobians; see `Mechanism.moving_feet`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 from spear_pin.model.curve import Curve, through
+from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 
@@ -19,16 +21,19 @@ STIFFEST = 1e6  # N·m/rad: at a knee as good as rigid
 MOST_POINTS = 30  # of a table: integration begins anew at each, and with more it is slow to compile
 PAIR_STIFFNESS = 2 * 56.0  # N·m/rad: of the knee springs of a pair of Q-SPEAR's legs (source: Table 5.1)
 UNITS = {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "hardening": "N·m/rad³", "preload": "N·m"}
+ALONG = {"stiffness": "N/m", "damping": "N·s/m", "hardening": "N/m³", "preload": "N"}  # on a path in m
+STIFFEST_ALONG = 1e9  # N/m
 
 
 @typed
 @dataclass(frozen=True)
 class Spring:
-    """A rotational spring and damper in parallel with a joint, in action while its switch is engaged.
+    """A spring and damper in parallel with a joint, or along a path, in action while its switch is engaged.
 
     The torque on the joint is -(τ₀ + k δ + k₃ δ³) - b θ̇, where δ = θ - θ_td is counted from the angle latched at
     touchdown and positive in flexion: with τ₀ = k₃ = 0 the corrected (3.24)-(3.25). A table takes the place of k δ. The
-    physical spring is a chain in tension: it pulls only beyond θ_td.
+    physical spring is a chain in tension: it pulls only beyond θ_td. Along a path δ is how much longer the path is than
+    at touchdown, a force takes the torque's place, and m takes that of rad in all units.
 
     Attributes:
         stiffness: k_rot, in N·m/rad (source: Table 4.2, with motor).
@@ -45,6 +50,7 @@ class Spring:
             is 0. Between them is a smooth curve that rises and falls as they do, see `curve.through`; beyond them it
             is straight. They begin with (0, 0), or are on both sides of it if the spring is not unilateral. Where the
             torque falls, as beyond the best lever of a linkage, it may not change its sign.
+        path: the path along which it acts; None for the joint that a gait gives it, such as the knee.
 
     Example:
         >>> from spear_pin import Spring, hopping, load
@@ -60,19 +66,22 @@ class Spring:
     hardening: float = 0.0
     preload: float = 0.0
     table: tuple[tuple[float, float], ...] = ()
+    path: Path | None = None
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        for name, unit in UNITS.items():
-            within = f"a number from 0 to {STIFFEST:g}, in {unit}"
-            require(f"Spring.{name}", getattr(self, name), lambda number: (number >= 0) & (number <= STIFFEST), within)
+        most = STIFFEST if self.turns else STIFFEST_ALONG
+        for name, unit in self.units.items():
+            within = f"a number from 0 to {most:g}, in {unit}"
+            require(f"Spring.{name}", getattr(self, name), lambda number: (number >= 0) & (number <= most), within)
         if not self.unilateral:
             require("Spring.preload", self.preload, lambda torque: torque == 0, "0 for a spring that is not unilateral")
         object.__setattr__(self, "table", _checked(self.table, self.unilateral))
         if self.table:
             require("Spring.stiffness", self.stiffness, lambda k: k == 0, "0 with a table, which takes its place")
         if self.rest is not None:
-            require("Spring.rest", self.rest, lambda angle: abs(angle) < math.pi, "within ±π rad, or None")
+            most, within = (math.pi, "within ±π rad, or None") if self.turns else (math.inf, "a length in m, or None")
+            require("Spring.rest", self.rest, lambda length: abs(length) < most, within)
 
     @classmethod
     @typed
@@ -91,6 +100,16 @@ class Spring:
         spring, scale = cls() if len(robot.legs) == 1 else cls(PAIR_STIFFNESS, damping=0.0), scale_of(robot)
         stiffness, damping = spring.stiffness * scale.torque, spring.damping * scale.torque * scale.time
         return replace(spring, stiffness=stiffness, damping=damping)
+
+    @property
+    def turns(self) -> bool:
+        """Tells whether its stretch is an angle."""
+        return self.path is None or self.path.turns
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """The units of its numbers by name."""
+        return UNITS if self.turns else ALONG
 
     @property
     def pulls(self) -> bool:

@@ -44,8 +44,8 @@ class TestAutomaton:
         for domain in system.domains:
             assert tuple(int(mode != "open") for mode in domain.contacts) == self.CLOSED[domain.phase]
             bears = {f"{leg}_knee" for leg, (row, *_) in LEGS.items() if self.CLOSED[domain.phase][row]}
-            assert {mount.joint for mount in domain.mounts} == bears
-            assert all(mount.side == LEGS[mount.joint.removesuffix("_knee")][3] for mount in domain.mounts)
+            assert {mount.name for mount in domain.mounts} == bears
+            assert all(mount.path.side == LEGS[mount.name.removesuffix("_knee")][3] for mount in domain.mounts)
             leads = {guard.name: guard.reset.phase for guard in domain.guards if guard.reset and guard.reset.phase}
             assert leads == self.LEADS[domain.phase]
         assert len({domain.name for domain in system.domains}) == len(system.domains)
@@ -103,7 +103,7 @@ class TestTransitions:
         held = {"posterior_leg": 0.7, "anterior_leg": 0.9}
         law = replace(system.law, speed_gain=(5.0, 7.0), speed_nominal=(1.0, 2.0))
         back = returns.reset.latch(q.tolist(), v.tolist(), held, law)
-        assert (back["posterior_leg"], back["posterior_taut"], back["posterior_rest"]) == (0.7, 1.0, q[4])
+        assert (back["posterior_leg"], back["posterior_knee_taut"], back["posterior_knee_rest"]) == (0.7, 1.0, q[4])
         assert back["posterior_hip_torque"] == pytest.approx(law.posterior_hip_torque + 5.0 * (v[0] - 1.0))
         assert back["posterior_knee_torque"] == pytest.approx(law.posterior_knee_torque)
         down = lands.reset.latch(q.tolist(), v.tolist(), held, law)

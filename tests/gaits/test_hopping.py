@@ -48,6 +48,9 @@ class SymbolicDynamics:
     def pivot(self, toe):
         return sp.Symbol("pivot", real=True)
 
+    def stretch(self, name):
+        return sp.Symbol(f"stretch_{name}", real=True)
+
 
 def law_of_symbols(**changes):
     return HoppingLaw(**{**p, "minimum_force": None, **changes})

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.interpolate import BPoly
 
-from spear_pin import Contact, HoppingLaw, Spring, load
+from spear_pin import Contact, HoppingLaw, load
 from spear_pin.gaits.virtual_constraints import (
     Evolution,
     Leaning,
@@ -80,9 +80,7 @@ def flow_of(phase, evolution):
         return [chosen[column] for column in range(4)]
 
     domain = Domain(phase, phase, (STICK if "stance" in phase else OPEN, OPEN), law)
-    system = HybridSystem(
-        "none", ROBOT, HoppingLaw(), Spring(), Contact(), (domain,), "", (), build=None, guess=lambda: None
-    )
+    system = HybridSystem("none", ROBOT, HoppingLaw(), {}, Contact(), (domain,), "", (), build=None, guess=lambda: None)
     return Flow(system, domain, {})
 
 

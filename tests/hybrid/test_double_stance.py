@@ -51,7 +51,7 @@ def standing(contact):
         kind="standing",
         robot=ROBOT,
         law=HoppingLaw(),
-        spring=Spring(),
+        springs={"knee": Spring()},
         contact=contact,
         domains=(*domains, flight),
         section="posterior_touchdown",

@@ -40,7 +40,7 @@ def falling(*guards):
         kind="falling",
         robot=ROBOT,
         law=LIMP,
-        spring=Spring(),
+        springs={"knee": Spring()},
         contact=Contact(),
         domains=(domain,),
         section="end",

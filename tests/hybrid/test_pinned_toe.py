@@ -35,7 +35,7 @@ def pinned(law=pushing, guards=()):
         kind="pinned",
         robot=ROBOT,
         law=None,
-        spring=Spring(),
+        springs={"knee": Spring()},
         contact=Contact(0.1),
         domains=(Domain("pinned", "pinned", (PINNED,), law, guards=guards),),
         section="",

@@ -58,7 +58,7 @@ class TestSteps:
         system = hopping(load("spear_ii", locked=["boom_x"]))
         q, v = system.guess()
         for domain in system.domains:
-            flow = Flow(system, domain, {"latched": 1.0, "taut": 1.0, "spring_rest": 1.0})
+            flow = Flow(system, domain, {"latched": 1.0, "taut": 1.0, "knee_touchdown": 1.0})
             y = np.concatenate([q, v, np.zeros(6)])
             assert not any(may_be_quick(flow, guard, 0.0, y) for guard in domain.guards[:1])
 

@@ -12,7 +12,6 @@ from spear_pin import (
     Ground,
     HoppingLaw,
     Robot,
-    Spring,
     bounding,
     find_gait,
     hopping,
@@ -139,7 +138,7 @@ class TestSlope:
         stance = contact_domains(Domain("stance", "stance", (STICK,), law), robot.toes, {"block": None})
         domains = (*stance, Domain("flight", "flight", (OPEN,), law))
         ground = Ground(friction, slope, HEIGHT)
-        system = HybridSystem("block", robot, None, Spring(), ground, domains, "", (), None, None)
+        system = HybridSystem("block", robot, None, {}, ground, domains, "", (), None, None)
         flow = choose(system, "stance", {}, 0.0, np.array([0.5, ground.under(0.5), *np.zeros(2 + 3)]))
         assert flow.domain.contacts == (mode,)
         down = -math.copysign(9.81 * (math.sin(abs(slope)) - friction * math.cos(slope)), slope)

@@ -14,6 +14,7 @@ from spear_pin.hybrid.domain import Guard, Mount, Reset, Rub
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.hybrid.soundness import Latched
+from spear_pin.model.path import Joints
 from spear_pin.model.planar import Planar
 
 
@@ -32,8 +33,12 @@ CHANGES = {  # of the domain "stance", with what is said to be valid
     "reason": (with_guard(Guard("bump", never, ends="tired")), "fall"),
     "contact": (lambda domain: replace(domain, contacts=("glued",)), "open, stick, slip+, slip-"),
     "joint of a spring": (
-        lambda domain: replace(domain, mounts=(replace(domain.mounts[0], joint="ankle"),)),
+        lambda domain: replace(domain, mounts=(replace(domain.mounts[0], path=Joints({"ankle": 1.0})),)),
         "boom_z, hip, knee",
+    ),
+    "spring whose numbers a mount has": (
+        lambda domain: replace(domain, mounts=(replace(domain.mounts[0], of="hip"),)),
+        "knee",
     ),
     "joint of friction": (lambda domain: replace(domain, rubs=(Rub("ankle", 1.0, 1.0),)), "boom_z, hip, knee"),
     "what a spring rests at": (

@@ -14,6 +14,7 @@ from spear_pin.hybrid.engines.structure import Scalars, with_fields
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
+from spear_pin.model.path import Anchor, Between, Joints, Linked, Over, Sum
 from spear_pin.model.planar import Planar
 
 OPS = SimpleNamespace(
@@ -34,7 +35,28 @@ def hops():
         "sloped": (hopping(free, placed, ground=Ground(0.8, 0.3, 0.2)), HOP),
         "fixed spring": (hopping(locked, spring=Spring(rest=0.8)), HOP),
         "series": (series_hopping(load("spear_ii_series", locked=["boom_x"])), SERIES),
+        **{f"spring on {name}": (hopping(locked, spring=spring), HOP | held) for name, spring, held in sprung()},
     }
+
+
+def sprung():
+    """Springs on paths of each kind, and two on one joint."""
+    half, knee = Spring(24.42), Joints({"knee": 1.0})
+    yield "knee, twice", {"knee": half, "other": replace(half, path=knee)}, {"other_rest": 0.85, "other_taut": 1.0}
+    cable = Between(Anchor("thigh", (0.03, 0.0, -0.1)), Anchor("shank", (0.012, 0.0, 0.054)))
+    pulley = Over(Anchor("thigh", (0.02, 0.0, -0.1)), Anchor("knee", (0, 0, 0)), Anchor("shank", (0.01, 0, -0.1)), 0.03)
+    paths = {
+        "hip and knee": Joints({"knee": 0.03, "hip": -0.006}),
+        "a cable": cable,
+        "a pulley": pulley,
+        "a linkage": Linked("knee", 0.03, 0.12, 0.01, -0.3),
+        "a cable to the world": Between(Anchor("universe", (0.1, 0.0, 0.2)), Anchor("shank", (0.01, 0.0, -0.1))),
+        "a sum": Sum([(1.0, cable), (-0.5, Joints({"hip": 0.02}))]),
+    }
+    rests = {"hip and knee": (0.4, 0.9), "a cable to the world": (0.5, 0.4, 0.9), "a sum": (0.4, 0.9)}
+    for name, path in paths.items():
+        held = {"cable_rest": rests.get(name, 0.9), "cable_taut": 1.0}
+        yield name, {"cable": Spring(17000.0, damping=30.0, path=path), "knee": Spring(20.0)}, held
 
 
 SYSTEMS = hops()
@@ -42,7 +64,7 @@ SYSTEMS = hops()
 
 def of(system):
     joints = system.robot.model.damping.tolist()
-    return Scalars(system.law, system.spring, system.ground, joints)
+    return Scalars(system.law, system.springs, system.ground, joints)
 
 
 def compare(system, domain, held, q, v, t=0.01):

@@ -44,7 +44,7 @@ def gait(name):
 def test_along_a_gait(name):
     system, state = gait(name)
     mechanism, seen = mechanism_of(system.robot), set()
-    numbers = Scalars(system.law, system.spring, system.ground, system.robot.model.damping.tolist())
+    numbers = Scalars(system.law, system.springs, system.ground, system.robot.model.damping.tolist())
     for segment in run(system, state, 1, Options(1e-9, keep=True)).segments:
         if not segment.pieces or segment.pieces[-1].end == segment.pieces[0].begin:
             continue

@@ -215,20 +215,38 @@ MUTATIONS = [
             "hip damping drives": ("- p.hip_damping * v[hip]", "+ p.hip_damping * v[hip]"),
             "extends first": ('"flexing": 1.0', '"flexing": -1.0'),
             "square wave of half the frequency": ("0.5 * n / p.frequency", "n / p.frequency"),
-            "touchdown angle kept from the first hop": (
-                '"knee_touchdown": q[knee]',
-                '"knee_touchdown": held.get("knee_touchdown", q[knee])',
-            ),
-            "spring engaged in flight too": (
-                "mounts=fixed,",
-                "mounts=(mount,),",
-            ),
+            "spring engaged in flight too": ("mounts=fixed,", "mounts=springs.mounts,"),
+            "the hip's motor leaves fixed springs alone": ('hip - dyn.spring_torque("hip")', "hip"),
             "extension limited as well": (
                 'return held["compressing"] * spare + (1.0 - held["compressing"])',
                 "return spare",
             ),
             "foot placed to the wrong side": ("+ p.foot_placement *", "- p.foot_placement *"),
             "a knee on the ground goes unnoticed": ('fall(["hip", "knee"])', 'fall(["hip"])'),
+        },
+    ),
+    *mistakes_in(
+        "gaits/springing",
+        [
+            "gaits/test_hopping",
+            "hybrid/test_torques",
+            "gaits/test_fixed_springs",
+            "gaits/test_bounding",
+            "gaits/test_path_springs",
+        ],
+        {
+            "spring kept at lift-off": ("if spring.rest is None)\n", "if False)\n"),
+            "a fixed spring let go": ("if spring.rest is None)\n", "if True)\n"),
+            "a fixed spring in stance only": (
+                "for mount, spring in springs if spring.rest is not None",
+                "for mount, spring in springs if False",
+            ),
+            "a fixed spring's damper in flight": ("spring=replace(spring, damping=0.0))", "spring=spring)"),
+            "touchdown angle kept from the first hop": (
+                "values_along(mount.along, self.robot, q), str",
+                "held.get(str(mount.rest), values_along(mount.along, self.robot, q)), str",
+            ),
+            "a spring on a leg that bends to the other side": ("path.on(names, leg.side)", "path.on(names)"),
         },
     ),
     *mistakes_in(
@@ -267,18 +285,9 @@ MUTATIONS = [
         ["gaits/test_bounding", "gaits/test_fixed_springs"],
         {
             "bounding: lift-off from a double stance into the other one": (
-                "leg.toe: _lifts(leg, next_stance, other, spring)",
-                "leg.toe: _lifts(leg, stance, leg, spring)",
+                "leg.toe: _lifts(leg, next_stance, other, springing)",
+                "leg.toe: _lifts(leg, stance, leg, springing)",
             ),
-            "bounding: spring kept at lift-off": (
-                "if spring.rest is not None else (leg.joint,)",
-                "if True else (leg.joint,)",
-            ),
-            "bounding: a fixed spring let go": (
-                "release=() if spring.rest is not None else",
-                "release=() if False else",
-            ),
-            "bounding: a fixed spring in stance only": ("bearing if spring.rest is None else legs", "bearing"),
             "bounding: a stance that resumes begins anew": ("if resumed and f", "if not resumed and f"),
         },
     ),

@@ -84,14 +84,26 @@ MUTATIONS = [
         "hybrid/domain",
         ["hybrid/test_torques", "hybrid/test_ledger", "gaits/test_bounding"],
         {
-            "spring pushes the wrong way": (
-                "self.side * (angle - held[self.rest])",
-                "self.side * (held[self.rest] - angle)",
-            ),
-            "a spring's torque to the wrong side": ("(self.side * spring.torque(", "(spring.torque("),
-            "a slack spring still acts": ("return held[self.taut] * (self.side", "return (self.side"),
-            "a slack spring stores energy": ("return held[self.taut] * self.spring", "return self.spring"),
+            "a slack spring acts and stores energy": ("else held[self.taut] * value", "else value"),
         },
+    ),
+    *mistakes_in(
+        "hybrid/springs",
+        ["hybrid/test_symbolic", "hybrid/test_torques", "gaits/test_path_springs"],
+        {
+            "a spring that rests where the robot is straight": (
+                "path.length(posed([values.get(",
+                "path.length(posed([{}.get(",
+            ),
+            "a force of springs without its lever": ("pull.force * pull.slope[index]", "pull.force"),
+            "numbers of a path that are built in": ("return common.path is not None and", "return False and"),
+            "a mount has the first spring's numbers": ("return mount.of or next", "return next"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/stretched",
+        ["gaits/sensitivity/test_sensitivity"],
+        {"a stretch at a fixed time": ("arc.end.slopes[:nv, None] * arc.tau)", "0.0)")},
     ),
     *mistakes_in(
         "hybrid/engines/pinocchio",
@@ -103,7 +115,8 @@ MUTATIONS = [
             "gaits/test_hopping",
         ],
         {
-            "damping drives": ("= torque + drag", "= torque - drag"),
+            "damping drives": ("lever * (force + drag)", "lever * (force - drag)"),
+            "the last spring of a joint counts alone": ("_passive[index] += lever", "_passive[index] = lever"),
             "drift dropped in stance": ("drifts.append(", "drifts.append(0.0 * "),
             "spatial acceleration in stance": (
                 "pin.getFrameClassicalAcceleration(model, data",

@@ -4,6 +4,21 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
+        "model/path",
+        ["model/test_path"],
+        {
+            "a cable that pushes its start": ("| {i: -dot(d, column)", "| {i: dot(d, column)"),
+            "a base that a cable moves": (
+                "for i, column in end.columns.items() if i not in start.columns",
+                "for i, column in end.columns.items()",
+            ),
+            "a cable through the pulley": ("ops.maximum(bend - touches, 0.0)", "0.0 * bend"),
+            "a cable that the pulley does not lengthen": (" + self.radius * wrapped", ""),
+            "a mirrored point where it was": ("(_weighted(self.side, x), y, z)", "(x, y, z)"),
+            "a part of a sum without its weight": ("weight * value)", "value)"),
+        },
+    ),
+    *mistakes_in(
         "model/spatial",
         ["model/test_spatial"],
         {

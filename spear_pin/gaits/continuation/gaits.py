@@ -22,7 +22,7 @@ from spear_pin.hybrid.charts import Chart, Charts
 from spear_pin.hybrid.newton import differentiated as differences
 from spear_pin.hybrid.newton import stencil
 from spear_pin.hybrid.orders import Order
-from spear_pin.hybrid.parameters import NONZERO
+from spear_pin.hybrid.parameters import left_out_at_zero
 from spear_pin.hybrid.periodic import chart, eigenvalues
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
@@ -101,7 +101,8 @@ class Gaits:
     def _exact(self, charts: Charts, values: Array) -> tuple[Array, Array, Array, Cycles] | None:
         """Returns what `_differenced` does, with exact derivatives; None where there are none."""
         family, local, numbers = self.family, Chart(charts), self.numbers(values)
-        vanishing = any(value == 0.0 and name in NONZERO for name, value in zip(family.names, numbers, strict=True))
+        named = zip(family.names, numbers, strict=True)
+        vanishing = any(value == 0.0 and left_out_at_zero(name) for name, value in named)
         if not family.differentiable or vanishing:  # what is zero is not in the equations
             return None
         d, k = local.dimension, len(values)

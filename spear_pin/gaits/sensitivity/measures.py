@@ -30,6 +30,7 @@ from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 from spear_pin.hybrid.tangent.dual import Dual, derivative_of, value_of
 from spear_pin.hybrid.tangent.heights import Heights, dual_heights
+from spear_pin.hybrid.tangent.stretched import stretched
 
 OF_ENDS = (".*_time|period", "stride|mean_speed|turn", ".*_at_.*")
 
@@ -162,18 +163,16 @@ class Differentiated(Signals):
     @cached_property
     def released(self) -> dict[str, Any]:
         """Deflection of springs as they release; of several releases the least."""
-        found = dict[str, Any]()
+        found, system = dict[str, Any](), self.cycle.system
         for stretch in self.stretches:
             event = stretch.arc.event
             let_go = event.reset.release if event is not None and event.reset is not None else ()
             for mount in stretch.arc.domain.mounts:
-                if mount.joint in let_go:
-                    i, rest = self.robot.index(mount.joint), stretch.held[mount.rest]
-                    change = stretch.dstate[i] + stretch.end.slopes[i] * stretch.tau - derivative_of(rest)
-                    left = mount.side * (float(stretch.state[i]) - float(value_of(rest))) + 0.0
-                    for name, _ in with_partner(self.cycle.system, mount.joint):
-                        if name not in found or left < found[name].x:
-                            found[name] = Dual(left, mount.side * change)
+                if mount.name in let_go:
+                    left = stretched(system, mount, stretch, self.cycle.numbers, self.cycle.dnumbers)
+                    for name, _ in with_partner(system, mount.name):
+                        if name not in found or left.x < found[name].x:
+                            found[name] = left
         return found
 
     def _signals(self, of: Callable[[str], Sequence[Pieces]], share: Callable[[str], float]) -> dict[str, Signal]:

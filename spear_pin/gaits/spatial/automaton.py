@@ -17,24 +17,26 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, mount, overload
+from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, overload
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
 from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg
 from spear_pin.gaits.spatial.torques import LegLaw, law_of, nominal_start
+from spear_pin.gaits.springing import Springing, springing_of
 from spear_pin.gaits.virtual_constraints import progress
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, WAYS, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.ground import Ground, as_ground, given
-from spear_pin.hybrid.phases import contact_domains, fall, height, spring_switches
+from spear_pin.hybrid.phases import contact_domains, fall, height
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.rules.guards import ON_GROUND, struck_together, touchdown
 from spear_pin.hybrid.symmetry import X, Y
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
 from spear_pin.model.spring import PAIR_STIFFNESS, Spring
+from spear_pin.model.springs import Springs, springs_by_name
 
 LONGEST = 2.0  # s: a phase of Q-SPEAR
 CLEAR = 5e-3  # m: a standing toe of Q-SPEAR that rises less has not lifted off (assumption)
@@ -45,7 +47,7 @@ def in_groups(
     kind: str,
     automaton: Automaton,
     law: Any,
-    spring: Spring | None,
+    spring: Spring | Mapping[str, Spring] | None,
     contact: Contact | None,
     ground: Ground | None,
     *,
@@ -58,7 +60,7 @@ def in_groups(
         kind: the system's kind.
         automaton: the automaton.
         law: parameters of the controller.
-        spring: the knee spring of one leg.
+        spring: the knee spring of one leg, or several by name.
         contact: friction of level ground.
         ground: the ground, instead of `contact`.
         build: returns such a system for a robot, a law, a spring and a contact.
@@ -69,10 +71,12 @@ def in_groups(
             releases.
     """
     robot, scale = automaton.robot, scale_in_space(automaton.robot)
-    spring = spring or Spring(PAIR_STIFFNESS / PAIR * scale.torque, damping=0.0)
+    usual = Spring(PAIR_STIFFNESS / PAIR * scale.torque, damping=0.0)
+    springs = springs_by_name(usual if spring is None else spring, "knee")
     contact = given(contact, ground)
-    if spring.rest is not None:
-        raise BadValue("Spring.rest", spring.rest, "None: in space springs are latched at touchdown")
+    for each in springs.values():
+        if each.rest is not None:
+            raise BadValue("Spring.rest", each.rest, "None: in space springs are latched at touchdown")
     if not as_ground(contact).plain:
         raise BadValue("ground", contact, "level at height zero: in space there is no other yet")
     first, *second = (tuple(leg.toe for leg in group) for group in automaton.closing)
@@ -81,9 +85,9 @@ def in_groups(
         kind=kind,
         robot=robot,
         law=law,
-        spring=spring,
+        springs=springs,
         contact=contact,
-        domains=tuple(automaton.domains(spring)),
+        domains=tuple(automaton.domains(springs)),
         section=automaton.sections[0],
         section_toes=first,
         mirrored_toes=second[0] if mirrored else (),
@@ -121,23 +125,23 @@ class Automaton:
         """All four legs."""
         return tuple(leg for group in self.groups for leg in group)
 
-    def domains(self, spring: Spring) -> Iterator[Domain]:
+    def domains(self, springs: Springs) -> Iterator[Domain]:
         """Returns the domains of all sets of legs, and one more before each touchdown of a group in `closing`.
 
         Args:
-            spring: the spring of each knee.
+            springs: the springs of each leg.
         """
+        springing = {leg: springing_of(self.robot, springs, leg) for leg in self.legs}
         for down in product((True, False), repeat=len(self.legs)):
             bearing = tuple(leg for leg, bears in zip(self.legs, down, strict=True) if bears)
             for phase in [self.phase(bearing)] if bearing else [group.flight for group in self.groups]:
                 closing = self._closed_by(phase, bearing)
-                yield from self._of_phase(
-                    phase, bearing, spring, self._touchdowns(self.groups, phase, bearing, closing)
-                )
+                touchdowns = self._touchdowns(self.groups, phase, bearing, closing, springing)
+                yield from self._of_phase(phase, bearing, springing, touchdowns)
                 if closing is not None:
                     order = sorted(self.groups, key=lambda group: group is not closing)
-                    touchdowns = self._touchdowns(order, phase, bearing, None)
-                    yield from self._of_phase(_before(phase), bearing, spring, touchdowns)
+                    touchdowns = self._touchdowns(order, phase, bearing, None, springing)
+                    yield from self._of_phase(_before(phase), bearing, springing, touchdowns)
 
     def phase(self, bearing: Sequence[Leg]) -> str:
         """Returns the name of the phase with some legs on the ground: "posterior_stance", or "posterior_left"."""
@@ -159,13 +163,12 @@ class Automaton:
         return phase == group.flight and self._next(group) is not group
 
     def _of_phase(
-        self, phase: str, bearing: tuple[Leg, ...], spring: Spring, touchdowns: list[Guard]
+        self, phase: str, bearing: tuple[Leg, ...], springing: Mapping[Leg, Springing], touchdowns: list[Guard]
     ) -> tuple[Domain, ...]:
         airborne = [(leg, self._others(self._own(leg))) for leg in self.legs if leg not in bearing]
-        mounts = tuple(mount(leg, spring) for leg in bearing)
-        switches = [
-            guard for mount, leg in zip(mounts, bearing, strict=True) for guard in spring_switches(mount, leg.knee)
-        ]
+        own = [springing[leg] for leg in bearing]
+        mounts = tuple(mount for each in own for mount in each.mounts)
+        switches = [guard for each in own for guard in each.switches(each.mounts)]
         ends = [_passing(leg, others) for leg, others in airborne]
         fallen = fall([joint for leg in self.legs for joint in (leg.above, leg.joint)])
         domain = Domain(
@@ -178,7 +181,7 @@ class Automaton:
         )
         if not bearing:
             return (domain,)
-        resets = {leg.toe: self._lifts(leg, bearing) for leg in bearing}
+        resets = {leg.toe: self._lifts(leg, bearing, springing[leg].released) for leg in bearing}
         backs = [guard for leg in bearing for guard in knee_back(leg, resets[leg.toe])]
         if self.lift_off != "knee":
             return contact_domains(domain, self.robot.toes, resets, (), WAYS[3])
@@ -188,7 +191,12 @@ class Automaton:
     # touchdown
 
     def _touchdowns(
-        self, groups: Sequence[Group], phase: str, bearing: tuple[Leg, ...], closing: Group | None
+        self,
+        groups: Sequence[Group],
+        phase: str,
+        bearing: tuple[Leg, ...],
+        closing: Group | None,
+        springing: Mapping[Leg, Springing],
     ) -> list[Guard]:
         """Returns touchdowns of legs in the air, by group; those of a closing group lead to just before it."""
         guards: list[Guard] = []
@@ -199,7 +207,8 @@ class Automaton:
             back = self._back(group, phase)
             for leg in group:
                 if leg not in bearing:
-                    reset = self._touches(leg, bearing, not back and not set(group) & set(bearing))
+                    anew = not back and not set(group) & set(bearing)
+                    reset = self._touches(leg, bearing, anew, springing[leg])
                     event = f"{leg.name}_{'return' if back else 'touchdown'}"
                     guards += [struck_together(leg.toe, event, reset), touchdown(leg.toe, reset, event)]
         return guards
@@ -214,12 +223,12 @@ class Automaton:
         reset = Reset(latch=latch, phase=_before(phase))
         return [Guard(self.sections[halfway], height(leg.toe), reset, tolerance=ON_GROUND) for leg in group]
 
-    def _touches(self, leg: Leg, bearing: tuple[Leg, ...], anew: bool) -> Reset:
+    def _touches(self, leg: Leg, bearing: tuple[Leg, ...], anew: bool, springing: Springing) -> Reset:
         own = self._own(leg)
         swinging = [other for other in self._others(own) if other not in bearing]
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
-            latched = bears(leg, own, q, v, p, anew)
+            latched = {**springing.engage(q, held), **bears(leg, own, q, v, p, anew)}
             for other in swinging:
                 latched |= swings(other, own, q, v, {**held, **latched}, p)
             return latched
@@ -228,7 +237,7 @@ class Automaton:
 
     # lift-off
 
-    def _lifts(self, leg: Leg, bearing: tuple[Leg, ...]) -> Reset:
+    def _lifts(self, leg: Leg, bearing: tuple[Leg, ...], released: tuple[str, ...]) -> Reset:
         own = self._own(leg)
         follows, others = self._next(own), self._others(own)
         left = tuple(each for each in bearing if each != leg)
@@ -247,7 +256,7 @@ class Automaton:
             return latched
 
         phase = self.phase(left) if left else own.flight
-        return Reset(release=(leg.joint,), latch=latch, phase=phase)
+        return Reset(release=released, latch=latch, phase=phase)
 
     @cached_property
     def _overload(self) -> Guard:

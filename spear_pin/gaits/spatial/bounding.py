@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from spear_pin.errors import BadValue
@@ -23,7 +25,7 @@ SECTION = "posterior_touchdown"
 def bounding_in_space(
     robot: Robot,
     law: SpatialLaw,
-    spring: Spring | None = None,
+    spring: Spring | Mapping[str, Spring] | None = None,
     contact: Contact | None = None,
     *,
     ground: Ground | None = None,

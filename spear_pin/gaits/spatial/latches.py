@@ -43,8 +43,6 @@ def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, p: LegLaw, anew: bool) -
     ahead = c * v[0] + s * v[1]
     adduction, hip, knee = p.torques(leg, ahead)
     latched: dict[str, Any] = {
-        "rest": q[leg.knee],
-        "taut": 1.0,
         "flexed": 0.0,
         "hip_torque": leg.signs[1] * hip,
         "knee_torque": knee,

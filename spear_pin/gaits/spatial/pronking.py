@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import together
@@ -19,7 +21,7 @@ SECTION = "touchdown"
 def pronking(
     robot: Robot,
     law: SpatialLaw,
-    spring: Spring | None = None,
+    spring: Spring | Mapping[str, Spring] | None = None,
     contact: Contact | None = None,
     *,
     ground: Ground | None = None,

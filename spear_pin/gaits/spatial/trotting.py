@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.legs import Groups, diagonals_of, laterals_of
 from spear_pin.gaits.spatial.trot_law import TrotLaw
@@ -23,7 +25,7 @@ ALIKE = 1e-9  # limit of `lopsided` for a robot whose strides consist of halves
 def trotting(
     robot: Robot,
     law: TrotLaw,
-    spring: Spring | None = None,
+    spring: Spring | Mapping[str, Spring] | None = None,
     contact: Contact | None = None,
     *,
     ground: Ground | None = None,
@@ -52,7 +54,7 @@ def trotting(
 def pacing(
     robot: Robot,
     law: TrotLaw,
-    spring: Spring | None = None,
+    spring: Spring | Mapping[str, Spring] | None = None,
     contact: Contact | None = None,
     *,
     ground: Ground | None = None,

@@ -29,7 +29,7 @@ class OwnFunctions:
     Attributes:
         law: whether the law is a user function.
         guards: ids of the guards that are user functions.
-        springs: joints whose springs are user functions.
+        springs: names of mounts whose springs are user functions.
         fault: why a function has had no value since the motion last arrived at a state; None if all had one.
     """
 
@@ -37,7 +37,7 @@ class OwnFunctions:
         self._domain = domain
         self.law = is_own(domain.law)
         self.guards = {id(guard) for guard in domain.guards if is_own(guard.value)}
-        self.springs = {mount.joint for mount in domain.mounts if is_own(type(mount.spring))}
+        self.springs = {mount.name for mount in domain.mounts if is_own(type(mount.spring))}
         self.fault: BadFunction | None = None
 
     def torques(self, joints: Sequence[str], arguments: Sequence[Any]) -> list[float]:
@@ -68,15 +68,15 @@ class OwnFunctions:
             self._lost(what, guard.value, f"it gives {found} at t = {t:.6g} s", (q, v))
         return found
 
-    def spring(self, mount: Mount, angle: float, rate: float, held: Held) -> tuple[float, float]:
-        """Returns the torque of a spring, and the torque of its damper, in N·m."""
-        spring, at = mount.spring, ([angle], [rate])
-        what = f"spring of {mount.joint!r} in domain {self._domain.name!r}"
-        torque = self._asked(what, spring.torque, partial(mount.torque, spring, angle, held, FLOATS), at)
+    def spring(self, mount: Mount, stretch: float, rate: float, held: Held) -> tuple[float, float]:
+        """Returns the force of a spring along its path, and that of its damper, in N·m or N."""
+        spring, at = mount.spring, ([stretch], [rate])
+        what = f"spring of {mount.name!r} in domain {self._domain.name!r}"
+        torque = self._asked(what, spring.torque, partial(mount.pull, spring, stretch, held, FLOATS), at)
         drag = self._asked(what, spring.drag, partial(spring.drag, rate), at)
         found = number(what, spring.torque, torque), number(what, spring.drag, drag)
         if any(map(math.isnan, found)):
-            self._lost(what, spring.torque, f"it gives {sum(found)} at an angle of {angle:.6g} rad", at)
+            self._lost(what, spring.torque, f"it gives {sum(found)} at a stretch of {stretch:.6g}", at)
         return found
 
     def above(self, ground: Ground, x: float, z: float) -> float:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,8 +27,11 @@ from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.own import refuse_in_law
 from spear_pin.hybrid.rules.footing import Rubbing, along, closed_toes
 from spear_pin.hybrid.soundness import Latched
+from spear_pin.hybrid.springs import Pull, rest_length, stretch_of, torque_on
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
+from spear_pin.model.path import Path
+from spear_pin.model.posture import RobotPosture
 
 
 class Flow:
@@ -35,7 +39,7 @@ class Flow:
 
     It is also the `dyn` of laws and guards. After a call, `u`, `tau`, `friction`, `a` and
     `force(toe)` are those of the state it was called with; they are overwritten by the next call.
-    It is less smooth where the coordinate of an index in `knots` passes the angle beside it.
+    It is less smooth where a function of the configuration in `knots` passes zero.
     `own` asks the functions that are not of this package.
     """
 
@@ -47,6 +51,7 @@ class Flow:
         self._law = domain.law
         self.own = OwnFunctions(domain)
         self._actuated = [robot.index(joint) for joint in robot.actuated]
+        self._posture, self._pulls = RobotPosture(robot, FLOATS), list[Pull]()
         self.hold(held)
         self._added = robot.added
         self._joint_damping = np.array(robot.model.damping)
@@ -58,7 +63,7 @@ class Flow:
         self._stuck = [robot.index(rub.joint) for rub in domain.rubs if rub.sign == 0]
         self._locks = np.eye(robot.nv)[self._stuck]  # rows of the constraint v̇ = 0 on joints held by friction
         self._holding = np.zeros(len(self._stuck))
-        self._passive, self._applied = np.zeros(robot.nv), np.zeros(robot.nv)
+        self._applied = np.zeros(robot.nv)
         self._motors = robot.actuation_matrix
         self._nowhere = np.empty((0, robot.nv)), np.empty(0)
         self._hardware = system.hardware
@@ -91,8 +96,21 @@ class Flow:
         self.held: Held = Latched(held)
         self.p = adjusted(self.system.law, held)
         self._at: tuple[float, Array] | None = None
-        self._springs = [(self.system.robot.index(mount.joint), mount) for mount in self.domain.mounts]
-        self.knots = [(index, angle) for index, mount in self._springs for angle in mount.knots(held)]
+        robot, mounts = self.system.robot, self.domain.mounts
+        lengths = [rest_length(mount, mount.along, robot, self.held, self._posed) for mount in mounts]
+        self._springs = list(zip(mounts, lengths, strict=True))
+        self.knots = [
+            partial(self._beyond, mount.along, length + knot)
+            for mount, length in self._springs
+            for knot in mount.spring.knots
+        ]
+
+    def _posed(self, q: Sequence[float]) -> RobotPosture:
+        return self._posture.at(np.array(q))
+
+    def _beyond(self, path: Path, length: float, q: Array) -> float:
+        """Returns how much longer a path is than a length."""
+        return float(path.length(self._posture.at(q)) - length)
 
     def __call__(self, t: float, y: Array) -> Array:
         """Returns dy/dt; NaN where a law or the dynamics has no value."""
@@ -142,6 +160,7 @@ class Flow:
                 raise ValueError(str(error)) from None  # there is no derivative at this state
             self._data.M[row, row] += inertia
             self._data.nle[row] += 0.5 * bend * v[row] ** 2
+        self._posture.at(q)
         angles, rates = q.tolist(), v.tolist()
         rubbed = 0.0
         if self._has_friction:  # before the law, which may use forces
@@ -149,14 +168,19 @@ class Flow:
             self.friction = self._dry + self._viscous
             rubbed = float(self.friction @ v)
         damped = 0.0
-        for index, mount in self._springs:
-            if mount.joint in self.own.springs:
-                torque, drag = self.own.spring(mount, angles[index], rates[index], self.held)
+        self._pulls, self._passive = [], self._zeros.copy()
+        for mount, rest in self._springs:
+            stretch, slope = mount.along.length(self._posture) - rest, mount.along.slope(self._posture)
+            rate = slope.rate(rates)
+            if mount.name in self.own.springs:
+                force, drag = self.own.spring(mount, stretch, rate, self.held)
             else:
-                drag = mount.spring.drag(rates[index])
-                torque = mount.torque(mount.spring, angles[index], self.held, FLOATS)
-            self._passive[index] = torque + drag
-            damped += drag * rates[index]
+                drag = mount.spring.drag(rate)
+                force = mount.pull(mount.spring, stretch, self.held, FLOATS)
+            for index, lever in slope.items():
+                self._passive[index] += lever * (force + drag)
+            damped += drag * rate
+            self._pulls.append(Pull(mount.name, stretch, force, drag, slope))
         slopes: list[float] = []
         electrical: list[float] = []
         if self._hardware is None:
@@ -204,11 +228,12 @@ class Flow:
         return [float(self._applied[index]) for index in self._actuated]
 
     def spring_torque(self, joint: str) -> float:
-        """Returns the torque of the joint's spring in the last call, in N·m; 0 where none is engaged."""
-        for index, mount in self._springs:
-            if mount.joint == joint:
-                return float(mount.torque(mount.spring, self.q[index], self.held, FLOATS))
-        return 0.0
+        """Returns the torque of all engaged springs on a joint in the last call, in N·m; 0 where none is engaged."""
+        return float(torque_on(self._pulls, self.system.robot.index(joint)))
+
+    def stretch(self, name: str) -> float:
+        """Returns how much longer an engaged spring's path was than at rest in the last call, in rad or m."""
+        return float(stretch_of(self._pulls, name))
 
     def holding(self, joint: str) -> float:
         """Returns the force of the dry friction that held a joint at rest in the last call, in N or N·m."""

@@ -17,9 +17,11 @@ from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.fields import FLOATS, field_names, flattened, is_number, with_fields
 from spear_pin.hybrid.ground import PLACE, Ground
 from spear_pin.hybrid.soundness import Latched
+from spear_pin.hybrid.springs import shared, shares_path, spring_of
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.spring import Spring
+from spear_pin.model.springs import numbers_of_springs, with_spring_numbers
 
 Values = Mapping[str, Any]
 
@@ -30,13 +32,13 @@ class Scalars:
 
     Attributes:
         law: parameters of the control law.
-        spring: the springs' law.
+        springs: the springs by name.
         ground: the ground.
         joints: viscous friction of each joint, in N·s/m or N·m·s/rad.
     """
 
     law: Any
-    spring: Spring
+    springs: Mapping[str, Spring]
     ground: Ground
     joints: Sequence[Any]
 
@@ -48,9 +50,8 @@ def others(system: HybridSystem) -> dict[str, float]:
 
 def all_others(system: HybridSystem) -> dict[str, float]:
     """Returns the scalars other than the law's, including zeros, in their order."""
-    parts = [(system.spring, OF_SPRINGS), (system.ground, PLACE)]
-    values = {name: getattr(part, name) for part, names in parts for name in names}
-    return {"friction": system.ground.friction, **values}
+    of_ground = {name: getattr(system.ground, name) for name in PLACE}
+    return {"friction": system.ground.friction, **numbers_of_springs(system.springs), **of_ground}
 
 
 def symbols(
@@ -72,11 +73,11 @@ def symbols(
 
     law = replaced(system.law)
     beside = {name: replaced(value) for name, value in others(system).items()}
-    spring, ground = with_fields(system.spring, beside), with_fields(system.ground, beside)
+    springs, ground = with_spring_numbers(system.springs, beside, _unchecked), with_fields(system.ground, beside)
     moved = mechanism.with_numbers([replaced(number) if number != 0.0 else 0.0 for number in mechanism.numbers])
     joints = [replaced(float(b)) if b != 0.0 else 0.0 for b in system.robot.model.damping]
     kept = Latched({name: replaced(value) for name, value in held.items()})
-    return moved, Scalars(law, spring, ground, joints), kept
+    return moved, Scalars(law, springs, ground, joints), kept
 
 
 def robot_numbers(system: HybridSystem, mechanism: Mechanism) -> list[float]:
@@ -126,12 +127,12 @@ class Structure:
     def key(self) -> Any:
         """Everything that two systems of the same structure have in common."""
         system, domain = self.system, self.domain
-        spring = system.spring
         robot = self.mechanism.shape, system.robot.toes, system.robot.actuated
         mounts = domain.mounts if domain.between is None else (*domain.mounts, *domain.between.grounded.mounts)
-        springs = tuple(_mounted(mount, spring) for mount in mounts)
+        springs = tuple(_mounted(mount, system, self.mechanism) for mount in mounts)
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
-        parts = spring.unilateral, spring.rest, tuple(others(system)), _shape(system.law), shape_of(self.held)
+        kinds = tuple((spring.unilateral, spring.rest) for spring in system.springs.values())
+        parts = kinds, tuple(others(system)), _shape(system.law), shape_of(self.held)
         ground = _shape_of_ground(system.ground)
         return system.kind, robot, springs, rubbing, parts, ground, domain.contacts, _identity(domain)
 
@@ -142,12 +143,15 @@ class Structure:
         return isinstance(other, Structure) and self.key == other.key
 
 
-def _mounted(mount: Mount, common: Spring) -> Any:
+def _mounted(mount: Mount, system: HybridSystem, mechanism: Mechanism) -> Any:
     """Returns a spring's place, its held names, and those of its numbers that it does not share with the system."""
-    own = mount.spring
+    own, common, path = mount.spring, system.springs[spring_of(mount, system)], mount.along
     numbers = tuple(None if name in shared(own, common) else getattr(own, name) for name in OF_SPRINGS)
-    others = tuple(getattr(own, field.name) for field in fields(own) if field.name not in OF_SPRINGS)
-    return mount.joint, mount.rest, mount.taut, mount.side, type(own), numbers, others
+    others = tuple(getattr(own, field.name) for field in fields(own) if field.name not in (*OF_SPRINGS, "path"))
+    if shares_path(mount, common):
+        path = path.with_numbers({name: float(value != 0.0) for name, value in path.numbers.items()})
+    axes = tuple(mechanism.axes[frame] for frame in path.frames)
+    return mount.name, spring_of(mount, system), mount.rest, mount.taut, path, axes, type(own), numbers, others
 
 
 def _shape_of_ground(ground: Ground) -> Any:
@@ -158,9 +162,8 @@ def _shape_of_ground(ground: Ground) -> Any:
     return type(ground), own, Reader().identity(type(ground).above), Reader().identity(type(ground).axes)
 
 
-def shared(own: Spring, common: Spring) -> list[str]:
-    """Returns the names of the numbers that a mount's spring shares with the system's; its other numbers are fixed."""
-    return [name for name in OF_SPRINGS if getattr(own, name) == getattr(common, name)]
+def _unchecked(spring: Spring, **values: Any) -> Spring:
+    return with_fields(spring, {"path": spring.path, **values})
 
 
 def shape_of(held: Values) -> Any:

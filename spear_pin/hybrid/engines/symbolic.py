@@ -9,24 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 from spear_pin.errors import BadFunction, NotSymbolic
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import RESTS, SIGN, SLIP
-from spear_pin.hybrid.domain import Domain, Mount
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.elimination import Matrix, factorize, solve, substitute
-from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.trial import mistaken
-from spear_pin.hybrid.fields import adjusted, with_fields
+from spear_pin.hybrid.fields import adjusted
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
 from spear_pin.hybrid.rules.footing import closed_toes, size
+from spear_pin.hybrid.springs import Pull, numbered, rest_length, stretch_of, torque_on
 from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
-from spear_pin.model.spring import Spring
 
 
 @dataclass(frozen=True)
@@ -218,8 +217,12 @@ class Motion:
         return self._solution[2][toe]
 
     def spring_torque(self, joint: str) -> Any:
-        """Returns the torque of the joint's spring, in N·m; 0 where none is engaged."""
-        return self._springs.get(joint, 0.0)
+        """Returns the torque of all engaged springs on a joint, in N·m; 0 where none is engaged."""
+        return torque_on(self._pulls, self._index[joint])
+
+    def stretch(self, name: str) -> Any:
+        """Returns how much longer an engaged spring's path is than at rest, in rad or m."""
+        return stretch_of(self._pulls, name)
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
         """Returns the normal force that the motor torques `u` would give with the toes on the ground at rest, in N."""
@@ -279,23 +282,26 @@ class Motion:
             raise not_symbolic(what, function, error) from error
 
     @cached_property
-    def _springs(self) -> dict[str, Any]:
-        found = {}
+    def _pulls(self) -> list[Pull]:
+        posed, robot = partial(self.mechanism.posed, ops=self.ops), self.system.robot
+        here, found = posed(self.q), list[Pull]()
         for mount in self.domain.mounts:
-            spring, what = self._spring(mount), f"spring of {mount.joint!r} in domain {self.domain.name!r}"
-            arguments = spring, self.q[self._index[mount.joint]], self.held, self.ops
-            found[mount.joint] = self._asked(what, spring.torque, mount.torque, arguments)
+            what = f"spring of {mount.name!r} in domain {self.domain.name!r}"
+            spring, path = numbered(mount, self.system, self.numbers.springs)
+            stretch = path.length(here) - rest_length(mount, path, robot, self.held, posed)
+            force = self._asked(what, spring.torque, mount.pull, (spring, stretch, self.held, self.ops))
+            slope = path.slope(here)
+            drag = self._asked(what, spring.drag, spring.drag, (slope.rate(self.v),))
+            found.append(Pull(mount.name, stretch, force, drag, slope))
         return found
 
     @cached_property
     def _passive(self) -> list[Any]:
         """Returns the forces of the joints' springs, dampers and friction."""
         forces = [negated(times(b, rate)) for b, rate in zip(self.numbers.joints, self.v, strict=True)]
-        for mount in self.domain.mounts:
-            i = self._index[mount.joint]
-            spring, what = self._spring(mount), f"spring of {mount.joint!r} in domain {self.domain.name!r}"
-            drag = self._asked(what, spring.drag, spring.drag, (self.v[i],))
-            forces[i] = forces[i] + self._springs[mount.joint] + drag
+        for pull in self._pulls:
+            for i, lever in pull.slope.items():
+                forces[i] = forces[i] + times(lever, pull.force + pull.drag)
         return forces
 
     def _applied(self, torques: Iterable[tuple[int, Any]]) -> list[Any]:
@@ -304,13 +310,6 @@ class Motion:
         for i, torque in torques:
             forces[i] = forces[i] + torque
         return forces
-
-    def _spring(self, mount: Mount) -> Spring:
-        """Returns a mount's spring, with the system's numbers where it shares them and its own fixed ones elsewhere."""
-        shared = {
-            name: getattr(self.numbers.spring, name) for name in structure.shared(mount.spring, self.system.spring)
-        }
-        return with_fields(mount.spring, shared)
 
     @cached_property
     def _factors(self) -> tuple[Matrix, list[Any]]:

@@ -17,11 +17,8 @@ from spear_pin.hybrid.fields import flattened, mapped, with_fields
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, joined, spread, take
-from spear_pin.hybrid.parameters import NONZERO
 from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.latching import latched
-
-OTHERS = (*NONZERO, "friction")  # may differ, besides the law's
 
 
 class Numbers:

@@ -95,18 +95,18 @@ def fall(frames: Sequence[str]) -> tuple[Guard, ...]:
     return tuple(Guard(f"fall:{frame}", height(frame), ends="fall", tolerance=ON_GROUND) for frame in frames)
 
 
-def spring_switches(mount: Mount, index: int) -> tuple[Guard, ...]:
-    """Returns the events of a unilateral spring that goes slack, or taut again, at the latched angle."""
-    if not mount.spring.unilateral:
+def spring_switches(mount: Mount, name: str = "spring_switch") -> tuple[Guard, ...]:
+    """Returns the events of a unilateral spring that goes slack, or taut again, where it rests."""
+    if mount.taut is None or not mount.spring.unilateral:
         return ()
 
-    side, rest, taut = mount.side, mount.rest, mount.taut  # a guard must not read the spring's numbers
+    spring, taut = mount.name, mount.taut  # a guard must not read the spring's numbers
 
-    def deflection(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return (2.0 * held[taut] - 1.0) * side * (q[index] - held[rest])
+    def stretch(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        return (2.0 * held[taut] - 1.0) * dyn.stretch(spring)
 
     toggle = Reset(latch=lambda q, v, held, p: {taut: 1.0 - held[taut]})
-    return (Guard("spring_switch", deflection, toggle, tolerance=ON_REST),)
+    return (Guard(name, stretch, toggle, tolerance=ON_REST),)
 
 
 def to_spare(rub: Rub, side: float) -> GuardValue:

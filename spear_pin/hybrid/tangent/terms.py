@@ -6,7 +6,7 @@ are the equations of motion, which all domains and impacts of a robot share.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -19,6 +19,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.tangent.dual import Dual, derivative_of, operations, value_of
 from spear_pin.model.mechanism import Feet, Mechanism, Terms
+from spear_pin.model.path import Point
 
 
 class ArrayMechanism(Mechanism):
@@ -32,7 +33,7 @@ class ArrayMechanism(Mechanism):
         self._plain, self._code = mechanism, _shared(_Code(mechanism.shape, mechanism))
         self.coordinates, self.nv = mechanism.coordinates, mechanism.nv
         self.bodies, self.frames, self.toes = mechanism.bodies, mechanism.frames, mechanism.toes
-        self.lift, self.circle = mechanism.lift, mechanism.circle
+        self.axes, self.lift, self.circle = mechanism.axes, mechanism.lift, mechanism.circle
         self._numbers: list[Any] = [number for number in mechanism.numbers if number != 0.0]
 
     def with_numbers(self, numbers: Sequence[Any]) -> Self:
@@ -52,6 +53,10 @@ class ArrayMechanism(Mechanism):
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
         """Returns the kinematics of the toes alone."""
         return self._plain.feet(q, v, ops)
+
+    def points(self, q: Sequence[Any], ops: Any) -> Callable[[str, Sequence[Any]], Point]:
+        """Returns a function that gives a point by its frame and by its place in the frame's axes."""
+        return self._plain.points(q, ops)
 
     def position(self, frame: str, q: Sequence[Any], ops: Any) -> tuple[Any, ...]:
         """Returns the position of any frame of the robot's model, in m."""

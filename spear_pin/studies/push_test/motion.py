@@ -113,7 +113,7 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
     guards = (
         Guard("limit", lambda t, q, v, held, p, dyn, ops: q[row] - low, ends="limit"),
         Guard("limit", lambda t, q, v, held, p, dyn, ops: high - q[row], ends="limit"),
-        *spring_switches(mount, row),
+        *spring_switches(mount),
         *((_brake_switch(row),) if conducts else ()),
         Guard("turn", rate(row), tolerance=AT_REST),
         Guard("turn", rate(row, -1.0), tolerance=AT_REST),
@@ -122,7 +122,7 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
         kind="release",
         robot=robot,
         law=knee,
-        spring=knee.spring,
+        springs={leg.joint: knee.spring},
         contact=Contact(),
         domains=(
             Domain("pushed", "pushed", (PINNED,), idle, guards=(hand,)),

@@ -19,7 +19,7 @@ from spear_pin.gaits.search import find_gait
 from spear_pin.gaits.targets import measures_of
 from spear_pin.hybrid import batch
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import PARTS, with_parameters
+from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.result import Options, State
 from spear_pin.kinds import typed
 from spear_pin.studies import workers
@@ -94,7 +94,7 @@ def sweep(
     if store.begin(out, described, resume):
         start = store.started(out, lambda: _start(system, job, guess))
         begun, guess = with_parameters(system, start["values"]), (np.array(start["q"]), np.array(start["v"]))
-        job = replace(job, parts={part: getattr(begun, part) for part in PARTS}, guess=guess)
+        job = replace(job, parts=begun.parts, guess=guess)
         missing = store.missing(out)
         tasks = ((i, job.take(slice(i * chunk, (i + 1) * chunk))) for i in missing)
         done = n - sum(store.size(n, chunk, i) for i in missing)

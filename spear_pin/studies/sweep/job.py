@@ -20,7 +20,7 @@ from spear_pin.gaits.targets import check_wanted, measures_of
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.contact import OPEN
-from spear_pin.hybrid.parameters import PARTS, Change, changed, parameter, replaced, with_parameters
+from spear_pin.hybrid.parameters import Change, changed, parameter, replaced, with_parameters
 from spear_pin.hybrid.result import State
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS, parameters_of, vary
@@ -127,11 +127,11 @@ def asked(
     for name in vary:
         parameter(system, name)
     order = np.lexsort([given[name] for name in of_robot[::-1]]) if of_robot else np.arange(n)
-    parts = {part: getattr(system, part) for part in PARTS}
     given = {name: values[order] for name, values in given.items()}
     nowhere = np.zeros(system.robot.nq), np.zeros(system.robot.nv)
     build = system.made["builder"]
-    return Job(system.kind, build, system.robot, parts, system.changes, kept, given, vary, dict(target), nowhere, rtol)
+    whole = system.kind, build, system.robot, system.parts, system.changes
+    return Job(*whole, kept, given, vary, dict(target), nowhere, rtol)
 
 
 def _check_system(system: HybridSystem) -> dict[str, Any]:

@@ -162,7 +162,7 @@ class TestGroups:
         automaton = Automaton(robot, (three, one), ("three_touchdown",), (three,), "knee")
         assert automaton.phase(group.legs[:3]) == "three_stance" and automaton.phase(group.legs[3:]) == "one"
         assert automaton.phase(group.legs[1:3]) == "posterior_right+anterior_left_stance"
-        phases = {domain.phase for domain in automaton.domains(Spring(28.0))}
+        phases = {domain.phase for domain in automaton.domains({"knee": Spring(28.0)})}
         assert len(phases) == 15 + 2 + 2  # three in the air, flying to their touchdown or with the one on the ground
 
 

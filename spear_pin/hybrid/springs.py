@@ -1,0 +1,109 @@
+"""Springs at a state, for scalars of any kind: how far each is stretched, how it pulls, and along which coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from spear_pin.errors import UnknownName
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Held, Mount
+from spear_pin.hybrid.fields import with_fields
+from spear_pin.model.path import Path, Posture, Slope
+from spear_pin.model.posture import spanned
+from spear_pin.model.robot import Robot
+from spear_pin.model.spring import UNITS as OF_SPRINGS
+from spear_pin.model.spring import Spring
+
+Posed = Callable[[Sequence[Any]], Posture]
+"""Returns the posture at a configuration."""
+
+
+class Pull(NamedTuple):
+    """What a spring does at a state.
+
+    Attributes:
+        name: name of its mount.
+        stretch: how much longer its path is than at rest, in rad or m.
+        force: force along the path, without the damper's, in N·m or N; negative as it pulls.
+        drag: the damper's force.
+        slope: lever of these forces on each coordinate.
+    """
+
+    name: str
+    stretch: Any
+    force: Any
+    drag: Any
+    slope: Slope
+
+
+def numbered(mount: Mount, system: HybridSystem, springs: Mapping[str, Spring]) -> tuple[Spring, Path]:
+    """Returns a mount's spring and path, with the system's numbers where it shares them, else with its own fixed ones.
+
+    Args:
+        mount: the mount.
+        system: the system.
+        springs: the system's springs, with scalars of any kind.
+    """
+    name, path = spring_of(mount, system), mount.along
+    common, numbers = system.springs[name], springs[name]
+    own = {each: getattr(numbers, each) for each in shared(mount.spring, common)}
+    if shares_path(mount, common):
+        assert numbers.path is not None
+        path = path.with_numbers(dict(zip(path.numbers, numbers.path.numbers.values(), strict=True)))
+    return with_fields(mount.spring, {**own, "path": mount.spring.path}), path
+
+
+def spring_of(mount: Mount, system: HybridSystem) -> str:
+    """Returns the name of the system's spring whose numbers a mount has."""
+    return mount.of or next(iter(system.springs))
+
+
+def shares_path(mount: Mount, common: Spring) -> bool:
+    """Tells whether a mount's path has the numbers of the system's spring; else they are fixed."""
+    return common.path is not None and [*mount.along.numbers.values()] == [*common.path.numbers.values()]
+
+
+def shared(own: Spring, common: Spring) -> list[str]:
+    """Returns the names of the numbers that a mount's spring shares with the system's; its other numbers are fixed."""
+    return [name for name in OF_SPRINGS if getattr(own, name) == getattr(common, name)]
+
+
+def rest_length(mount: Mount, path: Path, robot: Robot, held: Held, posed: Posed) -> Any:
+    """Returns the length at which a spring rests, in rad or m.
+
+    Args:
+        mount: where it acts.
+        path: its path, with scalars of any kind.
+        robot: the robot, which says what the path spans.
+        held: held values.
+        posed: returns the posture at a configuration.
+    """
+    if not isinstance(mount.rest, str):
+        return mount.rest
+    latched, names = held[mount.rest], spanned(mount.along, robot)
+    values = dict(zip(names, latched if isinstance(latched, tuple) else (latched,), strict=True))
+    return path.length(posed([values.get(name, 0.0) for name in robot.coordinates]))
+
+
+def values_along(path: Path, robot: Robot, q: Sequence[Any]) -> Any:
+    """Returns what a latch holds for a spring that rests at a configuration, see `Mount.rest`."""
+    values = tuple(q[robot.index(name)] for name in spanned(path, robot))
+    return values if len(values) > 1 else values[0]
+
+
+def torque_on(pulls: Sequence[Pull], index: int) -> Any:
+    """Returns what springs, without dampers, exert on a coordinate, in N·m or N; 0 where none is engaged."""
+    return sum((pull.force * pull.slope[index] for pull in pulls if index in pull.slope), 0.0)
+
+
+def stretch_of(pulls: Sequence[Pull], name: str) -> Any:
+    """Returns how far the spring of a mount is stretched.
+
+    Raises:
+        UnknownName: no spring of that name is engaged.
+    """
+    for pull in pulls:
+        if pull.name == name:
+            return pull.stretch
+    raise UnknownName("engaged spring", name, [pull.name for pull in pulls])

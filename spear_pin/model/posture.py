@@ -1,0 +1,80 @@
+"""A robot at a configuration by Pinocchio, for the paths of springs; and the coordinates that move a path."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from spear_pin.arrays import Array
+from spear_pin.model.directions import WORLD_ALIGNED
+from spear_pin.model.frames import frame_id
+from spear_pin.model.path import Path, Point
+from spear_pin.model.robot import Robot
+
+WORLD = "universe"
+
+
+class RobotPosture:
+    """A robot at a configuration, as `path.Posture` describes it.
+
+    Args:
+        robot: a robot whose joints have one coordinate each.
+        ops: elementary functions of numbers.
+    """
+
+    def __init__(self, robot: Robot, ops: Any) -> None:
+        self._robot, self.ops = robot, ops
+        self._index = {name: i for i, name in enumerate(robot.coordinates)}
+        self._frames: dict[str, int] = {}
+        self.at(np.zeros(robot.nv))
+
+    def at(self, q: Array) -> RobotPosture:
+        """Moves the robot to a configuration, (nv,)."""
+        self._q, self._placed = q, False
+        return self
+
+    def index(self, joint: str) -> int:
+        """Returns the index of a coordinate."""
+        return self._index[joint] if joint in self._index else self._robot.index(joint)
+
+    def angle(self, joint: str) -> float:
+        """Returns the value of a coordinate, in rad or m."""
+        return float(self._q[self.index(joint)])
+
+    def point(self, frame: str, at: Sequence[Any]) -> Point:
+        """Returns a point that a frame carries, given in the frame's axes, in m."""
+        model, data = self._robot.model, self._data
+        if not self._placed:
+            pin.computeJointJacobians(model, data, self._q)
+            self._placed = True
+        index = self._frame(frame)
+        placement = pin.updateFramePlacement(model, data, index)
+        arm = placement.rotation @ np.array(at)
+        jacobian = pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)
+        velocity = jacobian[:3] - pin.skew(arm) @ jacobian[3:]
+        carried = [model.joints[joint].idx_v for joint in model.supports[model.frames[index].parentJoint] if joint]
+        columns = {i: tuple(velocity[:, i].tolist()) for i in carried}
+        return Point(tuple((placement.translation + arm).tolist()), columns)
+
+    @cached_property
+    def _data(self) -> pin.Data:
+        return pin.Data(self._robot.model)
+
+    def _frame(self, frame: str) -> int:
+        if frame not in self._frames:
+            self._frames[frame] = 0 if frame == WORLD else frame_id(self._robot.model, frame)
+        return self._frames[frame]
+
+
+@lru_cache(maxsize=256)
+def spanned(path: Path, robot: Robot) -> tuple[str, ...]:
+    """Returns the names of the coordinates on which a path's length depends, in their order.
+
+    Raises:
+        UnknownName: there is no such joint or frame.
+    """
+    return tuple(robot.coordinates[i] for i in path.indices(RobotPosture(robot, None)))

@@ -1,0 +1,173 @@
+"""Gaits with springs on paths, against numbers of a second program, and derivatives against gaits found again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load, simulate
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.hopping import flight_law
+from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.parameters import changed, number, rebuilt, unit, with_numbers
+from spear_pin.model.path import Anchor, Between, Joints
+
+LEG = load("spear_ii", locked=["boom_x"])
+CABLE = Between(Anchor("thigh", (0.03, 0.0, -0.1)), Anchor("shank", (0.012, 0.0, 0.054)))
+STIFFNESS, DAMPING, RADIUS = 48.84, 1.3, 0.03
+SPRINGS = {
+    "two halves": {
+        "knee": Spring(STIFFNESS / 2, damping=DAMPING),
+        "other": Spring(STIFFNESS / 2, damping=0.0, path=Joints({"knee": 1.0})),
+    },
+    "biarticular": Spring(
+        STIFFNESS / RADIUS**2, damping=DAMPING / RADIUS**2, path=Joints({"knee": RADIUS, "hip": -0.006})
+    ),
+    "cable": {
+        "cable": Spring(17000.0, damping=0.0, rest=0.194837478, path=CABLE),
+        "knee": Spring(0.0, damping=DAMPING),
+    },
+    "hip": {"knee": Spring(), "hip": Spring(20.0, damping=0.0, rest=0.5, unilateral=False)},
+}
+FOUND = {  # stance torque, hip, knee and its rate just after touchdown, multipliers: of another program
+    "two halves": (7.826188, (0.506850443, 0.963117085, 5.464539073), (-0.406234, 0.178934 + 0.152258j)),
+    "biarticular": (6.570320, (0.5067843, 0.9630631, 5.4598437), (-0.394396, 0.201210 + 0.157279j)),
+    "cable": (7.802272, (0.5133938, 0.9649132, 5.7715145), (-0.400095, 0.331321)),
+    "hip": (7.949030, (0.5176486, 0.9613152, 5.4368261), (-0.231946, 0.172619 + 0.137444j)),
+}
+OVER = {
+    "biarticular": ("knee.knee", "knee.hip", "stiffness", "hip_to_knee"),
+    "cable": ("stiffness", "knee.damping", "cable.start_x", "cable.end_z", "hip_to_knee", "knee_mass"),
+    "hip": ("stiffness", "hip.stiffness"),
+}
+
+
+def unaware(system):
+    """The system whose motors do not balance springs in flight."""
+    domains = tuple(replace(each, law=flight_law) if each.phase == "flight" else each for each in system.domains)
+    return replace(system, domains=domains)
+
+
+def hop(name, **options):
+    system = hopping(LEG, HoppingLaw(stance_torque=7.8, hold_extension=True), SPRINGS[name])
+    system = changed(system, unaware) if name == "hip" else system
+    return find_gait(system, ["stance_torque"], {"flight_time": 0.2}, **options)
+
+
+@pytest.fixture(scope="module")
+def hops():
+    return {name: hop(name) for name in SPRINGS}
+
+
+@pytest.mark.parametrize("name", SPRINGS)
+class TestHop:
+    def test_is_that_of_another_program(self, hops, name):
+        gait, (torque, state, multipliers) = hops[name], FOUND[name]
+        q, v = gait.state
+        assert gait.parameters["stance_torque"] == pytest.approx(torque, abs=2e-6)
+        assert (q[1], q[2], v[2]) == pytest.approx(state, abs=2e-7)
+        np.testing.assert_allclose(
+            [m for m in gait.multipliers if m.imag >= 0][: len(multipliers)], multipliers, atol=1e-6
+        )
+
+    def test_closes_the_ledger(self, hops, name):
+        hop = simulate(hops[name].system, hops[name].state, cycles=2)
+        assert np.abs(hop.ledger.residual).max() < 1e-8
+
+    def test_of_lanes_is_that_of_the_reference(self, hops, name):
+        gait = hops[name]
+        q, v = (np.repeat(part[None], 3, axis=0) for part in gait.state)
+        q[1:, 2] += (0.01, -0.01)
+        q[:, 0] = [-LEG.toe_position(np.array([0.0, *each[1:]]), "toe")[1] for each in q]
+        lanes = simulate_many(gait.system, q, v, cycles=2)
+        for i in range(3):
+            alone = simulate(gait.system, (q[i], v[i]), cycles=2)
+            assert lanes.reason[i] == alone.reason == "complete"
+            last = alone.named("touchdown")[-1]
+            np.testing.assert_allclose(lanes.q[i], last.q, atol=1e-8)
+            np.testing.assert_allclose(lanes.v[i], last.v, atol=1e-7)
+
+
+def test_two_halves_of_a_spring_are_the_spring(hops):
+    whole = find_gait(hopping(LEG, HoppingLaw(hold_extension=True)), ["stance_torque"], {"flight_time": 0.2})
+    for one, other in zip(whole.state, hops["two halves"].state, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "over"), [(name, over) for name, names in OVER.items() for over in names])
+def test_derivative_is_that_of_hops_found_again(name, over):
+    gait = hop(name, rtol=1e-12)
+    table = gait.sensitivity([over], ["stance_torque"], ["flight_time"])
+    given = number(gait.system, over)
+
+    def found(share):
+        other = with_numbers(gait.system, {over: given * (1 + share)})
+        again = find_gait(other, ["stance_torque"], {"flight_time": 0.2}, guess=gait.state, rtol=1e-12)
+        return np.array([again.parameters["stance_torque"], *again.state[0], *again.state[1]])
+
+    coarse, fine = ((found(h) - found(-h)) / (2 * h * given) for h in (1e-3, 5e-4))
+    exact = np.array([*table.solved["stance_torque"], *table.state[:, 0]])
+    np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=1e-8 * np.abs(exact).max())
+
+
+def test_motors_balance_fixed_springs_of_every_joint_in_flight():
+    system = hopping(LEG, HoppingLaw(hold_extension=True), SPRINGS["hip"])
+    gait = find_gait(system, ["stance_torque"], {"flight_time": 0.2}, guess=hop("hip").state)
+    flight = simulate(gait.system, gait.state, cycles=1)
+    part = flight.phase == "flight"
+    law = gait.system.law
+    hip, sprung = flight.q[part, 1], flight.spring[part, flight.spring_joints.index("hip")]
+    np.testing.assert_allclose(sprung, 20.0 * (0.5 - hip), atol=1e-12)
+    wanted = law.hip_gain * (0.5 * law.knee_touchdown - hip) - law.hip_damping * flight.v[part, 1]
+    np.testing.assert_allclose(flight.u[part, 0] + sprung, wanted, atol=1e-9)
+
+
+def test_a_bound_with_springs_at_its_hips():
+    kept = Gait.load("long_stride")
+    hips = Spring(10.0, damping=0.0, unilateral=False)
+    gait = find_gait(rebuilt(kept.system, spring={"knee": kept.system.spring, "hip": hips}), guess=kept.state)
+    assert gait.durations["posterior_stance"] > 0.0
+    assert gait.multipliers[0] == pytest.approx(1.017944, abs=1e-6)
+    run = simulate(gait.system, gait.state, cycles=1)
+    released = [event.work["released"] for event in run.events if "released" in event.work]
+    assert released == pytest.approx([-0.895570, -0.893089], abs=1e-6)
+    assert np.abs(run.ledger.residual).max() < 1e-8
+
+
+class TestNames:
+    def test_of_numbers_say_the_spring_and_have_units(self, hops):
+        system = hops["cable"].system
+        assert number(system, "stiffness") == 17000.0 and unit(system, "stiffness") == "N/m"
+        assert number(system, "knee.damping") == DAMPING and unit(system, "knee.damping") == "N·m·s/rad"
+        assert number(system, "cable.end_z") == 0.054 and unit(system, "cable.end_z") == "m"
+        changed = with_numbers(system, {"knee.damping": 1.0, "cable.end_z": 0.05, "stiffness": 1e4})
+        assert changed.springs["knee"].damping == 1.0 and changed.spring.stiffness == 1e4
+        assert changed.spring.path.end.at[2] == 0.05 and system.spring.path.end.at[2] == 0.054
+
+    def test_that_do_not_exist_are_refused_with_those_that_do(self, hops):
+        with pytest.raises(UnknownName, match=r"cable\.end_z"):
+            number(hops["cable"].system, "cable.end_w")
+
+    def test_are_kept_in_a_file(self, hops, tmp_path):
+        for name in ("cable", "biarticular"):
+            path = hops[name].save(tmp_path / f"{name}.json")
+            assert Gait.load(path).system.springs == hops[name].system.springs
+
+
+@pytest.mark.parametrize(
+    ("springs", "error", "words"),
+    [
+        ({"a.b": Spring()}, BadValue, "without a dot"),
+        ({}, BadValue, "several by their names"),
+        ({"ankle": Spring()}, UnknownName, "boom_z, hip, knee"),
+        ({"cable": Spring(path=Between(Anchor("foot", (0, 0, 0)), CABLE.end))}, UnknownName, "thigh"),
+    ],
+)
+def test_what_are_no_springs_of_a_leg(springs, error, words):
+    with pytest.raises(error, match=words):
+        hopping(LEG, spring=springs)
+
+
+def test_a_motor_imitates_a_spring_beside_one_at_the_knee_only():
+    with pytest.raises(BadValue, match="virtual_stiffness"):
+        hopping(LEG, HoppingLaw(virtual_stiffness=3.0), SPRINGS["biarticular"])
