@@ -120,7 +120,7 @@ def _domains(robot: Robot, law: BoundingLaw, springs: Springs) -> Iterator[Domai
         mounts, switches = list[Mount](), list[Guard]()
         for leg in legs:
             own = springing[leg.name]
-            acting = own.mounts if leg in bearing else own.fixed
+            acting = own.standing if leg in bearing else own.aloft
             mounts += acting
             switches += own.switches(acting)
         return tuple(mounts), tuple(switches)

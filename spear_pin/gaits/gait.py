@@ -32,6 +32,7 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import LIMITS, Fitted, limits, parameter, rebuilt, replaced
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
+from spear_pin.model.clutch import Clutch
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 from spear_pin.model.origin import check_origin, origin, robot_of, unsaid
 from spear_pin.model.path_data import path_of, spring_data
@@ -282,8 +283,11 @@ def _spring(values: Any) -> Spring:
     if not isinstance(values, dict):
         raise BadValue("springs", values, "a JSON object for each")
     path, others = path_of(values)
+    clutch = others.pop("clutch", None)
+    if clutch is not None and not isinstance(clutch, dict):
+        raise BadValue("clutch", clutch, "a JSON object")
     spring: Spring = _part(Spring, others)
-    return replace(spring, path=path)
+    return replace(spring, path=path, clutch=None if clutch is None else _part(Clutch, clutch))
 
 
 def _part(kind: type, values: Mapping[str, Any]) -> Any:

@@ -256,8 +256,10 @@ def hopping(
     def latch_lift_off(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
         return {"speed": 0.0 if forward is None else v[forward], **springs.keep(q, held)}
 
-    fixed = springs.fixed
-    lift_off = Reset(release=springs.released, latch=latch_lift_off, phase="flight")
+    aloft = springs.aloft
+    lift_off = Reset(release=springs.released, latch=latch_lift_off, phase="flight", edges=springs.leaving)
+    landed = Reset(impact=("toe",), latch=latch_touchdown, phase="stance", edges=springs.touching)
+    balancing = any(spring.rest is not None for spring in springs.springs.values())
     flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"], "compressing": 0.0, "limited": 0.0})
     fallen = fall(["hip", "knee"])
     stance = Domain(
@@ -265,19 +267,19 @@ def hopping(
         "stance",
         (STICK,),
         stance_law,
-        mounts=springs.mounts,
-        guards=(*springs.switches(springs.mounts), *fallen),
+        mounts=springs.standing,
+        guards=(*springs.switches(springs.standing), *fallen),
         switch=Switch("torque_switch", _half_periods, flip),
     )
     flight = Domain(
         "flight",
         "flight",
         (OPEN,),
-        sprung_flight_law if fixed else flight_law,
-        mounts=fixed,
+        sprung_flight_law if balancing else flight_law,
+        mounts=aloft,
         guards=(
-            *springs.switches(fixed),
-            touchdown("toe", Reset(impact=("toe",), latch=latch_touchdown, phase="stance")),
+            *springs.switches(aloft),
+            touchdown("toe", landed),
             *fallen,
             Guard("apex", rate(rise)),
         ),

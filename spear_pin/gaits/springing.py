@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from spear_pin.hybrid.domain import Guard, Held, Mount
+from spear_pin.hybrid.clutch import acting
+from spear_pin.hybrid.domain import ENGAGES, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
+from spear_pin.hybrid.dual import ARRAYS
 from spear_pin.hybrid.rules.guards import spring_switches
 from spear_pin.hybrid.springs import values_along
-from spear_pin.hybrid.tangent.dual import ARRAYS
+from spear_pin.model.clutch import JOINT, Clutch
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.path import Joints, Path
 from spear_pin.model.robot import Robot
@@ -26,7 +28,7 @@ class Springing:
     Attributes:
         robot: the robot.
         springs: the springs by name.
-        mounts: the mount of each in stance.
+        mounts: the mount of each.
     """
 
     robot: Robot
@@ -34,50 +36,83 @@ class Springing:
     mounts: tuple[Mount, ...]
 
     @property
-    def fixed(self) -> tuple[Mount, ...]:
-        """The mounts in flight: those of fixed springs, whose dampers act in stance only."""
-        springs = zip(self.mounts, self.springs.values(), strict=True)
-        return tuple(
-            replace(mount, spring=replace(spring, damping=0.0)) for mount, spring in springs if spring.rest is not None
-        )
+    def standing(self) -> tuple[Mount, ...]:
+        """The mounts in stance."""
+        return tuple(each for mount in self.mounts for each in self._standing(mount))
+
+    @property
+    def aloft(self) -> tuple[Mount, ...]:
+        """The mounts in flight: fixed springs, whose dampers act in stance only, and springs that are released late."""
+        found = []
+        for mount in self.mounts:
+            spring = self.springs[mount.of]
+            if spring.rest is not None:
+                found.append(replace(mount, spring=replace(spring, damping=0.0)))
+            elif spring.clutch is not None:
+                found.append(self._standing(mount)[0])
+        return tuple(found)
+
+    def _standing(self, mount: Mount) -> list[Mount]:
+        """Returns a mount in stance, with its damper's if that is of the joint."""
+        spring = self.springs[mount.of]
+        if spring.clutch is None or spring.clutch.damper != JOINT:
+            return [mount]
+        damper = Spring(0.0, damping=spring.damping, unilateral=False, path=spring.path)
+        beside = Mount(f"{mount.name}_damper", damper, rest=0.0, path=mount.along, of=mount.of)
+        return [replace(mount, spring=replace(spring, damping=0.0)), beside]
 
     @property
     def released(self) -> tuple[str, ...]:
-        """The names of the mounts that lift-off releases."""
-        springs = zip(self.mounts, self.springs.values(), strict=True)
-        return tuple(mount.name for mount, spring in springs if spring.rest is None)
+        """The names of the mounts that lift-off releases at once."""
+        return tuple(mount.name for mount in self._plain if self.springs[mount.of].rest is None)
+
+    @property
+    def touching(self) -> tuple[Edge, ...]:
+        """What touchdown does to switches."""
+        return tuple(Edge(TOUCHES if clutch.on_delay else ENGAGES, mount) for mount, clutch in self._clutched)
+
+    @property
+    def leaving(self) -> tuple[Edge, ...]:
+        """What lift-off does to switches."""
+        return tuple(Edge(LEAVES if clutch.off_delay else RELEASES, mount) for mount, clutch in self._clutched)
 
     def switches(self, mounts: Sequence[Mount]) -> tuple[Guard, ...]:
-        """Returns the events at which springs go slack, or taut again."""
-        first = next(iter(self.springs))
-        named = [(mount, "" if mount.of == first else f":{mount.of}") for mount in mounts]
-        return tuple(guard for mount, after in named for guard in spring_switches(mount, f"spring_switch{after}"))
+        """Returns the events at which springs go slack, or taut again, and those at which late switches act."""
+        first, found = next(iter(self.springs)), list[Guard]()
+        for mount in mounts:
+            found += spring_switches(mount, "spring_switch" if mount.of == first else f"spring_switch:{mount.of}")
+            clutch = self.springs[mount.of].clutch if mount.on is not None else None
+            if clutch is not None and (clutch.on_delay or clutch.off_delay):
+                found.append(acting(mount))
+        return tuple(found)
 
     def engage(self, q: Sequence[Any], held: Held) -> Held:
         """Returns what touchdown latches: where each switched spring rests, and whether fixed ones are taut."""
-        found: dict[str, Any] = {}
-        for mount, spring in zip(self.mounts, self.springs.values(), strict=True):
-            if spring.rest is None:
+        found = self.keep(q, held)
+        for mount in self._plain:
+            if self.springs[mount.of].rest is None:
                 found |= {str(mount.rest): values_along(mount.along, self.robot, q), str(mount.taut): 1.0}
-            else:
-                found |= self._settle(mount, spring, q, held)
         return found
 
-    def keep(self, q: Sequence[Any], held: Held) -> Held:
+    def keep(self, q: Sequence[Any], held: Held) -> dict[str, Any]:
         """Returns what lift-off latches: whether fixed springs are taut, if that is not known yet."""
         found: dict[str, Any] = {}
-        for mount, spring in zip(self.mounts, self.springs.values(), strict=True):
-            if spring.rest is not None:
-                found |= self._settle(mount, spring, q, held)
+        for mount in self._plain:
+            spring = self.springs[mount.of]
+            if spring.rest is None or str(mount.taut) in held:  # as it was
+                continue
+            length = mount.along.length(mechanism_of(self.robot).posed(q, ARRAYS))
+            found |= {mount.rest: spring.rest} if isinstance(mount.rest, str) else {}
+            found[str(mount.taut)] = float(length > spring.rest or not spring.unilateral)
         return found
 
-    def _settle(self, mount: Mount, spring: Spring, q: Sequence[Any], held: Held) -> Held:
-        if str(mount.taut) in held:  # as it was
-            return {}
-        assert spring.rest is not None
-        length = mount.along.length(mechanism_of(self.robot).posed(q, ARRAYS))
-        rests = {mount.rest: spring.rest} if isinstance(mount.rest, str) else {}
-        return {**rests, str(mount.taut): float(length > spring.rest or not spring.unilateral)}
+    @property
+    def _plain(self) -> list[Mount]:
+        return [mount for mount in self.mounts if self.springs[mount.of].clutch is None]
+
+    @property
+    def _clutched(self) -> list[tuple[Mount, Clutch]]:
+        return [(mount, clutch) for mount in self.mounts if (clutch := self.springs[mount.of].clutch) is not None]
 
 
 class Kneed(Protocol):
@@ -126,6 +161,10 @@ def _paths(springs: Springs) -> list[tuple[str, Path]]:
 
 def _mounted(mount: str, name: str, path: Path, springs: Springs) -> Mount:
     spring = springs[name]
+    if (clutch := spring.clutch) is not None:
+        tooth = f"{mount}_tooth" if clutch.pitch else None
+        held = f"{mount}_rest", f"{mount}_taut"
+        return Mount(mount, spring, *held, path, of=name, on=f"{mount}_on", tooth=tooth)
     if path == Joints({KNEE: 1.0}):  # the motor of a single leg may imitate it
         return Mount(mount, spring, "knee_touchdown", "taut", path, of=name)
     rest = f"{mount}_rest" if spring.rest is None else spring.rest

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.dynamics import Dynamics, Operations
@@ -45,6 +45,8 @@ class Mount:
             pushes.
         path: the path, which grows as the spring is stretched; None for the joint of the mount's name.
         of: name of the system's spring whose numbers it has; none means the first.
+        on: name in `held` of a value that is 1 while the spring is engaged and 0 while it is not; None if it always is.
+        tooth: name in `held` of the number of the tooth in which it rests, of a switch with teeth.
     """
 
     name: str
@@ -53,6 +55,8 @@ class Mount:
     taut: str | None = None
     path: Path | None = None
     of: str = ""
+    on: str | None = None
+    tooth: str | None = None
 
     @cached_property
     def along(self) -> Path:
@@ -68,14 +72,35 @@ class Mount:
             held: held values.
             ops: elementary functions.
         """
-        return self._if_taut(spring.torque(stretch, ops), held)
+        return self._if_acting(spring.torque(stretch, ops), held)
+
+    def drag(self, spring: Spring, rate: Any, held: Held) -> Any:
+        """Returns the damper's force along the path, for scalars of any kind."""
+        return spring.drag(rate) if self.on is None else held[self.on] * spring.drag(rate)
 
     def energy(self, stretch: Any, held: Held) -> Any:
         """Returns the energy that the spring stores, in J."""
-        return self._if_taut(self.spring.energy(stretch), held)
+        return self._if_acting(self.spring.energy(stretch), held)
 
-    def _if_taut(self, value: Any, held: Held) -> Any:
-        return value if self.taut is None else held[self.taut] * value
+    def _if_acting(self, value: Any, held: Held) -> Any:
+        value = value if self.taut is None else held[self.taut] * value
+        return value if self.on is None else held[self.on] * value
+
+
+TOUCHES, LEAVES, ENGAGES, RELEASES, ACTS = "touches", "leaves", "engages", "releases", "acts"
+DUE = "due:"  # begins the names of held times, on the phase's clock
+
+
+class Edge(NamedTuple):
+    """What happens to a spring's switch.
+
+    Attributes:
+        kind: `TOUCHES` or `LEAVES`, after which the switch acts late; `ENGAGES` or `RELEASES` at once; or `ACTS`.
+        mount: the spring.
+    """
+
+    kind: str
+    mount: Mount
 
 
 @dataclass(frozen=True)
@@ -105,6 +130,7 @@ class Reset:
         stop: toes in space whose sliding has almost ended, and is stopped.
         adjust: function like `latch`, called before it where a cycle begins, that returns what is added to numbers of
             the law from then on, each held by its name after `fields.ADDED`.
+        edges: what happens to switches of springs, before the latch.
     """
 
     impact: tuple[str, ...] = ()
@@ -113,6 +139,12 @@ class Reset:
     phase: str | None = None
     stop: tuple[str, ...] = ()
     adjust: Latch | None = None
+    edges: tuple[Edge, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        """Tells whether it changes held values."""
+        return self.latch is not None or bool(self.edges)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid import shares
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
@@ -182,4 +183,5 @@ def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[t
 def held_after(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
     """Returns the values held after resets at a state."""
     nq, nv = system.robot.nq, system.robot.nv
-    return latched(held, resets, y[:nq].tolist(), y[nq : nq + nv].tolist(), system.law, system.place_of)
+    q, v, clock = y[:nq].tolist(), y[nq : nq + nv].tolist(), Clock(0.0, system.springs, system)
+    return latched(held, resets, q, v, system.law, system.place_of, clock=clock)

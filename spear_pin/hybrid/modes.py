@@ -11,6 +11,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.contact import OPEN, PINNED, SLIPS
 from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.engines.pinocchio import Flow
@@ -141,7 +142,9 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
         standing = all(rests(height, float(jacobian[-1] @ v), STATE_AT_REST) for height, jacobian in closed)
     phase, resets = start(system, standing)
     try:
-        return phase, latched({}, resets, q.tolist(), v.tolist(), system.law, system.place_of, begins=standing)
+        clock = Clock(0.0, system.springs, system)
+        held = latched({}, resets, q.tolist(), v.tolist(), system.law, system.place_of, begins=standing, clock=clock)
+        return phase, held
     except ArithmeticError:
         raise BadValue("state", state, "one at which the control law gives numbers") from None
 

@@ -252,7 +252,7 @@ def _places(system: HybridSystem) -> dict[str, dict[str, _Place]]:
                 own |= {f"{spring}.{number}": _Place(part, field.name, number) for number in value.numbers}
             elif is_dataclass(value):
                 inner = [each.name for each in fields(value) if _numeric(value, each.name)]
-                own |= {name: _Place(part, field.name, name) for name in inner}
+                own |= {before + name: _Place(part, field.name, name) for name in inner}
             elif _numeric(whole, field.name):
                 own[before + field.name] = _Place(part, None, field.name)
         found[part] = own
@@ -260,7 +260,7 @@ def _places(system: HybridSystem) -> dict[str, dict[str, _Place]]:
 
 
 def _numeric(owner: Any, name: str) -> bool:
-    return name != "path" and not isinstance(getattr(owner, name), (bool, str, tuple))
+    return name not in ("path", "clutch") and not isinstance(getattr(owner, name), (bool, str, tuple))
 
 
 @typed

@@ -15,6 +15,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
@@ -222,7 +223,11 @@ class _Runner:
             v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
-        held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, self.system.place_of, begins=begins)
+        clock, place_of, old = Clock(self.t, self.system.springs, self.system), self.system.place_of, held
+        held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, place_of, begins=begins, clock=clock)
+        if switched := {edge.mount.name for edge in reset.edges}:
+            stored = [in_springs(self.system, self.flow.domain, each, self.y, switched) for each in (held, old)]
+            work["released"] = work.get("released", 0.0) + stored[0] - stored[1]
         domain = self.flow.domain.name
         self.run.events.append(Event(name, self._now(), domain, q.copy(), before, v.copy(), impulse, work))
         for flow, energy in work.items():

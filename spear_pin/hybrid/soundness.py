@@ -7,7 +7,7 @@ from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.contact import CONTACTS, OPEN, PINNED
-from spear_pin.hybrid.domain import Domain, Latch, Reset
+from spear_pin.hybrid.domain import Domain, Held, Latch, Reset
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.model.posture import spanned
 from spear_pin.model.robot import Robot
@@ -120,23 +120,30 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
     """Checks that some reset latches every rest angle and taut value; skips latches that cannot be called."""
     if not any(domain.mounts for domain in domains):
         return
-    latches = [reset.latch for domain in domains for _, reset, _ in _events(domain) if reset and reset.latch]
+    resets = [reset for domain in domains for _, reset, _ in _events(domain) if reset]
+    latches = [reset.latch for reset in resets if reset.latch]
+    mounts = [edge.mount for reset in resets for edge in reset.edges]
+    names = [name for mount in mounts for name in (mount.rest, mount.taut, mount.on, mount.tooth)]
+    switched = {name: 0.0 for name in names if isinstance(name, str)}
     try:
         q, v = (list(map(float, part)) for part in guess())
-        held, missing = _held(list({id(latch): latch for latch in latches}.values()), q, v, law)
+        held, missing = _held(list({id(latch): latch for latch in latches}.values()), q, v, law, switched)
     except Exception:  # a user function may raise anything at a state that a run need not reach
         return
     if missing is not None:
         raise UnknownName("latched value", missing, held)
     for domain in domains:
         for mount in domain.mounts:
-            names = [name for name in (mount.rest, mount.taut) if isinstance(name, str)]
+            named: list[Any] = [mount.rest, mount.taut, mount.on, mount.tooth]
+            names = [name for name in named if isinstance(name, str)]
             _known("latched value of the spring {!r} in domain {!r}", (mount.name, domain.name), names, held)
 
 
-def _held(latches: Sequence[Latch], q: list[float], v: list[float], law: Any) -> tuple[Latched, str | None]:
+def _held(
+    latches: Sequence[Latch], q: list[float], v: list[float], law: Any, known: Held
+) -> tuple[Latched, str | None]:
     """Calls each latch once the values that it reads are held; returns the held values, and the last missing name."""
-    held, waiting = _Probe(), latches
+    held, waiting = _Probe(known), latches
     while True:
         asked, waiting, missing = waiting, list[Latch](), None
         for latch in asked:

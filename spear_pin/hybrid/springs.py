@@ -9,11 +9,14 @@ from spear_pin.errors import UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Held, Mount
 from spear_pin.hybrid.fields import with_fields
+from spear_pin.model.clutch import OF_CLUTCHES
 from spear_pin.model.path import Path, Posture, Slope
 from spear_pin.model.posture import spanned
 from spear_pin.model.robot import Robot
+from spear_pin.model.scalars import plus
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.spring import Spring
+from spear_pin.model.springs import Springs
 
 Posed = Callable[[Sequence[Any]], Posture]
 """Returns the posture at a configuration."""
@@ -37,6 +40,24 @@ class Pull(NamedTuple):
     slope: Slope
 
 
+def springs_with(springs: Springs, values: Mapping[str, Any]) -> Springs:
+    """Returns springs with other numbers of any kind, by the names of `numbers_of_springs`; those not named stay."""
+    found: dict[str, Spring] = {}
+    for i, (name, spring) in enumerate(springs.items()):
+        before = f"{name}." if i else ""
+        own = {field: values[before + field] for field in OF_SPRINGS if before + field in values}
+        path, clutch = spring.path, spring.clutch
+        if path is not None:
+            numbers = {each: values[f"{name}.{each}"] for each in path.numbers if f"{name}.{each}" in values}
+            path = path.with_numbers(numbers)
+        if clutch is not None:
+            clutch = with_fields(
+                clutch, {each: values[before + each] for each in OF_CLUTCHES if before + each in values}
+            )
+        found[name] = with_fields(spring, {**own, "path": path, "clutch": clutch})
+    return found
+
+
 def numbered(mount: Mount, system: HybridSystem, springs: Mapping[str, Spring]) -> tuple[Spring, Path]:
     """Returns a mount's spring and path, with the system's numbers where it shares them, else with its own fixed ones.
 
@@ -51,7 +72,7 @@ def numbered(mount: Mount, system: HybridSystem, springs: Mapping[str, Spring]) 
     if shares_path(mount, common):
         assert numbers.path is not None
         path = path.with_numbers(dict(zip(path.numbers, numbers.path.numbers.values(), strict=True)))
-    return with_fields(mount.spring, {**own, "path": mount.spring.path}), path
+    return with_fields(mount.spring, {**own, "path": mount.spring.path, "clutch": numbers.clutch}), path
 
 
 def spring_of(mount: Mount, system: HybridSystem) -> str:
@@ -69,11 +90,12 @@ def shared(own: Spring, common: Spring) -> list[str]:
     return [name for name in OF_SPRINGS if getattr(own, name) == getattr(common, name)]
 
 
-def rest_length(mount: Mount, path: Path, robot: Robot, held: Held, posed: Posed) -> Any:
+def rest_length(mount: Mount, spring: Spring, path: Path, robot: Robot, held: Held, posed: Posed) -> Any:
     """Returns the length at which a spring rests, in rad or m.
 
     Args:
         mount: where it acts.
+        spring: its spring, with scalars of any kind.
         path: its path, with scalars of any kind.
         robot: the robot, which says what the path spans.
         held: held values.
@@ -81,9 +103,13 @@ def rest_length(mount: Mount, path: Path, robot: Robot, held: Held, posed: Posed
     """
     if not isinstance(mount.rest, str):
         return mount.rest
+    clutch = spring.clutch
+    if mount.tooth is not None and clutch is not None:
+        return clutch.tooth + clutch.pitch * held[mount.tooth]
     latched, names = held[mount.rest], spanned(mount.along, robot)
     values = dict(zip(names, latched if isinstance(latched, tuple) else (latched,), strict=True))
-    return path.length(posed([values.get(name, 0.0) for name in robot.coordinates]))
+    length = path.length(posed([values.get(name, 0.0) for name in robot.coordinates]))
+    return length if clutch is None else plus(length, clutch.play)
 
 
 def values_along(path: Path, robot: Robot, q: Sequence[Any]) -> Any:

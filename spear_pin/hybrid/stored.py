@@ -31,7 +31,7 @@ def in_springs(
     posture = RobotPosture(robot, FLOATS) if domain.mounts else None
     for mount in domain.mounts:
         if posture is not None and (names is None or mount.name in names):
-            rest = rest_length(mount, mount.along, robot, held, lambda q: posture.at(np.array(q)))
+            rest = rest_length(mount, mount.spring, mount.along, robot, held, lambda q: posture.at(np.array(q)))
             energy += _energy(mount, mount.along.length(posture.at(y[: robot.nq])) - rest, held)
     return energy
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from dataclasses import asdict, fields
 from typing import Any
 
 from spear_pin.errors import BadValue
@@ -17,8 +17,10 @@ PULLEY, LINKAGE = ("body", "at", "radius", "side"), ("joint", "crank", "rod", "o
 
 def spring_data(spring: Spring) -> dict[str, Any]:
     """Returns a spring as a table."""
-    numbers = {field.name: getattr(spring, field.name) for field in fields(spring) if field.name != "path"}
-    return numbers | ({} if spring.path is None else path_data(spring.path))
+    nested = "path", "clutch"
+    numbers = {field.name: getattr(spring, field.name) for field in fields(spring) if field.name not in nested}
+    clutch = {} if spring.clutch is None else {"clutch": asdict(spring.clutch)}
+    return numbers | clutch | ({} if spring.path is None else path_data(spring.path))
 
 
 def path_data(path: Path) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import numpy as np
 
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
+from spear_pin.model.clutch import Clutch
 from spear_pin.model.curve import Curve, through
 from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
@@ -51,6 +52,7 @@ class Spring:
             is straight. They begin with (0, 0), or are on both sides of it if the spring is not unilateral. Where the
             torque falls, as beyond the best lever of a linkage, it may not change its sign.
         path: the path along which it acts; None for the joint that a gait gives it, such as the knee.
+        clutch: its switch; None for one that acts in the instant of touchdown and lift-off.
 
     Example:
         >>> from spear_pin import Spring, hopping, load
@@ -67,6 +69,7 @@ class Spring:
     preload: float = 0.0
     table: tuple[tuple[float, float], ...] = ()
     path: Path | None = None
+    clutch: Clutch | None = None
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -82,6 +85,8 @@ class Spring:
         if self.rest is not None:
             most, within = (math.pi, "within ±π rad, or None") if self.turns else (math.inf, "a length in m, or None")
             require("Spring.rest", self.rest, lambda length: abs(length) < most, within)
+            if self.clutch is not None:
+                raise BadValue("Spring.clutch", self.clutch, "None for a spring with a rest, which is never switched")
 
     @classmethod
     @typed

@@ -6,12 +6,11 @@ it, `biceps.stiffness`, and so has every number of a path, `biceps.hip`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from typing import Any
 
 from spear_pin.errors import BadValue
-from spear_pin.model.path import Path
+from spear_pin.model.clutch import DELAYS, OF_CLUTCHES
 from spear_pin.model.spring import UNITS, Spring
 
 Springs = Mapping[str, Spring]
@@ -36,27 +35,12 @@ def numbers_of_springs(springs: Springs) -> dict[str, Any]:
     """Returns the numbers of springs by name, in their order."""
     found: dict[str, Any] = {}
     for i, (name, spring) in enumerate(springs.items()):
-        found |= {f"{name}.{field}" if i else field: getattr(spring, field) for field in UNITS}
-        found |= {f"{name}.{number}": value for number, value in _of_path(spring).items()}
-    return found
-
-
-def with_spring_numbers(springs: Springs, values: Mapping[str, Any], make: Callable[..., Spring] = replace) -> Springs:
-    """Returns springs with other numbers, by the names of `numbers_of_springs`; those not named stay.
-
-    Args:
-        springs: the springs.
-        values: numbers; names of none of the springs are passed over.
-        make: makes a spring from another and fields by name, and checks them or not.
-    """
-    found: dict[str, Spring] = {}
-    for i, (name, spring) in enumerate(springs.items()):
-        own = {field: f"{name}.{field}" if i else field for field in UNITS}
-        fields: dict[str, Any] = {field: values[full] for field, full in own.items() if full in values}
-        moved = {number: values[f"{name}.{number}"] for number in _of_path(spring) if f"{name}.{number}" in values}
-        if moved:
-            fields["path"] = _path(spring).with_numbers(moved)
-        found[name] = make(spring, **fields) if fields else spring
+        before = f"{name}." if i else ""
+        found |= {before + field: getattr(spring, field) for field in UNITS}
+        if spring.clutch is not None:
+            found |= {before + field: getattr(spring.clutch, field) for field in OF_CLUTCHES}
+        if spring.path is not None:
+            found |= {f"{name}.{number}": value for number, value in spring.path.numbers.items()}
     return found
 
 
@@ -68,13 +52,6 @@ def unit_of(springs: Springs, name: str) -> str:
         return ""
     if field in UNITS:
         return spring.units[field]
+    if field in OF_CLUTCHES and spring.clutch is not None:
+        return "s" if field in DELAYS else "rad" if spring.turns else "m"
     return spring.path.units.get(field, "") if spring.path is not None else ""
-
-
-def _of_path(spring: Spring) -> Mapping[str, Any]:
-    return {} if spring.path is None else spring.path.numbers
-
-
-def _path(spring: Spring) -> Path:
-    assert spring.path is not None
-    return spring.path

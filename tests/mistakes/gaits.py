@@ -209,13 +209,19 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "gaits/hopping",
-        ["gaits/test_hopping", "hybrid/test_torques", "hybrid/test_endings", "hybrid/test_events"],
+        [
+            "gaits/test_hopping",
+            "hybrid/test_torques",
+            "hybrid/test_endings",
+            "hybrid/test_events",
+            "gaits/test_path_springs",
+        ],
         {
             "knee driven away from its angle": ("(p.knee_touchdown - q[knee])", "(q[knee] - p.knee_touchdown)"),
             "hip damping drives": ("- p.hip_damping * v[hip]", "+ p.hip_damping * v[hip]"),
             "extends first": ('"flexing": 1.0', '"flexing": -1.0'),
             "square wave of half the frequency": ("0.5 * n / p.frequency", "n / p.frequency"),
-            "spring engaged in flight too": ("mounts=fixed,", "mounts=springs.mounts,"),
+            "spring engaged in flight too": ("mounts=aloft,", "mounts=springs.standing,"),
             "the hip's motor leaves fixed springs alone": ('hip - dyn.spring_torque("hip")', "hip"),
             "extension limited as well": (
                 'return held["compressing"] * spare + (1.0 - held["compressing"])',
@@ -233,15 +239,18 @@ MUTATIONS = [
             "gaits/test_fixed_springs",
             "gaits/test_bounding",
             "gaits/test_path_springs",
+            "gaits/test_clutches",
         ],
         {
-            "spring kept at lift-off": ("if spring.rest is None)\n", "if False)\n"),
-            "a fixed spring let go": ("if spring.rest is None)\n", "if True)\n"),
-            "a fixed spring in stance only": (
-                "for mount, spring in springs if spring.rest is not None",
-                "for mount, spring in springs if False",
+            "spring kept at lift-off": ("if self.springs[mount.of].rest is None)", "if False)"),
+            "a fixed spring let go": ("if self.springs[mount.of].rest is None)", "if True)"),
+            "a fixed spring in stance only": ("if spring.rest is not None:", "if False:"),
+            "a fixed spring's damper in flight": (
+                "found.append(replace(mount, spring=replace(spring, damping=0.0)))",
+                "found.append(mount)",
             ),
-            "a fixed spring's damper in flight": ("spring=replace(spring, damping=0.0))", "spring=spring)"),
+            "a late spring let go at lift-off": ("elif spring.clutch is not None:", "elif False:"),
+            "a joint's damper that acts late": (" != JOINT", " == JOINT"),
             "touchdown angle kept from the first hop": (
                 "values_along(mount.along, self.robot, q), str",
                 "held.get(str(mount.rest), values_along(mount.along, self.robot, q)), str",

@@ -101,6 +101,23 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/clutch",
+        ["gaits/test_clutches"],
+        {
+            "a time of a switch that no phase ends": (
+                "value - t if name.startswith(DUE)",
+                "value if name.startswith(DUE)",
+            ),
+            "a lift-off that does not call off": (
+                "(clutch.on_delay, 1.0 - on) if kind == TOUCHES",
+                "(clutch.on_delay, 1.0) if kind == TOUCHES",
+            ),
+            "the tooth before": ("np.ceil((length", "np.floor((length"),
+            "a switch that engages where it last did": ("return on * old + (1.0 - on) * new", "return old"),
+            "a spring without play": ("slack = mount.tooth is not None or", "slack = mount.tooth is not None and"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/tangent/stretched",
         ["gaits/sensitivity/test_sensitivity"],
         {"a stretch at a fixed time": ("arc.end.slopes[:nv, None] * arc.tau)", "0.0)")},
@@ -113,6 +130,7 @@ MUTATIONS = [
             "hybrid/test_ledger",
             "hybrid/test_endings",
             "gaits/test_hopping",
+            "gaits/test_path_springs",
         ],
         {
             "damping drives": ("lever * (force + drag)", "lever * (force - drag)"),
@@ -225,8 +243,8 @@ MUTATIONS = [
         {
             "impact not applied": ("v, impulse, work", "_, impulse, work"),
             "nothing is latched anew": (
-                "self.system.law, self.system.place_of, begins=begins)",
-                "self.system.law, self.system.place_of, begins=begins) | held",
+                "self.system.law, place_of, begins=begins, clock=clock)",
+                "self.system.law, place_of, begins=begins, clock=clock) | held",
             ),
             "release left out of the ledger": ("= -in_springs(", "= -0.0 * in_springs("),
         },

@@ -16,14 +16,15 @@ MUTATIONS = [
                 "stretch.dstate",
             ),
             "derivatives: a latch at the section held fixed": (
-                "return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True))",
-                "return value_of(dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True)))",
+                "return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True, clock=clock))",
+                "return value_of(dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True, clock=clock)))",
             ),
             "derivatives: a latch in the cycle held fixed": (
-                "now.held = dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again))",
-                "now.held = value_of(dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again)))",
+                "now.held = dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again, clock=clock))",
+                "now.held = value_of(dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again, clock=clock)))",
             ),
-            "derivatives: phases that last as long": ("Dual(arc.end, tau)", "Dual(arc.end, 0.0 * tau)"),
+            "derivatives: phases that last as long": ("0.0) + Dual(arc.end, tau)", "0.0) + Dual(arc.end, 0.0 * tau)"),
+            "derivatives: a switch that acts as late": ("Clock(Dual(arc.end, tau)", "Clock(Dual(arc.end, 0.0 * tau)"),
             "derivatives: a schedule that stays": ("due.d + np.zeros(self.c) if", "0.0 * due.d + np.zeros(self.c) if"),
             "derivatives: events that meet stay together": (
                 "/ fall if met else now.tau",
@@ -141,8 +142,8 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "hybrid/tangent/dual",
-        ["hybrid/tangent/test_dual"],
+        "hybrid/dual",
+        ["hybrid/test_dual"],
         {
             "the matrix of a system never changes": (
                 '"ij...c,...jk->...ikc", dM, x',

@@ -33,6 +33,10 @@ PATHS = {
     "linkage": (LEG, LINKAGE),
     "sum": (LEG, Sum([(2.0, PATELLA), (-0.5, Joints({"hip": 0.02}))])),
     "across": (FULL, ACROSS),
+    "from leg to leg": (
+        FULL,
+        Between(Anchor("posterior_left_shank", (0.01, 0, -0.1)), Anchor("anterior_left_thigh", (0, 0, -0.1))),
+    ),
 }
 each_path = pytest.mark.parametrize("name", PATHS)
 

@@ -18,6 +18,7 @@ from spear_pin.gaits.spatial.legs import SIDES
 from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.newton import CONVERGED, Lanes, Words, newton
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
@@ -25,7 +26,6 @@ from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.symmetry import YAW
 from spear_pin.hybrid.tangent.collocation import ENDS
-from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.section import cycle_on_section
 

@@ -27,8 +27,9 @@ from spear_pin.gaits.sensitivity.along_arcs import (
 from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.column_names import motors_at
+from spear_pin.hybrid.domain import ACTS, RELEASES, Guard, Held, Switch
+from spear_pin.hybrid.dual import Dual, derivative_of, value_of
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
-from spear_pin.hybrid.tangent.dual import Dual, derivative_of, value_of
 from spear_pin.hybrid.tangent.heights import Heights, dual_heights
 from spear_pin.hybrid.tangent.stretched import stretched
 
@@ -166,7 +167,7 @@ class Differentiated(Signals):
         found, system = dict[str, Any](), self.cycle.system
         for stretch in self.stretches:
             event = stretch.arc.event
-            let_go = event.reset.release if event is not None and event.reset is not None else ()
+            let_go = _released(event, stretch.held)
             for mount in stretch.arc.domain.mounts:
                 if mount.name in let_go:
                     left = stretched(system, mount, stretch, self.cycle.numbers, self.cycle.dnumbers)
@@ -249,6 +250,14 @@ class Differentiated(Signals):
         """Returns the largest |above / below| where the signal below is at least `least`; 0 if it never is."""
         found, change = largest_ratio([*zip(above.pieces, below.pieces, strict=True)], least.x, least.d)
         return Dual(max(found, 0.0), change)
+
+
+def _released(event: Guard | Switch | None, held: Held) -> set[str]:
+    """Returns the names of the springs that an event releases."""
+    if event is None or event.reset is None:
+        return set()
+    acts = [edge.mount for edge in event.reset.edges if edge.kind in (RELEASES, ACTS)]
+    return {*event.reset.release, *(mount.name for mount in acts if held[str(mount.on)] == 1.0)}
 
 
 def _height(heights: Heights, toe: str, stretch: Stretch) -> Pieces:

@@ -167,8 +167,8 @@ class Automaton:
     ) -> tuple[Domain, ...]:
         airborne = [(leg, self._others(self._own(leg))) for leg in self.legs if leg not in bearing]
         own = [springing[leg] for leg in bearing]
-        mounts = tuple(mount for each in own for mount in each.mounts)
-        switches = [guard for each in own for guard in each.switches(each.mounts)]
+        mounts = tuple(mount for each in own for mount in each.standing)
+        switches = [guard for each in own for guard in each.switches(each.standing)]
         ends = [_passing(leg, others) for leg, others in airborne]
         fallen = fall([joint for leg in self.legs for joint in (leg.above, leg.joint)])
         domain = Domain(

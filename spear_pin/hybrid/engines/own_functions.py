@@ -73,7 +73,7 @@ class OwnFunctions:
         spring, at = mount.spring, ([stretch], [rate])
         what = f"spring of {mount.name!r} in domain {self._domain.name!r}"
         torque = self._asked(what, spring.torque, partial(mount.pull, spring, stretch, held, FLOATS), at)
-        drag = self._asked(what, spring.drag, partial(spring.drag, rate), at)
+        drag = self._asked(what, spring.drag, partial(mount.drag, spring, rate, held), at)
         found = number(what, spring.torque, torque), number(what, spring.drag, drag)
         if any(map(math.isnan, found)):
             self._lost(what, spring.torque, f"it gives {sum(found)} at a stretch of {stretch:.6g}", at)

@@ -97,7 +97,7 @@ class Flow:
         self.p = adjusted(self.system.law, held)
         self._at: tuple[float, Array] | None = None
         robot, mounts = self.system.robot, self.domain.mounts
-        lengths = [rest_length(mount, mount.along, robot, self.held, self._posed) for mount in mounts]
+        lengths = [rest_length(mount, mount.spring, mount.along, robot, self.held, self._posed) for mount in mounts]
         self._springs = list(zip(mounts, lengths, strict=True))
         self.knots = [
             partial(self._beyond, mount.along, length + knot)
@@ -175,7 +175,7 @@ class Flow:
             if mount.name in self.own.springs:
                 force, drag = self.own.spring(mount, stretch, rate, self.held)
             else:
-                drag = mount.spring.drag(rate)
+                drag = mount.drag(mount.spring, rate, self.held)
                 force = mount.pull(mount.spring, stretch, self.held, FLOATS)
             for index, lever in slope.items():
                 self._passive[index] += lever * (force + drag)

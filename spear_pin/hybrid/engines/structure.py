@@ -17,11 +17,11 @@ from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.fields import FLOATS, field_names, flattened, is_number, with_fields
 from spear_pin.hybrid.ground import PLACE, Ground
 from spear_pin.hybrid.soundness import Latched
-from spear_pin.hybrid.springs import shared, shares_path, spring_of
+from spear_pin.hybrid.springs import shared, shares_path, spring_of, springs_with
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.spring import Spring
-from spear_pin.model.springs import numbers_of_springs, with_spring_numbers
+from spear_pin.model.springs import numbers_of_springs
 
 Values = Mapping[str, Any]
 
@@ -73,7 +73,7 @@ def symbols(
 
     law = replaced(system.law)
     beside = {name: replaced(value) for name, value in others(system).items()}
-    springs, ground = with_spring_numbers(system.springs, beside, _unchecked), with_fields(system.ground, beside)
+    springs, ground = springs_with(system.springs, beside), with_fields(system.ground, beside)
     moved = mechanism.with_numbers([replaced(number) if number != 0.0 else 0.0 for number in mechanism.numbers])
     joints = [replaced(float(b)) if b != 0.0 else 0.0 for b in system.robot.model.damping]
     kept = Latched({name: replaced(value) for name, value in held.items()})
@@ -147,11 +147,14 @@ def _mounted(mount: Mount, system: HybridSystem, mechanism: Mechanism) -> Any:
     """Returns a spring's place, its held names, and those of its numbers that it does not share with the system."""
     own, common, path = mount.spring, system.springs[spring_of(mount, system)], mount.along
     numbers = tuple(None if name in shared(own, common) else getattr(own, name) for name in OF_SPRINGS)
-    others = tuple(getattr(own, field.name) for field in fields(own) if field.name not in (*OF_SPRINGS, "path"))
+    others = tuple(
+        getattr(own, field.name) for field in fields(own) if field.name not in (*OF_SPRINGS, "path", "clutch")
+    )
     if shares_path(mount, common):
         path = path.with_numbers({name: float(value != 0.0) for name, value in path.numbers.items()})
     axes = tuple(mechanism.axes[frame] for frame in path.frames)
-    return mount.name, spring_of(mount, system), mount.rest, mount.taut, path, axes, type(own), numbers, others
+    names = mount.name, spring_of(mount, system), mount.rest, mount.taut, mount.on, mount.tooth
+    return names, path, axes, type(own), numbers, others
 
 
 def _shape_of_ground(ground: Ground) -> Any:
@@ -160,10 +163,6 @@ def _shape_of_ground(ground: Ground) -> Any:
         return None
     own = tuple(getattr(ground, field.name) for field in fields(ground) if field.name not in ("friction", *PLACE))
     return type(ground), own, Reader().identity(type(ground).above), Reader().identity(type(ground).axes)
-
-
-def _unchecked(spring: Spring, **values: Any) -> Spring:
-    return with_fields(spring, {"path": spring.path, **values})
 
 
 def shape_of(held: Values) -> Any:

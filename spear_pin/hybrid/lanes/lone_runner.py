@@ -17,6 +17,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import shape_of
 from spear_pin.hybrid.engines.taylor import AHEAD, KINK, TIME_LIMIT
@@ -35,6 +36,7 @@ from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.strikes import Overlap, struck
+from spear_pin.model.springs import Springs
 
 EVENTS = 50  # most events in a cycle
 FEW_AT_ONCE = 4  # most events in an instant
@@ -248,7 +250,7 @@ class LoneRunner:
             self._strike_in_space(now, domain, reset)
         elif reset.impact:
             self._strike(now, domain, reset)
-        if reset.latch is not None:
+        if reset.holds or reset.phase is not None:
             self._latch(now, reset, not again)
         if reset.phase is not None:
             now.spent[counts_to(domain, reset, again)] += now.t
@@ -297,6 +299,10 @@ class LoneRunner:
         return with_parameters(self._system, self._numbers.of_lane(self._lane))
 
     @cached_property
+    def _springs(self) -> Springs:
+        return self._numbers.springs(self._lane)
+
+    @cached_property
     def _domains(self) -> Mapping[tuple[str, str], Domain]:
         return {domain.key: domain for domain in self._system.domains}
 
@@ -304,7 +310,8 @@ class LoneRunner:
         y = now.y.tolist()
         try:
             q, v, place_of = y[: self._nv], y[self._nv :], self._system.place_of
-            now.held = latched(now.held, [reset], q, v, self._law, place_of, begins=begins)
+            clock = Clock(now.t, self._springs, self._system)
+            now.held = latched(now.held, [reset], q, v, self._law, place_of, begins=begins, clock=clock)
         except ArithmeticError:
             raise _Unclear(f"{reset.phase or now.phase} cannot be latched") from None
         now.singles, now.parameters = self._given(now.held)

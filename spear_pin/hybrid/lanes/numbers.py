@@ -10,6 +10,7 @@ from typing import Any
 from spear_pin.arrays import Array
 from spear_pin.hybrid import own
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.clutch import Clock, from_now_on
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.taylor import Code, Point, Ready
@@ -19,6 +20,8 @@ from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, joined, spread, take
 from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.springs import springs_with
+from spear_pin.model.springs import Springs
 
 
 class Numbers:
@@ -52,6 +55,10 @@ class Numbers:
     def law(self, lanes: Indices) -> Any:
         """Returns the parameters of the law in some lanes."""
         return with_fields(self.system.law, {name: values[lanes] for name, values in self._given.items()})
+
+    def springs(self, lanes: Any) -> Springs:
+        """Returns the springs in some lanes, or in one."""
+        return springs_with(self.system.springs, {name: take(value, lanes) for name, value in self._others.items()})
 
     def ground(self, lanes: Indices) -> Ground:
         """Returns the ground under some lanes; its numbers are arrays where lanes may differ in them."""
@@ -91,16 +98,19 @@ class Numbers:
         Raises:
             BadFunction: there is a mistake in the latch.
         """
-        if reset.latch is None or not len(group):
-            return group
+        if not reset.holds or not len(group):
+            return group if reset.phase is None else replace(group, held=from_now_on(group.held, group.t))
         n, q, v = len(group), group.y[: self.nv], group.y[self.nv :]
         try:
             if n == 1:  # NumPy may take an array of one for a number, or not
                 raise TypeError
-            held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes), begins=begins)
+            clock = Clock(group.t, self.springs(group.lanes), self.system)
+            held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes), begins=begins, clock=clock)
             return replace(group, held=spread(held, n))
         except Exception as error:
-            if not (own.is_own(reset.latch) or isinstance(error, (TypeError, ValueError, ArithmeticError))):
+            if not (
+                (reset.latch and own.is_own(reset.latch)) or isinstance(error, (TypeError, ValueError, ArithmeticError))
+            ):
                 raise
             found = [self._latch_alone(group, reset, i, begins) for i in range(n)]
             pattern = next((one for one in found if one is not None), {"undefined": 0.0})
@@ -110,11 +120,11 @@ class Numbers:
 
     def _latch_alone(self, group: Group, reset: Reset, i: int, begins: bool) -> Mapping[str, Any] | None:
         """Returns the values held after an event in the i-th lane of a group, None where one is undefined."""
-        assert reset.latch is not None
         held = {name: take(value, i) for name, value in group.held.items()}
         q, v = group.y[: self.nv, i].tolist(), group.y[self.nv :, i].tolist()
         try:
             law = self.law_of(int(group.lanes[i]))
-            return latched(held, [reset], q, v, law, self.system.place_of, begins=begins)
+            clock = Clock(float(group.t[i]), self.springs(int(group.lanes[i])), self.system)
+            return latched(held, [reset], q, v, law, self.system.place_of, begins=begins, clock=clock)
         except ArithmeticError:
             return None

@@ -100,10 +100,11 @@ def spring_switches(mount: Mount, name: str = "spring_switch") -> tuple[Guard, .
     if mount.taut is None or not mount.spring.unilateral:
         return ()
 
-    spring, taut = mount.name, mount.taut  # a guard must not read the spring's numbers
+    spring, taut, on = mount.name, mount.taut, mount.on  # a guard must not read the spring's numbers
 
     def stretch(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return (2.0 * held[taut] - 1.0) * dyn.stretch(spring)
+        found = (2.0 * held[taut] - 1.0) * dyn.stretch(spring)
+        return found if on is None else held[on] * found + (1.0 - held[on])
 
     toggle = Reset(latch=lambda q, v, held, p: {taut: 1.0 - held[taut]})
     return (Guard(name, stretch, toggle, tolerance=ON_REST),)

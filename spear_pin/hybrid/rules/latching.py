@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from spear_pin.hybrid import own
+from spear_pin.hybrid.clutch import Clock, after_edges, from_now_on
 from spear_pin.hybrid.domain import Held, Reset
 from spear_pin.hybrid.fields import adjusted
 
@@ -20,6 +21,7 @@ def latched(
     place_of: Callable[[Reset], str] = str,
     *,
     begins: bool = False,
+    clock: Clock | None = None,
 ) -> Held:
     """Returns the values held after resets, one after the other; values that no reset latches stay unchanged.
 
@@ -31,6 +33,7 @@ def latched(
         law: parameters of the control law.
         place_of: names the event of a reset.
         begins: whether a cycle, or the second half of a stride, begins: only then numbers of the law are adjusted.
+        clock: the time, and what switches of springs depend on; without it they stay as they are.
 
     Raises:
         ArithmeticError: a latch has no value at this state.
@@ -40,6 +43,8 @@ def latched(
     for reset in resets:
         if begins and reset.adjust is not None:
             held = {**held, **reset.adjust(q, v, held, law)}
+        if clock is not None and reset.edges:
+            held = after_edges(reset.edges, held, q, clock)
         latch, p = reset.latch, adjusted(law, held)
         if latch is not None and numbers and own.is_own(latch):
             what = f"latch of {place_of(reset)}"
@@ -47,4 +52,6 @@ def latched(
             held = {**held, **own.held(what, latch, new)}
         elif latch is not None:
             held = {**held, **latch(q, v, held, p)}
+        if clock is not None and reset.phase is not None:
+            held = from_now_on(held, clock.t)
     return held

@@ -18,8 +18,10 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import KELLER, HybridSystem
+from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.contact import SLIP
 from spear_pin.hybrid.domain import Reset, Switch
+from spear_pin.hybrid.dual import Dual, derivatives, duals, varying
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.fields import adjusted, flattened
 from spear_pin.hybrid.rules.cycles import counts_to
@@ -29,7 +31,6 @@ from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.strikes import Overlap, comes_to_rest, pins, struck_toes_in_space
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch, falling
-from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, varying
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.kinks import later, of_the_inside
 from spear_pin.hybrid.tangent.onset import setting_out, turned
@@ -103,13 +104,15 @@ class _Whole:
     def __init__(self, system: HybridSystem, recorder: Recorder, seeds: Array, fineness: Fineness) -> None:
         self.system, self.recorder, self.seeds, self.fineness = system, recorder, seeds, fineness
         self.nv, self.c, self.raw = system.robot.nv, seeds.shape[1], recorder.numbers
-        self.law = symbols(system, recorder.mechanism, {}, varying(self.raw, seeds))[1].law
+        scalars = symbols(system, recorder.mechanism, {}, varying(self.raw, seeds))[1]
+        self.law, self.springs = scalars.law, scalars.springs
 
     def begun(self, y: Array, dy: Array) -> dict[str, Any]:
         """Returns the values held at the beginning of the cycle."""
         _, resets = self.recorder.start
         state = duals(y, dy)
-        return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True))
+        clock = Clock(0.0, self.springs, self.system)
+        return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True, clock=clock))
 
     def carry(self, arc: Arc, now: _Now) -> Stretch:
         """Carries the derivatives along an arc."""
@@ -180,7 +183,8 @@ class _Whole:
         now.after = self._strike(arc, reset, now)
         state = duals(now.after, now.dy)
         q, v = state[: self.nv], state[self.nv :]
-        now.held = dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again))
+        clock = Clock(Dual(arc.end, tau), self.springs, self.system)
+        now.held = dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again, clock=clock))
         if reset.phase is not None:
             phase = counts_to(arc.domain, reset, arc.again)
             now.durations[phase] = now.durations.get(phase, 0.0) + Dual(arc.end, tau)

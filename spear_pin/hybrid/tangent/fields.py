@@ -15,15 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.dynamics import Operations
-from spear_pin.hybrid.elimination import Matrix, factorize, substitute
-from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.engines.structure import Structure, symbols
-from spear_pin.hybrid.engines.symbolic import Motion
-from spear_pin.hybrid.fields import flattened
-from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.tangent import seeds
-from spear_pin.hybrid.tangent.dual import (
+from spear_pin.hybrid.dual import (
     ARRAYS,
     Dual,
     derivative_of,
@@ -34,6 +26,14 @@ from spear_pin.hybrid.tangent.dual import (
     value_of,
     varying,
 )
+from spear_pin.hybrid.dynamics import Operations
+from spear_pin.hybrid.elimination import Matrix, factorize, substitute
+from spear_pin.hybrid.engines import taylor
+from spear_pin.hybrid.engines.structure import Structure, symbols
+from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.rules.footing import closed_toes
+from spear_pin.hybrid.tangent import seeds
 from spear_pin.hybrid.tangent.terms import ArrayMechanism
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.scalars import dot

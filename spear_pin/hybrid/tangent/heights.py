@@ -10,9 +10,9 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.dual import ARRAYS, Dual, derivative_of, value_of, varying
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, value_of, varying
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.mechanism import Mechanism
 

@@ -13,6 +13,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Record
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import Structure, shape_of
@@ -84,7 +85,8 @@ class Recorder:
             NotDifferentiable: the cycle does not close, or has an event without a derivative.
         """
         phase, resets = self.start
-        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law, begins=True)
+        clock = Clock(0.0, self.system.springs, self.system)
+        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law, begins=True, clock=clock)
         found = self.motion(phase, y, held)
         if found is None:
             raise NotDifferentiable(f"{PLAIN}: {self._why}")

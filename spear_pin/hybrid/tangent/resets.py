@@ -11,12 +11,12 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
+from spear_pin.hybrid.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.guards import struck as told
 from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
 from spear_pin.hybrid.rules.spatial_impact import find_impulses
-from spear_pin.hybrid.tangent.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
 

@@ -7,10 +7,10 @@ from functools import partial
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Mount
+from spear_pin.hybrid.dual import ARRAYS, Dual, derivative_of, duals, value_of, varying
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.springs import numbered, rest_length
 from spear_pin.hybrid.tangent.derivative import Stretch
-from spear_pin.hybrid.tangent.dual import ARRAYS, Dual, derivative_of, duals, value_of, varying
 from spear_pin.model.equations import mechanism_of
 
 
@@ -26,8 +26,8 @@ def stretched(system: HybridSystem, mount: Mount, arc: Stretch, numbers: Array, 
     """
     nv = system.robot.nv
     mechanism, scalars, _ = symbols(system, mechanism_of(system.robot), {}, varying(numbers, dnumbers))
-    _, path = numbered(mount, system, scalars.springs)
+    spring, path = numbered(mount, system, scalars.springs)
     posed = partial(mechanism.posed, ops=ARRAYS)
     q = duals(arc.state[:nv], arc.dstate[:nv] + arc.end.slopes[:nv, None] * arc.tau)
-    found = path.length(posed(q)) - rest_length(mount, path, system.robot, arc.held, posed)
+    found = path.length(posed(q)) - rest_length(mount, spring, path, system.robot, arc.held, posed)
     return Dual(float(value_of(found)) + 0.0, derivative_of(found))

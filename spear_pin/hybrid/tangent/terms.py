@@ -16,8 +16,8 @@ from typing import Any, Self
 import numpy as np
 
 from spear_pin.arrays import Array
+from spear_pin.hybrid.dual import Dual, derivative_of, operations, value_of
 from spear_pin.hybrid.engines import taylor
-from spear_pin.hybrid.tangent.dual import Dual, derivative_of, operations, value_of
 from spear_pin.model.mechanism import Feet, Mechanism, Terms
 from spear_pin.model.path import Point
 

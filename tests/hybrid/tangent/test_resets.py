@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, load
+from spear_pin.hybrid.dual import derivative_of, value_of
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, plastic_impact
-from spear_pin.hybrid.tangent.dual import derivative_of, value_of
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, struck

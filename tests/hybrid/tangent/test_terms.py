@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spear_pin import load
-from spear_pin.hybrid.tangent.dual import ARRAYS, NUMBERS, Dual, derivative_of, value_of
+from spear_pin.hybrid.dual import ARRAYS, NUMBERS, Dual, derivative_of, value_of
 from spear_pin.hybrid.tangent.terms import ArrayMechanism
 from spear_pin.model.equations import mechanism_of
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from spear_pin.hybrid.dual import NUMBERS, Dual, derivative_of, solve_all, value_of
 from spear_pin.hybrid.elimination import solve_sparse
-from spear_pin.hybrid.tangent.dual import NUMBERS, Dual, derivative_of, solve_all, value_of
 
 H = 1e-6
 FUNCTIONS = {

@@ -1,0 +1,93 @@
+"""Switches of springs: what the edges of a switch hold, and when a delayed switch acts.
+
+A delay ends at a time that is held, on the phase's clock; where a phase ends, that time is counted from there on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import ACTS, DUE, ENGAGES, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount, Reset
+from spear_pin.hybrid.dual import ARRAYS, value_of
+from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.springs import numbered, values_along
+from spear_pin.model.equations import mechanism_of
+from spear_pin.model.spring import Spring
+
+ON_TOOTH = 1e-12  # pitches: within this of a tooth, that tooth is engaged
+
+
+class Clock(NamedTuple):
+    """What edges depend on besides the state.
+
+    Attributes:
+        t: time since the phase began, in s.
+        springs: the system's springs, with scalars of any kind.
+        system: the system.
+    """
+
+    t: Any
+    springs: Mapping[str, Spring]
+    system: HybridSystem
+
+
+def after_edges(edges: Sequence[Edge], held: Held, q: Sequence[Any], clock: Clock) -> Held:
+    """Returns the values held after edges of switches; no step branches on a value."""
+    for edge in edges:
+        held = {**held, **_after(edge.kind, edge.mount, held, q, clock)}
+    return held
+
+
+def from_now_on(held: Held, t: Any) -> dict[str, Any]:
+    """Returns the held values with all times counted from the end of a phase."""
+    return {name: value - t if name.startswith(DUE) else value for name, value in held.items()}
+
+
+def _after(kind: str, mount: Mount, held: Held, q: Sequence[Any], clock: Clock) -> Held:
+    assert mount.on is not None and isinstance(mount.rest, str) and mount.taut is not None
+    spring, path = numbered(mount, clock.system, clock.springs)
+    clutch, on = spring.clutch, held.get(mount.on, 0.0)
+    assert clutch is not None
+    now = values_along(mount.along, clock.system.robot, q)
+    rest = _mixed(on, held.get(mount.rest, now), now)
+    slack = mount.tooth is not None or bool(mount.spring.clutch and mount.spring.clutch.play)
+    found = {mount.rest: rest, mount.taut: on * held.get(mount.taut, 0.0) + (1.0 - on) * (1.0 - slack)}
+    if mount.tooth is not None:
+        length = value_of(path.length(mechanism_of(clock.system.robot).posed([*map(value_of, q)], ARRAYS)))
+        tooth = np.ceil((length - value_of(clutch.tooth)) / value_of(clutch.pitch) - ON_TOOTH)
+        found[mount.tooth] = on * held.get(mount.tooth, 0.0) + (1.0 - on) * tooth
+    if kind in (TOUCHES, LEAVES):
+        delay, waits = (clutch.on_delay, 1.0 - on) if kind == TOUCHES else (clutch.off_delay, on)
+        return {**found, mount.on: on, waiting(mount): waits, due(mount): clock.t + delay}
+    to = {ENGAGES: 1.0, RELEASES: 0.0, ACTS: 1.0 - on}[kind]
+    return {**found, mount.on: to, waiting(mount): 0.0, due(mount): clock.t}
+
+
+def due(mount: Mount) -> str:
+    """Returns the name in `held` of the time at which a switch acts, on the phase's clock."""
+    return f"{DUE}{mount.name}"
+
+
+def waiting(mount: Mount) -> str:
+    """Returns the name in `held` of a value that is 1 while a switch waits to act, else 0."""
+    return f"{mount.name}_waits"
+
+
+def _mixed(on: Any, old: Any, new: Any) -> Any:
+    if isinstance(new, tuple):
+        return tuple(_mixed(on, *pair) for pair in zip(old, new, strict=True))
+    return on * old + (1.0 - on) * new
+
+
+def acting(mount: Mount) -> Guard:
+    """Returns the event at which a delayed switch acts."""
+    time, waits = due(mount), waiting(mount)
+
+    def left(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        return held[waits] * (held[time] - t) + (1.0 - held[waits])
+
+    return Guard(f"switch:{mount.name}", left, Reset(edges=(Edge(ACTS, mount),)))

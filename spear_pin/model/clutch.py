@@ -1,0 +1,52 @@
+"""The switch of a spring as it is: late, toothed, and with play."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from spear_pin.errors import BadValue, require
+from spear_pin.kinds import typed
+
+SPRING, JOINT = "spring", "joint"
+DELAYS = "on_delay", "off_delay"
+OF_CLUTCHES = (*DELAYS, "play", "pitch", "tooth")  # its numbers
+LONGEST = 1.0  # s, of a delay
+
+
+@typed
+@dataclass(frozen=True)
+class Clutch:
+    """A switch that engages a spring after its toe has touched the ground, and releases it after the toe has left.
+
+    If the toe touches again before the spring is released, or leaves again before it is engaged, nothing happens.
+
+    Attributes:
+        on_delay: time from touchdown until the spring is engaged, in s.
+        off_delay: time from lift-off until it is released, in s.
+        play: how far the path grows after the spring is engaged before the spring pulls, in rad or m.
+        pitch: distance of the teeth in which the spring can rest, in rad or m; 0 for a switch without teeth. The next
+            tooth is engaged: until the path has grown that far the spring is slack.
+        tooth: length of the path at one of the teeth, in rad or m.
+        damper: "spring" if the spring's damper is engaged with it, "joint" if it acts throughout stance.
+    """
+
+    on_delay: float = 0.0
+    off_delay: float = 0.0
+    play: float = 0.0
+    pitch: float = 0.0
+    tooth: float = 0.0
+    damper: str = SPRING
+
+    def __post_init__(self) -> None:
+        """Checks the fields."""
+        for name in DELAYS:
+            within = f"a number from 0 to {LONGEST:g}, in s"
+            require(f"Clutch.{name}", getattr(self, name), lambda delay: (delay >= 0) & (delay <= LONGEST), within)
+        for name in ("play", "pitch"):
+            require(f"Clutch.{name}", getattr(self, name), lambda length: length >= 0, "a number >= 0, in rad or m")
+        require("Clutch.tooth", self.tooth, lambda length: abs(length) < math.inf, "a finite number, in rad or m")
+        if self.pitch and self.play:
+            raise BadValue("Clutch.play", self.play, "0 with teeth, which have play of their own")
+        if self.damper not in (SPRING, JOINT):
+            raise BadValue("Clutch.damper", self.damper, f"{SPRING!r} or {JOINT!r}")

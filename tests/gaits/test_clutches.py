@@ -1,0 +1,189 @@
+"""Hops with late, toothed and slack switches, against numbers of a second program and gaits found again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load, simulate
+from spear_pin.errors import BadValue
+from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.clutch import Clock, after_edges, from_now_on
+from spear_pin.hybrid.domain import ACTS, LEAVES, TOUCHES, Edge
+from spear_pin.hybrid.parameters import number, unit, with_numbers
+from spear_pin.model.clutch import Clutch
+from spear_pin.model.path import Joints
+
+LEG = load("spear_ii", locked=["boom_x"])
+LAW = HoppingLaw(stance_torque=7.86, hold_extension=True)
+# delay and play: stance torque, knee at touchdown, duration of stance, work of the knee's motor, damping, multipliers
+FOUND = {
+    (0.0001, 0.0): (7.826356, None, None, None, None, None),
+    (0.004, 0.0): (7.837957, 0.962468, 0.369718, 10.88103, -9.95594, (-0.408087, 0.171201 + 0.111494j)),
+    (0.010, 0.0): (7.874212, 0.961505, 0.377831, 11.36555, -10.42013, (-0.410537, 0.216512, 0.103107)),
+    (0.016, 0.0): (7.931048, 0.960536, 0.385847, 11.85277, -10.88738, (-0.412438, 0.285264, 0.011999)),
+    (0.0, 0.025): (7.840657, 0.962376, 0.370552, 10.93080, -10.00320, (-0.408610, 0.178672 + 0.085234j)),
+    (0.0, 0.05): (7.868835, 0.961622, 0.376880, 11.30850, -10.36528, (-0.410914, 0.273895, 0.087233)),
+    (0.010, 0.025): (7.915340, 0.960773, 0.383896, 11.73334, -10.77280, (-0.412455, 0.295567, 0.026698)),
+}
+HELD = {  # with the next tooth so far ahead and held: multipliers
+    (0.0, 0.025): (-0.411953, 0.357841, 0.0),
+    (0.0, 0.05): (-0.415337, 0.380563, 0.0),
+    (0.010, 0.025): (-0.419107, 0.402629, 0.0),
+}
+
+
+def late(delay, play=0.0, **others):
+    return Spring(clutch=Clutch(delay, delay, play, damper="joint", **others))
+
+
+def found(spring, law=LAW, **options):
+    return find_gait(hopping(LEG, law, spring), ["stance_torque"], {"flight_time": 0.2}, **options)
+
+
+def engaged_at(gait):
+    run = simulate(gait.system, gait.state, cycles=1)
+    acts = run.named("switch:knee")
+    return acts[0].q[2] if acts and acts[0].time < 0.1 else gait.state[0][2]
+
+
+@pytest.mark.parametrize(("delay", "play"), FOUND)
+def test_a_late_switch_with_play(delay, play):
+    gait = found(late(delay, play))
+    torque, knee, stance, work, damping, multipliers = FOUND[delay, play]
+    assert gait.parameters["stance_torque"] == pytest.approx(torque, abs=1e-6)
+    if knee is None:
+        return
+    run = simulate(gait.system, gait.state, cycles=1)
+    assert gait.state[0][2] == pytest.approx(knee, abs=1e-6)
+    assert gait.durations["stance"] == pytest.approx(stance, abs=1e-6)
+    assert run.ledger["motor_knee"][0] == pytest.approx(work, abs=1e-5)
+    assert run.ledger["damping"][0] == pytest.approx(damping, abs=1e-5)
+    assert abs(run.ledger.residual[0]) < 1e-8
+    upper = [each for each in gait.multipliers if each.imag >= 0]
+    np.testing.assert_allclose(upper[: len(multipliers)], multipliers, atol=1e-6)
+
+
+@pytest.mark.parametrize(("delay", "play"), HELD)
+def test_teeth_that_are_as_far_ahead(delay, play):
+    smooth = found(late(delay, play))
+    gait = found(late(delay, pitch=2 * play, tooth=engaged_at(smooth) + play - 6 * play))
+    for one, other in zip(smooth.state, gait.state, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-8)
+    np.testing.assert_allclose(gait.multipliers, HELD[delay, play], atol=1e-6)
+    assert simulate(gait.system, gait.state, cycles=1).ledger.residual[0] == pytest.approx(0.0, abs=1e-8)
+
+
+def test_a_switch_that_only_releases_late_hardly_matters():
+    gait = found(Spring(clutch=Clutch(off_delay=0.010, damper="joint")))
+    assert gait.parameters["stance_torque"] == pytest.approx(7.826198, abs=1e-6)
+
+
+def test_a_damper_that_engages_late_needs_a_law_that_keeps_the_toe_down():
+    gait = found(Spring(clutch=Clutch(0.010, 0.010)), replace(LAW, minimum_force=5.0))
+    assert gait.parameters["stance_torque"] == pytest.approx(7.851579, abs=1e-6)
+    q, v = gait.state
+    assert (q[1], q[2], v[2]) == pytest.approx((0.5044766, 0.9703452, 5.1294079), abs=1e-6)
+    np.testing.assert_allclose(gait.multipliers, (-0.409487, 0.236175, 0.063771), atol=1e-6)
+
+
+@pytest.mark.parametrize("clutch", [Clutch(), Clutch(damper="joint"), Clutch(pitch=1e-7)])
+def test_an_ideal_switch_is_that_of_the_plain_spring(clutch):
+    plain, gait = found(Spring()), found(Spring(clutch=clutch))
+    for one, other in zip(plain.state, gait.state, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-9 if not clutch.pitch else 1e-5)
+    if not clutch.pitch:
+        np.testing.assert_allclose(gait.multipliers, plain.multipliers, atol=1e-7)
+
+
+def test_a_late_switch_of_a_hip_and_knee_spring_in_lanes():
+    path = Joints({"knee": 0.03, "hip": -0.006})
+    spring = Spring(48.84 / 9e-4, damping=1.3 / 9e-4, path=path, clutch=Clutch(0.004, 0.003, damper="joint"))
+    gait = found(spring)
+    q, v = (np.repeat(part[None], 5, axis=0) for part in gait.state)
+    delays = np.array([0.002, 0.003, 0.004, 0.005, 0.006])
+    lanes = simulate_many(gait.system, q, v, rtol=1e-12, parameters={"on_delay": delays})
+    for i, delay in enumerate(delays):
+        alone = simulate(with_numbers(gait.system, {"on_delay": delay}), gait.state, cycles=1, rtol=1e-12)
+        assert alone.named("switch:knee")[0].time == pytest.approx(delay, abs=1e-12)
+        last = alone.named("touchdown")[-1]
+        np.testing.assert_allclose(lanes.q[i], last.q, atol=1e-9)
+        np.testing.assert_allclose(lanes.v[i], last.v, atol=1e-8)
+
+
+@pytest.mark.parametrize("over", ["on_delay", "play", "pitch", "tooth", "stiffness"])
+def test_derivative_is_that_of_hops_found_again(over):
+    teeth = over in ("pitch", "tooth")
+    spring = late(0.004, pitch=0.05, tooth=0.9) if teeth else late(0.004, 0.01)
+    gait = found(spring, rtol=1e-12)
+    table, given = gait.sensitivity([over], ["stance_torque"], ["flight_time"]), number(gait.system, over)
+
+    def again(share):
+        other = with_numbers(gait.system, {over: given * (1 + share)})
+        near = find_gait(other, ["stance_torque"], {"flight_time": 0.2}, guess=gait.state, rtol=1e-12)
+        return np.array([near.parameters["stance_torque"], *near.state[0], *near.state[1]])
+
+    coarse, fine = ((again(h) - again(-h)) / (2 * h * given) for h in (1e-3, 5e-4))
+    exact = np.array([*table.solved["stance_torque"], *table.state[:, 0]])
+    assert np.abs(exact).max() > 1e-4
+    np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=1e-7 * np.abs(exact).max())
+
+
+class TestEdges:
+    """Of a switch with delays of 10 and 20 ms, 0.3 s after the phase began; it was engaged at 0.9 rad."""
+
+    SYSTEM = hopping(LEG, LAW, Spring(clutch=Clutch(0.010, 0.020)))
+    MOUNT = SYSTEM.of_phase("stance")[0].mounts[0]
+
+    def after(self, kind, on, waits=0.0):
+        held = {"knee_on": on, "knee_rest": 0.9, "knee_taut": 1.0, "knee_waits": waits, "due:knee": 0.0}
+        clock = Clock(0.3, self.SYSTEM.springs, self.SYSTEM)
+        found = after_edges((Edge(kind, self.MOUNT),), held, [0.5, 0.5, 1.1], clock)
+        return found["knee_on"], found["knee_rest"], found["knee_waits"], found["due:knee"]
+
+    def test_a_touch_engages_later(self):
+        assert self.after(TOUCHES, 0.0) == (0.0, 1.1, 1.0, pytest.approx(0.31))
+
+    def test_a_touch_before_the_release_keeps_it_engaged_where_it_rested(self):
+        assert self.after(TOUCHES, 1.0, waits=1.0)[:3] == (1.0, 0.9, 0.0)
+
+    def test_lift_off_releases_later(self):
+        assert self.after(LEAVES, 1.0) == (1.0, 0.9, 1.0, pytest.approx(0.32))
+
+    def test_lift_off_before_it_engages_leaves_it_released(self):
+        assert self.after(LEAVES, 0.0, waits=1.0)[0::2] == (0.0, 0.0)
+
+    @pytest.mark.parametrize(("on", "rest"), [(0.0, 1.1), (1.0, 0.9)])
+    def test_it_acts_once(self, on, rest):
+        assert self.after(ACTS, on, waits=1.0)[:3] == (1.0 - on, rest, 0.0)
+
+    def test_its_time_is_counted_from_the_end_of_a_phase(self):
+        assert from_now_on({"due:knee": 0.31, "knee_on": 0.0}, 0.3) == {"due:knee": pytest.approx(0.01), "knee_on": 0.0}
+
+
+def test_numbers_have_units_and_are_kept_in_a_file(tmp_path):
+    gait = found(late(0.004, 0.01))
+    assert (unit(gait.system, "on_delay"), unit(gait.system, "play")) == ("s", "rad")
+    assert with_numbers(gait.system, {"on_delay": 0.002}).spring.clutch == replace(
+        gait.system.spring.clutch, on_delay=0.002
+    )
+    assert Gait.load(gait.save(tmp_path / "late.json")).system.springs == gait.system.springs
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Clutch(on_delay=-1e-3), "from 0 to 1"),
+        (lambda: Clutch(off_delay=2.0), "from 0 to 1"),
+        (lambda: Clutch(play=-0.1), "Clutch.play"),
+        (lambda: Clutch(play=0.1, pitch=0.1), "play of their own"),
+        (lambda: Clutch(pitch=float("nan")), "Clutch.pitch"),
+        (lambda: Clutch(tooth=float("inf")), "Clutch.tooth"),
+        (lambda: Clutch(damper="hip"), "'spring' or 'joint'"),
+        (lambda: Spring(rest=0.9, clutch=Clutch()), "never switched"),
+        (lambda: hopping(LEG, replace(LAW, virtual_stiffness=3.0), late(0.004)), "virtual_stiffness"),
+    ],
+)
+def test_what_is_no_switch(make, words):
+    with pytest.raises(BadValue, match=words):
+        make()
