@@ -1,8 +1,8 @@
 """Make the pictures of the README and the documentation: `python -m docs.make_images [PART ...]`.
 
 Parts are moving, hop, bench, compare, biped, hoppy, another, space, attraction, robust, design, push, hardware,
-drivetrain, sweep, branches, stable and spread. The first eight need Chromium, moving, which films what moves on top of
-the README, also ffmpeg, another also the extras `robots` and `optimize`; those of the design studies and of the
+drivetrain, sweep, branches, stable, late and spread. The first eight need Chromium, moving, which films what moves on
+top of the README, also ffmpeg, another also the extras `robots` and `optimize`; those of the design studies and of the
 drivetrain take some minutes; the latter print the table of docs/results/motors.md.
 """
 
@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+from docs.late_switch import late_switch
 from docs.stability import stability
 from spear_pin import (
     Gait,
@@ -88,7 +89,21 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", help="some of the parts; all if none is named")
     seen = moving, hop, bench, compare, biped, hoppy, another, space
-    known = *seen, attraction, robust, design, push, hardware, drivetrain, sweep, branches, stable, designed, spread
+    known = (
+        *seen,
+        attraction,
+        robust,
+        design,
+        push,
+        hardware,
+        drivetrain,
+        sweep,
+        branches,
+        stable,
+        designed,
+        late,
+        spread,
+    )
     parts = {part.__name__: part for part in known}
     what = parser.parse_args().what or list(parts)
     if unknown := set(what) - set(parts):
@@ -244,6 +259,11 @@ def branches() -> None:
     for branch in found:
         print(branch)
     print(plots.save_figure(family(*found), IMAGES / "branches.svg"))
+
+
+def late() -> None:
+    """Saves the picture of hops with a late switch."""
+    print(plots.save_figure(late_switch(), IMAGES / "late_switch.svg"))
 
 
 def stable() -> None:

@@ -28,6 +28,7 @@ from .hybrid.simulate import simulate as simulate
 from .hybrid.trajectory import Trajectory as Trajectory
 from .model.chain import from_chain as from_chain
 from .model.chain import to_chain as to_chain
+from .model.clutch import Clutch as Clutch
 from .model.legs import Leg as Leg
 from .model.loading import load as load
 from .model.monopod import monopod as monopod

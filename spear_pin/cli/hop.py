@@ -50,6 +50,15 @@ def add(commands: Commands) -> None:
     parser.add_argument("--hardening", type=float, metavar="N·m/rad³", help="hardening of the spring (default: 0)")
     parser.add_argument("--preload", type=float, metavar="N·m", help="preload of the spring (default: 0)")
     parser.add_argument(
+        "--switch-delay",
+        type=float,
+        metavar="S",
+        help="delay with which the spring is engaged and released (default: 0)",
+    )
+    parser.add_argument(
+        "--tooth", type=float, metavar="RAD", help="pitch of the teeth in which the switch can engage (default: none)"
+    )
+    parser.add_argument(
         "--friction", type=float, metavar="MU", help="friction of the ground (default: 0.8, an assumption)"
     )
     parser.add_argument(
@@ -138,9 +147,11 @@ def _system(arguments: argparse.Namespace, robot: Robot, usual: HybridSystem | N
     """The hop that the options ask for, without hardware."""
     from dataclasses import replace
 
-    from spear_pin import Ground, HoppingLaw, Spring, hopping
+    from spear_pin import Clutch, Ground, HoppingLaw, Spring, hopping
+    from spear_pin.model.clutch import JOINT
 
-    law, spring = (HoppingLaw(), Spring()) if usual is None else (usual.law, usual.spring)
+    law, springs = (HoppingLaw(), {"knee": Spring()}) if usual is None else (usual.law, usual.springs)
+    first, spring = next(iter(springs.items()))
     given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
     lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or usual is not None else None
     law = replace(
@@ -149,27 +160,35 @@ def _system(arguments: argparse.Namespace, robot: Robot, usual: HybridSystem | N
     if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
         law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
     spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
+    if arguments.switch_delay or arguments.tooth:
+        delay = arguments.switch_delay or 0.0
+        spring = replace(spring, clutch=Clutch(delay, delay, pitch=arguments.tooth or 0.0, damper=JOINT))
     friction = {} if arguments.friction is None else {"friction": arguments.friction}
-    return hopping(robot, law, spring, ground=Ground(slope=arguments.slope, **friction))
+    return hopping(robot, law, {**springs, first: spring}, ground=Ground(slope=arguments.slope, **friction))
 
 
 def _write_system(program: Program, robot: Code, system: HybridSystem, usual: HybridSystem | None) -> Code:
     """Write how a hop is made: from the law and the spring that it has by default, what differs."""
-    from spear_pin import Ground, hopping
+    from spear_pin import Ground, HoppingLaw, Spring, hopping
     from spear_pin.studies.hop_of_another import scaled_hopping
 
-    law, spring, ground = system.law, system.spring, system.ground
+    law, spring, ground = system.law, system.parts["spring"], system.ground
     named: dict[str, object] = {} if ground == Ground() else {"ground": ground}
     if usual is None:
-        named = {name: value for name, value in (("law", law), ("spring", spring)) if value != type(value)()} | named
+        parts = (("law", law, HoppingLaw()), ("spring", spring, Spring()))
+        named = {name: value for name, value, usual_one in parts if value != usual_one} | named
         return program.let("system", program.call(hopping, robot, **named))
     own = program.let("usual", program.call(scaled_hopping, robot))
-    if (law, spring) == (usual.law, usual.spring) and not named:
+    if (law, system.springs) == (usual.law, usual.springs) and not named:
         return own
-    changed = [
-        program.change(Code(f"{own}.law"), usual.law, law),
-        program.change(Code(f"{own}.spring"), usual.spring, spring),
-    ]
+    changed = [program.change(Code(f"{own}.law"), usual.law, law)]
+    first = program.change(Code(f"{own}.spring"), usual.spring, system.spring)
+    if len(usual.springs) == 1:
+        changed.append(first)
+    else:
+        name = next(iter(usual.springs))
+        others = f"{own}.springs"
+        changed.append(Code(others if usual.spring == system.spring else f'{{**{others}, "{name}": {first}}}'))
     return program.let("system", program.call(hopping, robot, *changed, **named))
 
 
@@ -264,7 +283,7 @@ def _rows(summary: dict[str, Any]) -> Rows:
         ("commanded hip, knee", f"{summary['hip_touchdown']:.4f}, {summary['knee_touchdown']:.4f} rad"),
         ("flight, stance", f"{summary['flight_time']:.4f} s, {summary['stance_time']:.4f} s"),
         *([("apex of the hip", f"{summary['apex_height']:.4f} m")] if summary["apex_height"] is not None else []),
-        ("spring", f"{summary['stiffness']:.4g} N·m/rad in the knee"),
+        *(("" if i else "spring", text) for i, text in enumerate(summary["springs"].values())),
         ("peak ground force", f"{summary['peak_force']:.1f} N"),
         ("spring's share", f"{100 * summary['spring_share']:.1f} % of the push"),
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),

@@ -22,6 +22,8 @@ OTHERS = {
     "damping": None,
     "hardening": None,
     "preload": None,
+    "switch_delay": None,
+    "tooth": None,
     "slope": 0.0,
     "free_x": False,
     "foot_placement": 0.0,

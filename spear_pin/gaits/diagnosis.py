@@ -143,11 +143,12 @@ def _off_scale(case: _Case) -> Diagnosis | None:
         "knee_touchdown": (law.knee_touchdown, case.law.knee_touchdown, "rad"),
         "hip_gain": (law.hip_gain, case.law.hip_gain, "N·m/rad"),
         "knee_gain": (law.knee_gain, case.law.knee_gain, "N·m/rad"),
-        DAMPING: (spring.damping, case.spring.damping, "N·m·s/rad"),
     }
+    if spring.path is None:
+        pairs[DAMPING] = spring.damping, case.spring.damping, "N·m·s/rad"
     if case.reached is None and FLIGHT in case.target:
         pairs["flight_time"] = case.target[FLIGHT], USUAL * scale_of(case.system.robot).time, "s"
-    if not spring.table:
+    if not spring.table and spring.path is None:
         pairs["stiffness"] = spring.stiffness + law.virtual_stiffness, case.spring.stiffness, "N·m/rad"
     ratios = {
         name: own / usual

@@ -7,7 +7,7 @@ from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.contact import CONTACTS, OPEN, PINNED
-from spear_pin.hybrid.domain import Domain, Held, Latch, Reset
+from spear_pin.hybrid.domain import Domain, Held, Latch, Mount, Reset
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.model.posture import spanned
 from spear_pin.model.robot import Robot
@@ -123,8 +123,7 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
     resets = [reset for domain in domains for _, reset, _ in _events(domain) if reset]
     latches = [reset.latch for reset in resets if reset.latch]
     mounts = [edge.mount for reset in resets for edge in reset.edges]
-    names = [name for mount in mounts for name in (mount.rest, mount.taut, mount.on, mount.tooth)]
-    switched = {name: 0.0 for name in names if isinstance(name, str)}
+    switched = {name: 0.0 for mount in mounts for name in _names_held(mount)}
     try:
         q, v = (list(map(float, part)) for part in guess())
         held, missing = _held(list({id(latch): latch for latch in latches}.values()), q, v, law, switched)
@@ -134,9 +133,13 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
         raise UnknownName("latched value", missing, held)
     for domain in domains:
         for mount in domain.mounts:
-            named: list[Any] = [mount.rest, mount.taut, mount.on, mount.tooth]
-            names = [name for name in named if isinstance(name, str)]
-            _known("latched value of the spring {!r} in domain {!r}", (mount.name, domain.name), names, held)
+            place = mount.name, domain.name
+            _known("latched value of the spring {!r} in domain {!r}", place, _names_held(mount), held)
+
+
+def _names_held(mount: Mount) -> list[str]:
+    """Returns the names of the held values of a spring."""
+    return [name for name in (mount.rest, mount.taut, mount.on, mount.tooth) if isinstance(name, str)]
 
 
 def _held(

@@ -12,12 +12,14 @@ import pinocchio as pin
 
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.model.catalogue import motor
+from spear_pin.model.clutch import OF_CLUTCHES, Clutch
 from spear_pin.model.fitting import drivable, hold
 from spear_pin.model.frames import joint_id
 from spear_pin.model.gears import Gear
 from spear_pin.model.legs import Leg, find_legs, named_leg
 from spear_pin.model.motor import Gearbox
 from spear_pin.model.named_legs import NamedLeg, leg_of
+from spear_pin.model.path_data import keys_of, path_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.settings import Settings
 from spear_pin.model.sidecar import JOINTS, ROLES, Sidecar, blaming
@@ -132,17 +134,25 @@ def _check_side(path: Path, robot: Robot, leg: Leg, side: int | None) -> None:
 
 
 def _springs(said: Sidecar, path: Path, legs: Sequence[Leg]) -> dict[str, Spring]:
-    """Returns the springs by the joints of knees; a spring of one joint overrides that of all."""
+    """Returns the springs by the joints of knees, those on a path by name; one of one joint overrides that of all."""
     knees = [leg.knee for leg in legs]
     springs: dict[str, Spring] = {}
     for name in sorted(said.springs, key=lambda name: name != "knee"):
-        if name != "knee" and name not in knees:
-            raise BadFile(path, f"springs: {UnknownName('knee', name, ['knee', *knees])}")
-        table = {"stiffness": 0.0, "damping": 0.0, **said.springs[name]}
-        if not table["stiffness"] and not table.get("table"):
-            raise BadFile(path, f"springs.{name} has no stiffness; expected a number > 0, in N·m/rad, or a table")
         with blaming(path, f"springs.{name}"):
-            springs |= dict.fromkeys(knees if name == "knee" else [name], Spring(**table))
+            along, others = path_of(said.springs[name])
+        if name != "knee" and name not in knees and along is None:
+            also = "or a path in its table"
+            raise BadFile(path, f"springs: {UnknownName('knee', name, ['knee', *knees], also)}")
+        table = {"stiffness": 0.0, "damping": 0.0, **others}
+        if not table["stiffness"] and not table.get("table"):
+            unit = "N·m/rad" if along is None else "N/m"
+            raise BadFile(path, f"springs.{name} has no stiffness; expected a number > 0, in {unit}, or a table")
+        with blaming(path, f"springs.{name}"):
+            clutch = table.pop("clutch", None)
+            if clutch is not None:
+                clutch = Clutch(**keys_of("clutch", clutch, (), (*OF_CLUTCHES, "damper")))
+            spring = Spring(**table, path=along, clutch=clutch)
+            springs |= dict.fromkeys(knees if name == "knee" and along is None else [name], spring)
     return springs
 
 

@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from spear_pin.errors import BadValue
-from spear_pin.files import check_keys
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.path import Anchor, Between, Joints, Linked, Over, Path, Sum
 from spear_pin.model.spring import Spring
 
@@ -48,7 +47,7 @@ def path_of(table: Mapping[str, Any]) -> tuple[Path | None, dict[str, Any]]:
 
     Raises:
         BadValue: a key or a value of the path is not valid.
-        ValueError: a key is missing or unknown.
+        UnknownName: a key is unknown.
     """
     own = {key: table[key] for key in KEYS if key in table}
     others = {key: value for key, value in table.items() if key not in KEYS}
@@ -58,7 +57,7 @@ def path_of(table: Mapping[str, Any]) -> tuple[Path | None, dict[str, Any]]:
     if given == {"path"}:
         return Joints(_table("path", own["path"])), others
     if given == {"linkage"}:
-        return Linked(**_keys("linkage", own["linkage"], LINKAGE[:3], LINKAGE[3:])), others
+        return Linked(**keys_of("linkage", own["linkage"], LINKAGE[:3], LINKAGE[3:])), others
     if given == {"sum"}:
         return Sum(_parts(own["sum"])), others
     if given not in ({"from", "to"}, {"from", "over", "to"}):
@@ -67,7 +66,7 @@ def path_of(table: Mapping[str, Any]) -> tuple[Path | None, dict[str, Any]]:
     start, end = (_anchor(name, own[name]) for name in ("from", "to"))
     if "over" not in own:
         return Between(start, end), others
-    pulley = _keys("over", own["over"], PULLEY[:3], PULLEY[3:])
+    pulley = keys_of("over", own["over"], PULLEY[:3], PULLEY[3:])
     centre = Anchor(pulley["body"], pulley["at"])
     return Over(start, centre, end, pulley["radius"], pulley.get("side", 1.0)), others
 
@@ -78,7 +77,7 @@ def _parts(given: Any) -> list[tuple[Any, Path]]:
     found = []
     for each in given:
         path, others = path_of(each)
-        check_keys("key of a part of sum", others, ("weight",))
+        keys_of("a part of sum", others, ("weight",), ())
         if path is None:
             raise BadValue("sum", each, "a path in each part")
         found.append((others["weight"], path))
@@ -91,12 +90,22 @@ def _anchored(anchor: Anchor) -> dict[str, Any]:
 
 
 def _anchor(name: str, given: Any) -> Anchor:
-    return Anchor(**_keys(name, given, ("body", "at"), ()))
+    return Anchor(**keys_of(name, given, ("body", "at"), ()))
 
 
-def _keys(name: str, given: Any, wanted: Sequence[str], optional: Sequence[str]) -> Mapping[str, Any]:
+def keys_of(name: str, given: Any, wanted: Sequence[str], optional: Sequence[str]) -> Mapping[str, Any]:
+    """Returns a table that has all wanted keys, and of others only optional ones.
+
+    Raises:
+        UnknownName: a key is unknown.
+        BadValue: it is no table, or a key is missing.
+    """
     table = _table(name, given)
-    check_keys(f"key of {name}", table, wanted, optional)
+    for key in table:
+        if key not in (*wanted, *optional):
+            raise UnknownName(f"key of {name}", key, (*wanted, *optional))
+    if missing := [key for key in wanted if key not in table]:
+        raise BadValue(name, dict(table), f"a table with {missing[0]}")
     return table
 
 

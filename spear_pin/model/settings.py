@@ -21,7 +21,8 @@ class Settings:
         sides: +1 or -1 for each leg by its name, by the side to which its knee flexes, see `Leg`; 0 if not known.
         legs: the legs, if they are given joint by joint.
         pairs: names of the left and the right leg of each pair, if they are given.
-        springs: a `Spring` for each knee that has one, by its joint.
+        springs: a `Spring` for each knee that has one, by its joint, and springs on paths by name: of each leg, whose
+            parts have the names `hip`, `knee`, `thigh`, `shank` and `toe`.
         motors: motors of joints, by name, where they are known.
         efficiencies: efficiencies of joints' gearboxes, in (0, 1].
         gears: ratios and rotors that the file itself gives, by joint.
@@ -47,6 +48,8 @@ class Settings:
             angles: for each turning joint of the cut, the joints of this robot that turn with it.
         """
         springs = {name: _together(spring, len(angles[name])) for name, spring in _alike(self.springs, angles).items()}
+        count = max((len(turns) for name, turns in angles.items() if name.endswith("knee")), default=1)
+        springs |= {name: _together(spring, count) for name, spring in self.springs.items() if spring.path is not None}
         motors, efficiencies, gears = (_alike(each, angles) for each in (self.motors, self.efficiencies, self.gears))
         return Settings(self.path, springs=springs, motors=motors, efficiencies=efficiencies, gears=gears)
 

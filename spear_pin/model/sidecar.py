@@ -47,7 +47,7 @@ class Sidecar:
         motors: "all", names of joints, or tables by role or joint.
         legs: tables by the names of legs.
         pairs: names of legs.
-        springs: tables by "knee" or a knee's joint.
+        springs: tables by "knee", a knee's joint, or the name of a spring on a path.
         post: joint by which the robot turns about a post, round which its toes go.
     """
 
@@ -115,8 +115,11 @@ MOTOR = {
     "motor": Kind(lambda value: isinstance(value, str) and value in MOTORS, f"one of {', '.join(MOTORS)}"),
     **{name: _number(MOTOR_UNITS[name]) for name in ("ratio", "rotor_inertia", "efficiency")},
 }
+TABLE = Kind(lambda value: isinstance(value, dict), "a table")
 SPRING = {
     **{name: _number(unit) for name, unit in SPRING_UNITS.items()},
+    **dict.fromkeys(("path", "from", "to", "over", "linkage", "clutch"), TABLE),
+    "sum": Kind(lambda value: isinstance(value, list), "a list of tables, each with weight and a path"),
     "rest": _number("rad"),
     "unilateral": Kind(lambda value: isinstance(value, bool), "true or false"),
     "table": Kind(_are_points, "points [rad, N·m]"),

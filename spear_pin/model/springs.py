@@ -44,6 +44,18 @@ def numbers_of_springs(springs: Springs) -> dict[str, Any]:
     return found
 
 
+def said(name: str, spring: Spring) -> str:
+    """Returns a spring in words, with its switch where that is not ideal."""
+    law = "by a table" if spring.table else f"{spring.stiffness:.4g} {spring.units['stiffness']}"
+    words = [f"{law} in the {name}" if spring.path is None else f"{law}, {name}"]
+    if (clutch := spring.clutch) is not None:
+        words += [f"engaged {1e3 * clutch.on_delay:.4g} ms late, released {1e3 * clutch.off_delay:.4g} ms late"]
+        unit = "rad" if spring.turns else "m"
+        words += [f"play {clutch.play:.4g} {unit}"] if clutch.play else []
+        words += [f"teeth of {clutch.pitch:.4g} {unit}"] if clutch.pitch else []
+    return "; ".join(words)
+
+
 def unit_of(springs: Springs, name: str) -> str:
     """Returns the unit of a number of springs; "" if none has it."""
     owner, _, field = name.rpartition(".")

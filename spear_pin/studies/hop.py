@@ -14,6 +14,7 @@ from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
+from spear_pin.model.springs import said
 
 
 @typed
@@ -41,6 +42,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "knee_touchdown": law.knee_touchdown,
         "frequency": law.frequency,
         "stiffness": gait.system.spring.stiffness,
+        "springs": {name: said(name, spring) for name, spring in gait.system.springs.items()},
         "friction": gait.system.contact.friction,
         "slope": gait.system.ground.slope,
         "flight_time": gait.durations["flight"],
@@ -77,7 +79,8 @@ def spring_share(trajectory: Trajectory) -> float:
     def work(torque: NDArray[np.float64]) -> float:
         return stance.integral(torque * rate, where=-rate)
 
-    spring = work(trajectory.spring[:, trajectory.spring_joints.index("knee")])
+    sprung = "knee" in trajectory.spring_joints
+    spring = work(trajectory.spring[:, trajectory.spring_joints.index("knee")]) if sprung else 0.0
     total = spring + work(motor)
     return spring / total if total != 0.0 else 0.0
 

@@ -104,7 +104,9 @@ def usual_hop(system: HybridSystem) -> HybridSystem:
     robot, law, spring = system.robot, HoppingLaw.scaled(system.robot), Spring.scaled(system.robot)
     numbers = {name: getattr(law, name) for name in (TORQUE, "frequency", *ANGLES)}
     stiffness = 0.0 if system.spring.table else spring.stiffness
-    like = replace(system.spring, stiffness=stiffness, damping=spring.damping, hardening=0.0, preload=0.0)
+    like = system.spring
+    if like.path is None:
+        like = replace(like, stiffness=stiffness, damping=spring.damping, hardening=0.0, preload=0.0)
     friction = max(system.contact.friction, Contact().friction)
     if law.hip_touchdown is None:
         numbers["hip_touchdown"] = robot.legs[0].lean(law.knee_touchdown)

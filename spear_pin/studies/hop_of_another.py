@@ -35,14 +35,16 @@ ALIKE = 0.02  # of a torque: one so near to another that was tried tells nothing
 
 @typed
 def scaled_hopping(robot: Robot, contact: Contact | None = None) -> HybridSystem:
-    """Returns the hop of a leg by SPEAR-II's scaled law, with the leg's own spring from a TOML file, or SPEAR-II's.
+    """Returns the hop of a leg by SPEAR-II's scaled law, with the leg's own springs from a TOML file, or SPEAR-II's.
 
     Args:
         robot: a leg, as `spear_pin.monopod` cuts it.
         contact: friction of level ground.
     """
-    own = None if robot.settings is None else robot.settings.springs.get("knee")
-    return hopping(robot, HoppingLaw.scaled(robot), own or Spring.scaled(robot), contact)
+    own = {} if robot.settings is None else robot.settings.springs
+    paths = {name: spring for name, spring in own.items() if spring.path is not None}
+    knee = {"knee": own["knee"]} if "knee" in own else {} if paths else {"knee": Spring.scaled(robot)}
+    return hopping(robot, HoppingLaw.scaled(robot), {**knee, **paths}, contact)
 
 
 @typed
@@ -108,7 +110,7 @@ def _held(system: HybridSystem) -> HybridSystem:
     if cut is None:
         raise BadValue("robot", robot.name, "a robot of monopod(...), or one with boom_x locked")
     leg = vary(recut(cut.kind, cut.robot, cut.legs, cut.body, ["boom_x"]), **robot.varied)
-    return hopping(leg, replace(system.law, foot_placement=0.0), system.spring, ground=system.ground)
+    return hopping(leg, replace(system.law, foot_placement=0.0), system.springs, ground=system.ground)
 
 
 def _in_place(system: HybridSystem, flight_time: float) -> Gait:

@@ -189,6 +189,8 @@ class TestMistakes:
             (["--stiffness", "1e300"], "from 0 to 1e+06"),
             (["--hardening", "-1"], "Spring.hardening is -1"),
             (["--preload", "nan"], "Spring.preload is nan"),
+            (["--switch-delay", "-0.001"], "Clutch.on_delay is -0.001"),
+            (["--tooth", "nan"], "Clutch.pitch is nan"),
             (["--damping", "-1"], "Spring.damping is -1.0; expected a number from 0"),
             (["--hardware", "--bandwidth", "-1"], "bandwidth is -1"),
             (["--hardware", "--current-limit", "0"], "current_limit is 0"),

@@ -97,6 +97,7 @@ def lines_of(capsys, *words):
 SHORT = ("--cycles", 1, "--rtol", 1e-7)
 HOPS = (
     ("--stiffness", 55, "--slope", 0.05, "--friction", 0.7, "--flight-time", 0.21),
+    ("--switch-delay", 0.004, "--tooth", 0.05),
     slow(("--stance-torque", 8.2, "--knee", 0.95, "--frequency", 2.6, "--hardening", 30, "--preload", 2)),
     slow(("--free-x", "--foot-placement", 0.15, "--max-step", 0.01)),
     slow(("--hardware", "--noise", 0.005, "--losses", 5, "--seed", 3, "--bandwidth", 500, "--current-limit", 8)),

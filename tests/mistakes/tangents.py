@@ -15,13 +15,10 @@ MUTATIONS = [
                 "stretch.dstate + stretch.end.slopes[:, None] * tau",
                 "stretch.dstate",
             ),
-            "derivatives: a latch at the section held fixed": (
-                "return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True, clock=clock))",
-                "return value_of(dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True, clock=clock)))",
-            ),
+            "derivatives: a latch at the section held fixed": ("return dict(latched(", "return value_of(latched("),
             "derivatives: a latch in the cycle held fixed": (
-                "now.held = dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again, clock=clock))",
-                "now.held = value_of(dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again, clock=clock)))",
+                "now.held = dict(latched(",
+                "now.held = value_of(latched(",
             ),
             "derivatives: phases that last as long": ("0.0) + Dual(arc.end, tau)", "0.0) + Dual(arc.end, 0.0 * tau)"),
             "derivatives: a switch that acts as late": ("Clock(Dual(arc.end, tau)", "Clock(Dual(arc.end, 0.0 * tau)"),

@@ -5,12 +5,14 @@ import pickle
 import numpy as np
 import pytest
 
-from spear_pin import Gait, HoppingLaw, Spring, hopping, load, monopod, sagittal
+from spear_pin import Clutch, Gait, HoppingLaw, Spring, hopping, load, monopod, sagittal
 from spear_pin.errors import BadFile, SpearError
 from spear_pin.model.catalogue import motor
 from spear_pin.model.legs import find_legs
 from spear_pin.model.loading import ROBOTS
 from spear_pin.model.origin import origin, robot_of, unsaid
+from spear_pin.model.path import Joints
+from spear_pin.studies.hop_of_another import scaled_hopping
 from tests.model.legged import quadruped
 from tests.model.queries import refusal
 
@@ -152,6 +154,26 @@ class TestSays:
         assert monopod(robot, "HL").settings.springs == {"knee": robot.settings.springs["HL_bend"]}
         assert sagittal(robot).settings.springs == {"anterior_knee": Spring(40.0, 0.4)}  # those behind are not alike
 
+    def test_springs_on_paths_of_each_leg(self, made):
+        robot = load(made(BASE + """
+            [springs.biceps]
+            path = { knee = 0.02, hip = -0.004 }
+            stiffness = 8000.0
+            clutch = { on_delay = 0.004, damper = "joint" }
+            [springs.patella]
+            from = { body = "thigh", at = [0.02, 0.0, -0.06] }
+            to = { body = "shank", at = [0.01, 0.0, 0.03] }
+            stiffness = 500.0
+            rest = 0.11
+            """ + SIDES.replace("legs.FL", "[legs]\nFL").replace("legs.", "")))  # fmt: skip
+        springs = robot.settings.springs
+        assert springs["biceps"].path == Joints({"knee": 0.02, "hip": -0.004})
+        assert springs["biceps"].clutch == Clutch(0.004, damper="joint") and springs["patella"].rest == 0.11
+        leg = monopod(robot, "HL", locked=["boom_x"])
+        assert leg.settings.springs == springs
+        assert scaled_hopping(leg).springs == springs
+        assert sagittal(robot).settings.springs["biceps"].stiffness == 16000.0
+
     def test_nothing(self, made):
         robot = load(made(""), base="free")
         assert robot.settings.springs == {} and robot.model == load(made(), base="free").model
@@ -280,6 +302,14 @@ WRONG = {
     "pairs = ['FL', 'FR']": "pairs is ['FL', 'FR']; expected two pairs of legs, [[left, right], [left, right]]",
     "pairs = [['FL', 'FR'], ['HL', 'RH']]": "pairs: unknown leg 'RH'; valid: FL, FR, HL, HR",
     "pairs = [['FL', 'FR'], ['FL', 'FR']]": "['FL', 'FR']]; expected four different legs",
+    "springs.hip = {stiffness = 1}": "springs: unknown knee 'hip'; valid: knee, ",
+    "springs.b = {path = 3, stiffness = 1}": "springs.b.path is 3; expected a table",
+    "springs.b = {path = {knee = 0.0}, stiffness = 1}": "Joints.weights['knee'] is 0.0; expected a number other than",
+    "springs.b = {from = {body = 'thigh', at = [0, 0, 0]}, stiffness = 1}": "expected path, or linkage, or sum,",
+    "springs.b = {path = {knee = 1.0}}": "springs.b has no stiffness; expected a number > 0, in N/m",
+    "springs.knee = {stiffness = 1, clutch = {delay = 1}}": "unknown key of clutch 'delay'; valid: on_delay,",
+    "springs.knee = {stiffness = 1, clutch = {on_delay = -1}}": "Clutch.on_delay is -1; expected a number from 0",
+    "springs.knee = {stiffness = 1, rest = 0.3, clutch = {}}": "None for a spring with a rest",
     "springs.knee = {}": "springs.knee has no stiffness; expected a number > 0, in N·m/rad, or a table",
     "springs.knee.stiffness = '2 N·m/rad'": "springs.knee.stiffness is '2 N·m/rad'; expected a number, in N·m/rad",
     "springs.knee.stiffness = -1": "springs.knee: Spring.stiffness is -1; expected a number from 0",

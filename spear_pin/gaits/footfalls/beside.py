@@ -65,7 +65,7 @@ def trot_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gait
     found = _orbit_beside(system, start, gait.request.speed, apart, halfway)
     if not uneven:
         return found
-    return _nearby(build(robot, found.system.law, found.system.spring), found.state, gait.request.speed)
+    return _nearby(build(robot, found.system.law, found.system.springs), found.state, gait.request.speed)
 
 
 @typed

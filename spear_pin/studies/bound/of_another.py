@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from spear_pin.errors import Infeasible, NoGait
+from spear_pin.errors import BadValue, Infeasible, NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
@@ -62,8 +62,12 @@ def bound_of(
 
 def springs_of(robot: Robot) -> dict[str, object]:
     """Returns what the robot's own file says about its springs, where both pairs have the same."""
-    springs = [] if robot.settings is None else list(robot.settings.springs.values())
-    if len(springs) != 2 or springs[0] != springs[1]:
+    springs = {} if robot.settings is None else robot.settings.springs
+    special = [name for name, spring in springs.items() if spring.path is not None or spring.clutch is not None]
+    if special:
+        expected = "springs at knees that switch at once, for a bound that is searched for; `bounding` takes others"
+        raise BadValue("springs", ", ".join(special), expected)
+    own, *others = springs.values() if len(springs) == 2 else [None]
+    if own is None or others != [own]:
         return {}
-    own = springs[0]
     return {name: getattr(own, name) for name in ("stiffness", "hardening", "preload", "table", "rest")}

@@ -10,6 +10,7 @@ import numpy as np
 
 from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.gait import KINDS, Gait
+from spear_pin.model.path_data import spring_data
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
@@ -75,7 +76,7 @@ def written(gait: Gait) -> dict[str, Any]:
     return {
         "varied": dict(gait.system.robot.varied),
         "law": asdict(gait.system.law),
-        "spring": asdict(gait.system.spring),
+        "spring": spring_data(gait.system.spring),
         "state": [part.tolist() for part in gait.state],
         "parameters": dict(gait.parameters),
         "residual": gait.residual,

@@ -75,7 +75,7 @@ def friction_by_preload(gait: str = SHOWN, share: float = 0.9) -> tuple[float, .
     """
     system, found = bound(gait).system, []
     law = replace(system.law, posterior_knee_torque=share * system.law.posterior_knee_torque)
-    less = system.build(system.robot, law, system.spring, system.contact)
+    less = system.build(system.robot, law, system.springs, system.contact)
     for run in (stride(gait), simulate(less, bound(gait).state, progress=False)):
         force = run.force[(run.cycle == 1) & (run.phase == "posterior_stance"), 0]
         bears = force[force[:, 1] > BEARING]

@@ -80,7 +80,7 @@ def work_against(knee: float = KNEE, friction: float = FRICTION) -> tuple[float,
     gait, found = hop(knee, friction), []
     for factor in (0.5, 1.0, 2.0):
         law = replace(gait.system.law, frequency=factor * gait.system.law.frequency)
-        system = gait.system.build(gait.system.robot, law, gait.system.spring, gait.system.contact)
+        system = gait.system.build(gait.system.robot, law, gait.system.springs, gait.system.contact)
         run = simulate(system, gait.state, progress=False)
         stance = (run.cycle == 1) & (run.phase == "stance")
         power = run.u[:, run.actuated.index("knee")] * run.v[:, run.coordinates.index("knee")]
