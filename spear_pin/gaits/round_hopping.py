@@ -26,7 +26,7 @@ from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Gearbox, geared_constant
 from spear_pin.model.robot import Robot
-from spear_pin.model.spring import Spring
+from spear_pin.model.spring import Spring, refuse_unusual
 
 COORDINATES = YAW, TILT, HIP, KNEE = "boom_yaw", "boom_tilt", "hip", "knee"
 Forces = tuple[float, ...]
@@ -247,6 +247,7 @@ def round_hopping(
         raise BadValue(
             "spring", spring, "a spring that pulls and pushes about a rest angle: Spring(rest=0.0, unilateral=False)"
         )
+    refuse_unusual(spring)
     flight_law, stance_law = laws(limb)
     mount = Mount(KNEE, spring, rest="knee_rest", taut="taut")
     always: Held = {"knee_rest": spring.rest, "taut": 1.0}

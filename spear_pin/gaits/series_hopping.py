@@ -26,7 +26,7 @@ from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-from spear_pin.model.spring import Spring
+from spear_pin.model.spring import Spring, refuse_unusual
 
 COORDINATES = ("boom_z", "hip", "knee", "knee_spring")
 SERIES = Spring(unilateral=False)
@@ -127,6 +127,7 @@ def series_hopping(
         raise BadValue("robot", robot, "load('spear_ii_series', locked=['boom_x']) or a variant of it")
     if spring.unilateral or spring.rest is not None:
         raise BadValue("spring", spring, "a spring that pulls and pushes, and rests at zero: Spring(unilateral=False)")
+    refuse_unusual(spring)
     mount = Mount("knee_spring", spring, rest="rest", taut="taut")
     always: Held = {"rest": 0.0, "taut": 1.0}
 

@@ -15,7 +15,7 @@ from spear_pin.model.clutch import JOINT, Clutch
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.path import Joints, Path
 from spear_pin.model.robot import Robot
-from spear_pin.model.spring import Spring
+from spear_pin.model.spring import Spring, refuse_unusual
 from spear_pin.model.springs import Springs
 
 KNEE = "knee"
@@ -144,7 +144,10 @@ def springing_of(robot: Robot, springs: Springs, leg: Kneed) -> Springing:
 
     Raises:
         UnknownName: there is no joint, or no frame, of a name.
+        BadValue: a switch is not ideal.
     """
+    for spring in springs.values():
+        refuse_unusual(spring, path=True)
     parts = [*robot.coordinates, *(frame.name for frame in robot.model.frames)]
     names = {part.removeprefix(f"{leg.name}_"): part for part in parts if part.startswith(f"{leg.name}_")}
     names |= {"hip": leg.above, KNEE: leg.joint, "toe": leg.toe}

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load, simulate
+from spear_pin import Gait, HoppingLaw, Spring, bounding, find_gait, hopping, load, simulate
 from spear_pin.errors import BadValue
+from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.clutch import Clock, after_edges, from_now_on
 from spear_pin.hybrid.domain import ACTS, LEAVES, TOUCHES, Edge
@@ -15,6 +16,7 @@ from spear_pin.model.clutch import Clutch
 from spear_pin.model.path import Joints
 
 LEG = load("spear_ii", locked=["boom_x"])
+SERIES, BOUND = load("spear_ii_series", locked=["boom_x"]), Gait.load("long_stride").system.law
 LAW = HoppingLaw(stance_torque=7.86, hold_extension=True)
 # delay and play: stance torque, knee at touchdown, duration of stance, work of the knee's motor, damping, multipliers
 FOUND = {
@@ -64,6 +66,7 @@ def test_a_late_switch_with_play(delay, play):
     np.testing.assert_allclose(upper[: len(multipliers)], multipliers, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("delay", "play"), HELD)
 def test_teeth_that_are_as_far_ahead(delay, play):
     smooth = found(late(delay, play))
@@ -111,6 +114,7 @@ def test_a_late_switch_of_a_hip_and_knee_spring_in_lanes():
         np.testing.assert_allclose(lanes.v[i], last.v, atol=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("over", ["on_delay", "play", "pitch", "tooth", "stiffness"])
 def test_derivative_is_that_of_hops_found_again(over):
     teeth = over in ("pitch", "tooth")
@@ -181,6 +185,9 @@ def test_numbers_have_units_and_are_kept_in_a_file(tmp_path):
         (lambda: Clutch(tooth=float("inf")), "Clutch.tooth"),
         (lambda: Clutch(damper="hip"), "'spring' or 'joint'"),
         (lambda: Spring(rest=0.9, clutch=Clutch()), "never switched"),
+        (lambda: bounding(load("q_spear"), BOUND, late(0.004)), "Spring.clutch"),
+        (lambda: series_hopping(SERIES, spring=Spring(unilateral=False, clutch=Clutch())), "Spring.clutch"),
+        (lambda: series_hopping(SERIES, spring=Spring(unilateral=False, path=Joints({"knee": 1.0}))), "Spring.path"),
         (lambda: hopping(LEG, replace(LAW, virtual_stiffness=3.0), late(0.004)), "virtual_stiffness"),
     ],
 )

@@ -94,6 +94,7 @@ def test_two_halves_of_a_spring_are_the_spring(hops):
         np.testing.assert_allclose(one, other, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "over"), [(name, over) for name, names in OVER.items() for over in names])
 def test_derivative_is_that_of_hops_found_again(name, over):
     gait = hop(name, rtol=1e-12)
@@ -110,6 +111,7 @@ def test_derivative_is_that_of_hops_found_again(name, over):
     np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=1e-8 * np.abs(exact).max())
 
 
+@pytest.mark.slow
 def test_motors_balance_fixed_springs_of_every_joint_in_flight():
     system = hopping(LEG, HoppingLaw(hold_extension=True), SPRINGS["hip"])
     gait = find_gait(system, ["stance_torque"], {"flight_time": 0.2}, guess=hop("hip").state)
@@ -122,6 +124,7 @@ def test_motors_balance_fixed_springs_of_every_joint_in_flight():
     np.testing.assert_allclose(flight.u[part, 0] + sprung, wanted, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_bound_with_springs_at_its_hips():
     kept = Gait.load("long_stride")
     hips = Spring(10.0, damping=0.0, unilateral=False)

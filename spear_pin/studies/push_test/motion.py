@@ -35,7 +35,7 @@ from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.model.robot import Robot
-from spear_pin.model.spring import Spring
+from spear_pin.model.spring import Spring, refuse_unusual
 from spear_pin.studies.push_test.passive_knee import PassiveKnee
 from spear_pin.studies.push_test.sensitivity import PARAMETERS, Step, derivatives
 
@@ -108,6 +108,7 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
             return still
         return [p.braking_torque(v[row], ops.maximum) if joint == leg.joint else 0.0 for joint in robot.actuated]
 
+    refuse_unusual(knee.spring)
     mount = Mount(leg.joint, knee.spring, rest="zero", taut="taut")
     hand = Guard("release", lambda *_: -1.0, Reset(latch=engage, phase="swing"))
     guards = (
