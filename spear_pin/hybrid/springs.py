@@ -109,7 +109,12 @@ def rest_length(mount: Mount, spring: Spring, path: Path, robot: Robot, held: He
     latched, names = held[mount.rest], spanned(mount.along, robot)
     values = dict(zip(names, latched if isinstance(latched, tuple) else (latched,), strict=True))
     length = path.length(posed([values.get(name, 0.0) for name in robot.coordinates]))
-    return length if clutch is None else plus(length, clutch.play)
+    if clutch is None:
+        return length
+    if mount.chained:  # the second spring keeps the stretch that it has as the switch closes
+        share = clutch.second / (spring.stiffness + clutch.second)
+        return length - share * (length - clutch.slack)
+    return plus(length, clutch.play)
 
 
 def values_along(path: Path, robot: Robot, q: Sequence[Any]) -> Any:

@@ -32,16 +32,16 @@ def in_springs(
     for mount in domain.mounts:
         if posture is not None and (names is None or mount.name in names):
             rest = rest_length(mount, mount.spring, mount.along, robot, held, lambda q: posture.at(np.array(q)))
-            energy += _energy(mount, mount.along.length(posture.at(y[: robot.nq])) - rest, held)
+            energy += _energy(mount, mount.along.length(posture.at(y[: robot.nq])), rest, held)
     return energy
 
 
-def _energy(mount: Mount, stretch: float, held: Held) -> float:
+def _energy(mount: Mount, length: float, rest: float, held: Held) -> float:
     spring = mount.spring
     if not is_own(type(spring)):
-        return float(mount.energy(stretch, held))
+        return float(mount.energy(length, rest, held))
     what = f"spring of {mount.name!r}"
-    return number(what, spring.energy, asked(what, spring.energy, lambda: mount.energy(stretch, held)))
+    return number(what, spring.energy, asked(what, spring.energy, lambda: mount.energy(length, rest, held)))
 
 
 def in_mechanism(system: HybridSystem, domain: Domain, held: Held, y: Array) -> float:

@@ -10,7 +10,7 @@ from spear_pin.kinds import typed
 
 SPRING, JOINT = "spring", "joint"
 DELAYS = "on_delay", "off_delay"
-OF_CLUTCHES = (*DELAYS, "play", "pitch", "tooth")  # its numbers
+OF_CLUTCHES = (*DELAYS, "play", "pitch", "tooth", "second", "slack")  # its numbers
 LONGEST = 1.0  # s, of a delay
 
 
@@ -29,6 +29,10 @@ class Clutch:
             tooth is engaged: until the path has grown that far the spring is slack.
         tooth: length of the path at one of the teeth, in rad or m.
         damper: "spring" if the spring's damper is engaged with it, "joint" if it acts throughout stance.
+        second: stiffness of a second, weak spring in series, which keeps the chain taut while the switch is open, in
+            N·m/rad or N/m; 0 for none. The closed switch bridges it. Then neither engaging nor bridging costs energy;
+            releasing costs what the two springs lose as they come to the same pull.
+        slack: length of the path at which both springs are without pull, in rad or m.
     """
 
     on_delay: float = 0.0
@@ -37,6 +41,8 @@ class Clutch:
     pitch: float = 0.0
     tooth: float = 0.0
     damper: str = SPRING
+    second: float = 0.0
+    slack: float = 0.0
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -46,6 +52,10 @@ class Clutch:
         for name in ("play", "pitch"):
             require(f"Clutch.{name}", getattr(self, name), lambda length: length >= 0, "a number >= 0, in rad or m")
         require("Clutch.tooth", self.tooth, lambda length: abs(length) < math.inf, "a finite number, in rad or m")
+        require("Clutch.second", self.second, lambda k: k >= 0, "a number >= 0, in N·m/rad or N/m")
+        require("Clutch.slack", self.slack, lambda length: abs(length) < math.inf, "a finite number, in rad or m")
+        if self.second and (self.pitch or self.play):
+            raise BadValue("Clutch.second", self.second, "0 with teeth or play: it keeps the chain taut")
         if self.pitch and self.play:
             raise BadValue("Clutch.play", self.play, "0 with teeth, which have play of their own")
         if self.damper not in (SPRING, JOINT):

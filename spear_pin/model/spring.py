@@ -82,6 +82,12 @@ class Spring:
         object.__setattr__(self, "table", _checked(self.table, self.unilateral))
         if self.table:
             require("Spring.stiffness", self.stiffness, lambda k: k == 0, "0 with a table, which takes its place")
+        if (
+            self.clutch is not None
+            and self.clutch.second
+            and not (self.stiffness and not self.hardening + self.preload)
+        ):
+            raise BadValue("Clutch.second", self.clutch.second, "0 unless the spring has a stiffness alone")
         if self.rest is not None:
             most, within = (math.pi, "within ±π rad, or None") if self.turns else (math.inf, "a length in m, or None")
             require("Spring.rest", self.rest, lambda length: abs(length) < most, within)
@@ -122,6 +128,12 @@ class Spring:
         return bool(self.stiffness or self.hardening or self.preload or self.table)
 
     # its law, for scalars of any kind in fields and arguments
+
+    @property
+    def in_series(self) -> Any:
+        """The stiffness k k₂/(k + k₂) of it and the second spring of its switch."""
+        second = 0.0 if self.clutch is None else self.clutch.second
+        return self.stiffness * second / (self.stiffness + second)
 
     def torque(self, deflection: Any, ops: Any = np) -> Any:
         """Returns the torque toward flexion while the spring pulls, without the damper's, in N·m, (3.24).

@@ -65,5 +65,6 @@ def unit_of(springs: Springs, name: str) -> str:
     if field in UNITS:
         return spring.units[field]
     if field in OF_CLUTCHES and spring.clutch is not None:
-        return "s" if field in DELAYS else "rad" if spring.turns else "m"
+        units = dict.fromkeys(DELAYS, "s") | {"second": spring.units["stiffness"]}
+        return units.get(field, "rad" if spring.turns else "m")
     return spring.path.units.get(field, "") if spring.path is not None else ""

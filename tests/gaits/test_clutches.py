@@ -115,10 +115,13 @@ def test_a_late_switch_of_a_hip_and_knee_spring_in_lanes():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("over", ["on_delay", "play", "pitch", "tooth", "stiffness"])
+@pytest.mark.parametrize("over", ["on_delay", "play", "pitch", "tooth", "stiffness", "second", "slack"])
 def test_derivative_is_that_of_hops_found_again(over):
-    teeth = over in ("pitch", "tooth")
-    spring = late(0.004, pitch=0.05, tooth=0.9) if teeth else late(0.004, 0.01)
+    spring = late(0.004, 0.01)
+    if over in ("pitch", "tooth"):
+        spring = late(0.004, pitch=0.05, tooth=0.9)
+    if over in ("second", "slack"):
+        spring = late(0.004, second=2.0, slack=0.1)
     gait = found(spring, rtol=1e-12)
     table, given = gait.sensitivity([over], ["stance_torque"], ["flight_time"]), number(gait.system, over)
 
@@ -131,6 +134,23 @@ def test_derivative_is_that_of_hops_found_again(over):
     exact = np.array([*table.solved["stance_torque"], *table.state[:, 0]])
     assert np.abs(exact).max() > 1e-4
     np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=1e-7 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize(
+    ("second", "torque", "knee", "released"),
+    [(0.5, 7.856148, 0.9564614, -0.000193), (2.0, 7.953588, 0.9386179, -0.015715)],
+)
+def test_a_second_spring_in_series(second, torque, knee, released):
+    gait = found(Spring(clutch=Clutch(second=second)))
+    assert gait.parameters["stance_torque"] == pytest.approx(torque, abs=1e-6)
+    assert gait.state[0][2] == pytest.approx(knee, abs=1e-7)
+    run = simulate(gait.system, gait.state, cycles=1)
+    assert run.ledger["released"][0] == pytest.approx(released, abs=1e-6)
+    assert abs(run.ledger.residual[0]) < 1e-8
+    lift_off = run.named("lift_off")[0]
+    k, rest = 48.84, run.q[0, 2] * (1 - second / (48.84 + second))
+    lost = (k * (lift_off.q[2] - rest) - second * rest) ** 2 / (2 * (k + second))
+    assert lift_off.work["released"] == pytest.approx(-lost, rel=1e-6)
 
 
 class TestEdges:
@@ -183,6 +203,9 @@ def test_numbers_have_units_and_are_kept_in_a_file(tmp_path):
         (lambda: Clutch(play=0.1, pitch=0.1), "play of their own"),
         (lambda: Clutch(pitch=float("nan")), "Clutch.pitch"),
         (lambda: Clutch(tooth=float("inf")), "Clutch.tooth"),
+        (lambda: Clutch(second=1.0, pitch=0.05), "keeps the chain taut"),
+        (lambda: Clutch(second=-1.0), "Clutch.second"),
+        (lambda: Spring(hardening=3.0, clutch=Clutch(second=1.0)), "a stiffness alone"),
         (lambda: Clutch(damper="hip"), "'spring' or 'joint'"),
         (lambda: Spring(rest=0.9, clutch=Clutch()), "never switched"),
         (lambda: bounding(load("q_spear"), BOUND, late(0.004)), "Spring.clutch"),

@@ -72,8 +72,8 @@ class TestSpring:
         mount = Mount("knee", Spring(stiffness=20.0), rest="rest", taut="taut")
         held, slack = {"taut": 1.0}, {"taut": 0.0}
         assert mount.pull(mount.spring, 0.3, held, np) == pytest.approx(-20.0 * 0.3)
-        assert mount.energy(0.3, held) == pytest.approx(0.5 * 20.0 * 0.3**2)
-        assert mount.pull(mount.spring, 0.3, slack, np) == mount.energy(0.3, slack) == 0.0
+        assert mount.energy(1.2, 0.9, held) == pytest.approx(0.5 * 20.0 * 0.3**2)
+        assert mount.pull(mount.spring, 0.3, slack, np) == mount.energy(1.2, 0.9, slack) == 0.0
         assert replace(mount, taut=None).pull(mount.spring, -0.3, {}, np) == pytest.approx(20.0 * 0.3)
 
     def test_latches_the_knee_at_touchdown(self, hops):

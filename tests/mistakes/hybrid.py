@@ -82,9 +82,10 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/domain",
-        ["hybrid/test_torques", "hybrid/test_ledger", "gaits/test_bounding"],
+        ["hybrid/test_torques", "hybrid/test_ledger", "gaits/test_bounding", "gaits/test_clutches"],
         {
             "a slack spring acts and stores energy": ("else held[self.taut] * value", "else value"),
+            "a second spring that loses what it stores": (" + held[self.on] * bridged)", ")"),
         },
     ),
     *mistakes_in(

@@ -170,13 +170,14 @@ class Flow:
         damped = 0.0
         self._pulls, self._passive = [], self._zeros.copy()
         for mount, rest in self._springs:
-            stretch, slope = mount.along.length(self._posture) - rest, mount.along.slope(self._posture)
-            rate = slope.rate(rates)
+            length, slope = mount.along.length(self._posture), mount.along.slope(self._posture)
+            stretch, rate = length - rest, slope.rate(rates)
             if mount.name in self.own.springs:
                 force, drag = self.own.spring(mount, stretch, rate, self.held)
             else:
                 drag = mount.drag(mount.spring, rate, self.held)
                 force = mount.pull(mount.spring, stretch, self.held, FLOATS)
+                force += mount.idle(mount.spring, length, self.held)
             for index, lever in slope.items():
                 self._passive[index] += lever * (force + drag)
             damped += drag * rate

@@ -288,9 +288,10 @@ class Motion:
         for mount in self.domain.mounts:
             what = f"spring of {mount.name!r} in domain {self.domain.name!r}"
             spring, path = numbered(mount, self.system, self.numbers.springs)
-            stretch = path.length(here) - rest_length(mount, spring, path, robot, self.held, posed)
+            length, slope = path.length(here), path.slope(here)
+            stretch = length - rest_length(mount, spring, path, robot, self.held, posed)
             force = self._asked(what, spring.torque, mount.pull, (spring, stretch, self.held, self.ops))
-            slope = path.slope(here)
+            force = plus(force, mount.idle(spring, length, self.held))
             drag = self._asked(what, spring.drag, mount.drag, (spring, slope.rate(self.v), self.held))
             found.append(Pull(mount.name, stretch, force, drag, slope))
         return found
