@@ -33,6 +33,12 @@ class Clutch:
             N·m/rad or N/m; 0 for none. The closed switch bridges it. Then neither engaging nor bridging costs energy;
             releasing costs what the two springs lose as they come to the same pull.
         slack: length of the path at which both springs are without pull, in rad or m.
+
+    Example:
+        >>> from spear_pin import Clutch, Spring, hopping, load
+        >>> late = Spring(clutch=Clutch(on_delay=0.004, off_delay=0.004, damper="joint"))
+        >>> hopping(load("spear_ii"), spring=late).spring.clutch.on_delay
+        0.004
     """
 
     on_delay: float = 0.0

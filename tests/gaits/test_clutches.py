@@ -99,6 +99,7 @@ def test_an_ideal_switch_is_that_of_the_plain_spring(clutch):
         np.testing.assert_allclose(gait.multipliers, plain.multipliers, atol=1e-7)
 
 
+@pytest.mark.extra("heyoka")
 def test_a_late_switch_of_a_hip_and_knee_spring_in_lanes():
     path = Joints({"knee": 0.03, "hip": -0.006})
     spring = Spring(48.84 / 9e-4, damping=1.3 / 9e-4, path=path, clutch=Clutch(0.004, 0.003, damper="joint"))

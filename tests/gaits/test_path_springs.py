@@ -74,6 +74,7 @@ class TestHop:
         hop = simulate(hops[name].system, hops[name].state, cycles=2)
         assert np.abs(hop.ledger.residual).max() < 1e-8
 
+    @pytest.mark.extra("heyoka")
     def test_of_lanes_is_that_of_the_reference(self, hops, name):
         gait = hops[name]
         q, v = (np.repeat(part[None], 3, axis=0) for part in gait.state)
