@@ -55,6 +55,9 @@ class Slope(dict[int, Any]):
 
     def rate(self, v: Sequence[Any]) -> Any:
         """Returns the rate of the length."""
+        if len(self) == 1:
+            ((i, value),) = self.items()
+            return times(value, v[i])
         first, *others = [times(value, v[i]) for i, value in self.items()]
         return sum(others, first)
 

@@ -17,7 +17,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import SLIPS, constrained, imposed, solve
-from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
+from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
@@ -30,7 +30,7 @@ from spear_pin.hybrid.soundness import Latched
 from spear_pin.hybrid.springs import Pull, rest_length, stretch_of, torque_on
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
-from spear_pin.model.path import Path
+from spear_pin.model.path import Joints, Path, Slope
 from spear_pin.model.posture import RobotPosture
 
 
@@ -98,10 +98,11 @@ class Flow:
         self._at: tuple[float, Array] | None = None
         robot, mounts = self.system.robot, self.domain.mounts
         lengths = [rest_length(mount, mount.spring, mount.along, robot, self.held, self._posed) for mount in mounts]
-        self._springs = list(zip(mounts, lengths, strict=True))
+        levers = [_levers(mount, self._posture) for mount in mounts]
+        self._springs = list(zip(mounts, lengths, levers, strict=True))
         self.knots = [
             partial(self._beyond, mount.along, length + knot)
-            for mount, length in self._springs
+            for mount, length, _ in self._springs
             for knot in mount.spring.knots
         ]
 
@@ -160,7 +161,6 @@ class Flow:
                 raise ValueError(str(error)) from None  # there is no derivative at this state
             self._data.M[row, row] += inertia
             self._data.nle[row] += 0.5 * bend * v[row] ** 2
-        self._posture.at(q)
         angles, rates = q.tolist(), v.tolist()
         rubbed = 0.0
         if self._has_friction:  # before the law, which may use forces
@@ -169,9 +169,17 @@ class Flow:
             rubbed = float(self.friction @ v)
         damped = 0.0
         self._pulls, self._passive = [], self._zeros.copy()
-        for mount, rest in self._springs:
-            length, slope = mount.along.length(self._posture), mount.along.slope(self._posture)
-            stretch, rate = length - rest, slope.rate(rates)
+        for mount, rest, levers in self._springs:
+            if levers is None:
+                self._posture.at(q)
+                slope, length = mount.along.slope(self._posture), mount.along.length(self._posture)
+                rate = slope.rate(rates)
+            else:
+                slope, length, rate = levers, 0.0, 0.0
+                for index, lever in levers.items():
+                    length += lever * angles[index]
+                    rate += lever * rates[index]
+            stretch = length - rest
             if mount.name in self.own.springs:
                 force, drag = self.own.spring(mount, stretch, rate, self.held)
             else:
@@ -437,3 +445,8 @@ class Flow:
             return rows, drifts
         turn = self._ground.seen_in
         return [np.array(turn(row)) for row in rows], [np.array(turn(drift)) for drift in drifts]
+
+
+def _levers(mount: Mount, posture: RobotPosture) -> Slope | None:
+    """Returns the slope of a path whose length is a weighted sum of angles; None for any other, whose slope changes."""
+    return mount.along.slope(posture) if isinstance(mount.along, Joints) else None
