@@ -148,10 +148,15 @@ def _system(arguments: argparse.Namespace, robot: Robot, usual: HybridSystem | N
     from dataclasses import replace
 
     from spear_pin import Clutch, Ground, HoppingLaw, Spring, hopping
-    from spear_pin.model.clutch import JOINT
+    from spear_pin.model.clutch import DELAYS, JOINT
 
     law, springs = (HoppingLaw(), {"knee": Spring()}) if usual is None else (usual.law, usual.springs)
     first, spring = next(iter(springs.items()))
+    for name in SPRING if spring.path is not None else ():
+        if (value := getattr(arguments, name)) is not None:
+            raise BadValue(
+                f"--{name}", value, f"no number of the spring {first!r}, which is on a path: give it in the file"
+            )
     given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
     lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or usual is not None else None
     law = replace(
@@ -160,9 +165,10 @@ def _system(arguments: argparse.Namespace, robot: Robot, usual: HybridSystem | N
     if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
         law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
     spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
-    if arguments.switch_delay or arguments.tooth:
-        delay = arguments.switch_delay or 0.0
-        spring = replace(spring, clutch=Clutch(delay, delay, pitch=arguments.tooth or 0.0, damper=JOINT))
+    late = {} if arguments.switch_delay is None else dict.fromkeys(DELAYS, arguments.switch_delay)
+    late |= {} if arguments.tooth is None else {"pitch": arguments.tooth}
+    if any(late.values()):
+        spring = replace(spring, clutch=replace(spring.clutch or Clutch(damper=JOINT), **late))
     friction = {} if arguments.friction is None else {"friction": arguments.friction}
     return hopping(robot, law, {**springs, first: spring}, ground=Ground(slope=arguments.slope, **friction))
 

@@ -95,6 +95,7 @@ def bounding(
         guess=lambda: _guess(robot, law, as_ground(contact)),
         measures=_MEASURES,
         phase_limit=LONGEST * scale_of(robot).time,
+        sprung=True,
     )
 
 

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 
 FORMAT = "spear_pin gait 1"
+KNEE = "knee"  # name of a spring that is given without one
 DEEPEST = 10  # lists in lists of a number of a law
 KINDS: dict[str, tuple[Callable[..., HybridSystem], type]] = {
     "hopping": (hopping, HoppingLaw),
@@ -268,7 +269,8 @@ def _numbers(name: str, values: Any, count: int | None = None) -> NDArray[np.flo
 def _parts(system: HybridSystem) -> dict[str, Any]:
     """Returns law, springs and contact, as a file has them."""
     springs = {name: spring_data(spring) for name, spring in system.springs.items()}
-    named = {"spring": next(iter(springs.values()))} if len(springs) == 1 else {"springs": springs}
+    alone = not system.sprung or [*springs] == [KNEE]
+    named = {"spring": next(iter(springs.values()))} if alone else {"springs": springs}
     return {"law": asdict(system.law), **named, "contact": asdict(system.contact)}
 
 

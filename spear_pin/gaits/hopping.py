@@ -217,7 +217,7 @@ def hopping(
         robot: SPEAR-II, with boom_x locked or free, or another leg as `spear_pin.monopod` cuts it.
         law: parameters of the controller; for another leg those of `HoppingLaw.scaled`.
         spring: the knee spring, or several by name, each on the joint of its name or on its own path; for another leg
-            that of `Spring.scaled`.
+            that of `Spring.scaled`. If one of them is fixed, the motors balance in flight all that are engaged.
         contact: friction of level ground.
         ground: the ground, instead of `contact`.
 
@@ -246,7 +246,7 @@ def hopping(
 
     imitated = "taut" in {mount.taut for mount in springs.mounts}
     if law.virtual_stiffness and not imitated:
-        expected = "0 unless there is a spring at the knee, which it follows"
+        expected = "0 unless the first spring is at the knee, and its switch is ideal"
         raise BadValue("HoppingLaw.virtual_stiffness", law.virtual_stiffness, expected)
 
     def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
@@ -298,6 +298,7 @@ def hopping(
         measures=_MEASURES,
         phase_limit=LONGEST * time,
         shortest_flight=SHORTEST_FLIGHT * time,
+        sprung=True,
     )
 
 

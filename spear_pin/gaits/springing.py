@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
+from spear_pin.errors import BadValue
 from spear_pin.hybrid.clutch import acting
 from spear_pin.hybrid.domain import ENGAGES, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
 from spear_pin.hybrid.dual import ARRAYS
@@ -139,6 +140,20 @@ def springing(robot: Robot, springs: Springs) -> Springing:
     return Springing(robot, springs, tuple(_mounted(name, name, path, springs) for name, path in _paths(springs)))
 
 
+def springing_in_space(robot: Robot, springs: Springs, leg: Kneed) -> Springing:
+    """Returns how the springs of a leg in space act: at the knee, or on another joint if they pull and push.
+
+    Raises:
+        UnknownName: there is no joint of a name.
+        BadValue: a spring is on a path, which its left and right would not have alike, or a switch is not ideal.
+    """
+    for name, spring in springs.items():
+        refuse_unusual(spring)
+        if name != KNEE and spring.unilateral:
+            raise BadValue(f"unilateral of the spring {name!r}", True, "False in space, for a spring not at the knee")
+    return springing_of(robot, springs, leg)
+
+
 def springing_of(robot: Robot, springs: Springs, leg: Kneed) -> Springing:
     """Returns how the springs of one leg of several act, whose paths name parts such as `knee`, `hip` and `shank`.
 
@@ -168,7 +183,7 @@ def _mounted(mount: str, name: str, path: Path, springs: Springs) -> Mount:
         tooth = f"{mount}_tooth" if clutch.pitch else None
         held = f"{mount}_rest", f"{mount}_taut"
         return Mount(mount, spring, *held, path, of=name, on=f"{mount}_on", tooth=tooth)
-    if path == Joints({KNEE: 1.0}):  # the motor of a single leg may imitate it
+    if mount == name == KNEE and path == Joints({KNEE: 1.0}):  # the motor of a single leg may imitate it
         return Mount(mount, spring, "knee_touchdown", "taut", path, of=name)
     rest = f"{mount}_rest" if spring.rest is None else spring.rest
     return Mount(mount, spring, rest, f"{mount}_taut", path, of=name)

@@ -76,6 +76,7 @@ class HybridSystem:
         changes: changes to the system that `build` repeats with other numbers, see `parameters.changed`.
         made: fields as they were when the system was made, which reveals replaced fields, and `builder`, which made
             the system before all changes.
+        sprung: whether `build` takes springs by name, and not one spring only.
     """
 
     kind: str
@@ -98,6 +99,7 @@ class HybridSystem:
     hardware: Hardware | None = None
     changes: tuple[Callable[[HybridSystem], HybridSystem], ...] = field(default=(), repr=False)
     made: Mapping[str, Any] = field(default_factory=dict, repr=False, compare=False)
+    sprung: bool = False
 
     def __post_init__(self) -> None:
         if self.made.get("build") is not self.build:  # a system with another builder is as that builder makes it
@@ -117,13 +119,19 @@ class HybridSystem:
 
     @property
     def spring(self) -> Spring:
-        """The first of the springs."""
+        """The first of the springs.
+
+        Raises:
+            BadValue: the system has none.
+        """
+        if not self.springs:
+            raise BadValue("HybridSystem.springs", self.springs, "a spring at least")
         return next(iter(self.springs.values()))
 
     @property
     def parts(self) -> dict[str, Any]:
-        """The arguments of the builder besides the robot: law, spring and contact; several springs by name."""
-        springs: Any = self.springs if len(self.springs) > 1 else next(iter(self.springs.values()), None)
+        """The arguments of the builder besides the robot: law, spring or springs by name, and contact."""
+        springs: Any = self.springs if self.sprung else next(iter(self.springs.values()), None)
         return {"law": self.law, "spring": springs, "contact": self.contact}
 
     @cached_property

@@ -12,6 +12,7 @@ from spear_pin.hybrid.automaton import REPLACED, HybridSystem
 from spear_pin.hybrid.ground import PLACE
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
+from spear_pin.model.clutch import OF_CLUTCHES
 from spear_pin.model.numbers import body_numbers
 from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
@@ -20,15 +21,15 @@ from spear_pin.model.spring import Spring
 from spear_pin.model.springs import unit_of
 from spear_pin.model.variants import PARAMETERS, parameters_of, value_of, vary
 
-SPRING = "spring "  # begins the part that is one of the springs
+OF_SPRING = "spring "  # begins the part that is one of the springs
 Change = Callable[[HybridSystem], HybridSystem]
 LIMITS = ("phase_limit", "shortest_flight", "overlap")
 OF_GROUND = {"friction": "1", "slope": "rad", "height": "m"}
 
 
 def left_out_at_zero(name: str) -> bool:
-    """Tells whether the equations leave a number out where it is zero: one of springs, or of the ground's place."""
-    return name in OF_SPRINGS or name in PLACE or "." in name
+    """Tells whether the equations leave a number out where it is zero: of springs, switches and the ground's place."""
+    return name in OF_SPRINGS or name in OF_CLUTCHES or name in PLACE or "." in name
 
 
 def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
@@ -44,9 +45,9 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
     for name, value in values.items():
         place = _owner(system, name)
         parts[place.part] = place.given(parts.get(place.part, whole[place.part]), value)
-    springs = {each: parts.pop(SPRING + each) for each in system.springs if SPRING + each in parts}
+    springs = {each: parts.pop(OF_SPRING + each) for each in system.springs if OF_SPRING + each in parts}
     if springs:
-        parts["spring"] = {**system.springs, **springs} if len(system.springs) > 1 else springs.popitem()[1]
+        parts["spring"] = {**system.springs, **springs} if system.sprung else springs.popitem()[1]
     return rebuilt(system, **parts)
 
 
@@ -62,7 +63,7 @@ def rebuilt(system: HybridSystem, robot: Robot | None = None, **parts: Any) -> H
         BadValue: its domains were replaced, and not by `changed`, so that they are not defined for other numbers.
     """
     kept = replaced(system)
-    if isinstance(own := parts.get("spring"), Spring) and len(system.springs) > 1:
+    if isinstance(own := parts.get("spring"), Spring) and system.sprung:
         first, *others = system.springs.items()
         parts["spring"] = dict([(first[0], own), *others])
     again = system.build(system.robot if robot is None else robot, **system.parts | parts)
@@ -215,7 +216,7 @@ class _Place(NamedTuple):
 
 def _parts(system: HybridSystem) -> dict[str, Any]:
     """Returns the parts with numbers: law, each spring, and ground or contact."""
-    springs = {f"{SPRING}{name}": spring for name, spring in system.springs.items()}
+    springs = {f"{OF_SPRING}{name}": spring for name, spring in system.springs.items()}
     return {"law": system.law, **springs, "contact": system.ground}
 
 
@@ -243,7 +244,7 @@ def _places(system: HybridSystem) -> dict[str, dict[str, _Place]]:
     """Returns where each part has its numbers, by their names."""
     found, first = dict[str, dict[str, _Place]](), next(iter(system.springs), "")
     for part, whole in _parts(system).items():
-        spring = part.removeprefix(SPRING)
+        spring = part.removeprefix(OF_SPRING)
         before = f"{spring}." if spring not in (part, first) else ""
         own: dict[str, _Place] = {}
         for field in fields(whole):
@@ -260,7 +261,8 @@ def _places(system: HybridSystem) -> dict[str, dict[str, _Place]]:
 
 
 def _numeric(owner: Any, name: str) -> bool:
-    return name not in ("path", "clutch") and not isinstance(getattr(owner, name), (bool, str, tuple))
+    nested = isinstance(owner, Spring) and name in ("path", "clutch")
+    return not nested and not isinstance(getattr(owner, name), (bool, str, tuple))
 
 
 @typed

@@ -227,7 +227,8 @@ class _Runner:
         held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, place_of, begins=begins, clock=clock)
         if switched := {edge.mount.name for edge in reset.edges}:
             stored = [in_springs(self.system, self.flow.domain, each, self.y, switched) for each in (held, old)]
-            work["released"] = work.get("released", 0.0) + stored[0] - stored[1]
+            if stored[0] != stored[1]:
+                work["released"] = work.get("released", 0.0) + stored[0] - stored[1]
         domain = self.flow.domain.name
         self.run.events.append(Event(name, self._now(), domain, q.copy(), before, v.copy(), impulse, work))
         for flow, energy in work.items():

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import Domain
+from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.filippov import flow_of
 from spear_pin.hybrid.result import Segment
-from spear_pin.model.posture import spanned
+from spear_pin.model.robot_posture import spanned
 
 NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "current", "reference")
 
@@ -37,6 +37,7 @@ class Sampler:
         self._system, self._least = system, least
         self._phase: list[Segment] = []  # segments of the present phase
         self._columns = {name: array("d") for name in NUMERIC}  # flat: a list of rows takes five times the memory
+        self._held: list[Held] = []  # of each segment
         self._parts: list[tuple[Domain, int, int]] = []  # domain, cycle and number of samples of each segment
 
     def add(self, segment: Segment) -> None:
@@ -57,11 +58,7 @@ class Sampler:
         numbers = {
             name: np.asarray(column).reshape(shapes.get(name, (n, -1))) for name, column in self._columns.items()
         }
-        robot = self._system.robot
-        mounted = [
-            {joint for mount in domain.mounts if mount.spring.pulls for joint in spanned(mount.along, robot)}
-            for domain in domains
-        ]
+        mounted = [self._engaged(*part) for part in zip(domains, self._held, strict=True)]
 
         def spread(values: Sequence[Any], kind: type) -> NDArray[Any]:
             return np.repeat(np.array(values, dtype=kind), counts, axis=0)
@@ -72,6 +69,12 @@ class Sampler:
             "phase": spread([domain.phase for domain in domains], str),
             "cycle": spread(cycles, np.int64),
         }
+
+    def _engaged(self, domain: Domain, held: Held) -> set[str]:
+        """Returns the names of the coordinates on which springs are engaged."""
+        mounts = [mount for mount in domain.mounts if mount.on is None or held[mount.on] == 1.0]
+        robot = self._system.robot
+        return {joint for mount in mounts if mount.spring.pulls for joint in spanned(mount.along, robot)}
 
     def _sample_phase(self) -> None:
         moving = [segment for segment in self._phase if segment.pieces]
@@ -113,3 +116,4 @@ class Sampler:
         columns["q"].frombytes(states[:, : robot.nq].tobytes())
         columns["v"].frombytes(states[:, robot.nq : robot.nq + robot.nv].tobytes())
         self._parts.append((segment.domain, segment.cycle, len(times)))
+        self._held.append(segment.held)

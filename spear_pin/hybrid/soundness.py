@@ -9,8 +9,8 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.contact import CONTACTS, OPEN, PINNED
 from spear_pin.hybrid.domain import Domain, Held, Latch, Mount, Reset
 from spear_pin.hybrid.reasons import REASONS
-from spear_pin.model.posture import spanned
 from spear_pin.model.robot import Robot
+from spear_pin.model.robot_posture import spanned
 
 
 class Latched(dict[str, Any]):

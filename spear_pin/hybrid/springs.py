@@ -11,8 +11,8 @@ from spear_pin.hybrid.domain import Held, Mount
 from spear_pin.hybrid.fields import with_fields
 from spear_pin.model.clutch import OF_CLUTCHES
 from spear_pin.model.path import Path, Posture, Slope
-from spear_pin.model.posture import spanned
 from spear_pin.model.robot import Robot
+from spear_pin.model.robot_posture import spanned
 from spear_pin.model.scalars import plus
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.spring import Spring
@@ -108,7 +108,9 @@ def rest_length(mount: Mount, spring: Spring, path: Path, robot: Robot, held: He
         return clutch.tooth + clutch.pitch * held[mount.tooth]
     latched, names = held[mount.rest], spanned(mount.along, robot)
     values = dict(zip(names, latched if isinstance(latched, tuple) else (latched,), strict=True))
-    length = path.length(posed([values.get(name, 0.0) for name in robot.coordinates]))
+    some = next(iter(values.values()))
+    zero = some - some  # of the same kind
+    length = path.length(posed([values.get(name, zero) for name in robot.coordinates]))
     if clutch is None:
         return length
     if mount.chained:  # the second spring keeps the stretch that it has as the switch closes

@@ -12,7 +12,7 @@ from spear_pin.hybrid.domain import Domain, Held, Mount
 from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.hybrid.own import asked, is_own, number
 from spear_pin.hybrid.springs import rest_length
-from spear_pin.model.posture import RobotPosture
+from spear_pin.model.robot_posture import RobotPosture
 
 
 def in_springs(

@@ -140,6 +140,8 @@ def _springs(said: Sidecar, path: Path, legs: Sequence[Leg]) -> dict[str, Spring
     for name in sorted(said.springs, key=lambda name: name != "knee"):
         with blaming(path, f"springs.{name}"):
             along, others = path_of(said.springs[name])
+        if along is not None and name in ("knee", *knees):
+            raise BadFile(path, f"springs.{name} has a path; expected a name of its own for a spring on a path")
         if name != "knee" and name not in knees and along is None:
             also = "or a path in its table"
             raise BadFile(path, f"springs: {UnknownName('knee', name, ['knee', *knees], also)}")

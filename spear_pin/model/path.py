@@ -18,6 +18,7 @@ from spear_pin.model.scalars import dot, plus, times
 from spear_pin.model.vectors import Vector, subtract
 
 AXES = "x", "y", "z"
+ALIKE = 1e-9  # m: by how much a distance that stays the same may change
 D = TypeVar("D")
 
 
@@ -76,6 +77,16 @@ class Path(ABC):
     @abstractmethod
     def indices(self, posture: Posture) -> list[int]:
         """Returns the indices of the coordinates on which the length depends, in their order."""
+
+    def check(self, postures: Sequence[Posture]) -> None:
+        """Checks what only a robot shows, at some of its postures.
+
+        Raises:
+            UnknownName: there is no joint, or no frame, of a name.
+            BadValue: the path does not fit the robot.
+        """
+        for posture in postures:
+            self.indices(posture)
 
     @property
     @abstractmethod
@@ -145,8 +156,9 @@ class Joints(Path):
         """Checks the weights."""
         pairs = self.weights.items() if isinstance(self.weights, Mapping) else self.weights
         object.__setattr__(self, "weights", tuple((str(joint), weight) for joint, weight in pairs))
-        if not self.weights:
-            raise BadValue("Joints.weights", self.weights, "a weight for each of one or more joints")
+        names = [joint for joint, _ in self.weights]
+        if not names or len({*names}) < len(names):
+            raise BadValue("Joints.weights", self.weights, "a weight for each of one or more joints, each joint once")
         for joint, weight in self.weights:
             require(f"Joints.weights[{joint!r}]", weight, lambda number: abs(number) > 0, "a number other than zero")
 
@@ -362,6 +374,19 @@ class Over(_Anchored):
         """Returns the path over another pulley."""
         return _unchecked(super().with_numbers(numbers), radius=numbers.get("radius", self.radius))
 
+    def check(self, postures: Sequence[Posture]) -> None:
+        """Checks that the ends keep their distances from the centre, and are outside the pulley."""
+        for name, arm in (("start", 0), ("end", 1)):
+            points = [self._arms(posture)[arm][0] for posture in postures]
+            lengths = [math.hypot(x, z) for x, z in points]
+            if min(lengths) <= self.radius:
+                raise BadValue(
+                    f"Over.{name}", getattr(self, name), f"a point farther than the radius {self.radius:g} m"
+                )
+            if max(lengths) - min(lengths) > ALIKE:
+                expected = "a point that keeps its distance from the pulley's centre as joints move"
+                raise BadValue(f"Over.{name}", getattr(self, name), expected)
+
     def on(self, names: Mapping[str, str], side: float = 1.0) -> Self:
         """Returns the path over a pulley of another body."""
         return _unchecked(super().on(names, side), side=side * self.side)
@@ -483,6 +508,13 @@ class Sum(Path):
         object.__setattr__(self, "parts", tuple((weight, path) for weight, path in self.parts))
         if not self.parts or not all(isinstance(path, Path) for _, path in self.parts):
             raise BadValue("Sum.parts", self.parts, "pairs of a weight and a path")
+        for weight, _ in self.parts:
+            require("Sum.weight", weight, lambda number: abs(number) > 0, "a number other than zero")
+
+    def check(self, postures: Sequence[Posture]) -> None:
+        """Checks the parts."""
+        for _, path in self.parts:
+            path.check(postures)
 
     def length(self, posture: Posture) -> Any:
         """Returns Σ w s."""

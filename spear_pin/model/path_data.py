@@ -36,7 +36,8 @@ def path_data(path: Path) -> dict[str, Any]:
         pulley = {**_anchored(path.centre), "radius": path.radius, "side": path.side}
         return {"from": _anchored(path.start), "over": pulley, "to": _anchored(path.end)}
     if isinstance(path, Linked):
-        return {"linkage": {name: getattr(path, name) for name in LINKAGE}}
+        turned = {"side": path.turned * path.side, "zero": path.turned * path.zero}
+        return {"linkage": {name: getattr(path, name) for name in LINKAGE} | turned}
     if isinstance(path, Sum):
         return {"sum": [{"weight": weight, **path_data(part)} for weight, part in path.parts]}
     raise BadValue("path", path, "one of the package's, to be kept in a file")

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from spear_pin.errors import BadValue
 from spear_pin.model.cut import Turn
 from spear_pin.model.gears import Gear
 from spear_pin.model.motor import Motor
@@ -52,6 +53,23 @@ class Settings:
         springs |= {name: _together(spring, count) for name, spring in self.springs.items() if spring.path is not None}
         motors, efficiencies, gears = (_alike(each, angles) for each in (self.motors, self.efficiencies, self.gears))
         return Settings(self.path, springs=springs, motors=motors, efficiencies=efficiencies, gears=gears)
+
+
+def refuse_special(robot: Any, what: str) -> None:
+    """Refuses a robot whose file gives it springs on paths or switches that are not ideal.
+
+    Args:
+        robot: the robot.
+        what: what does not take them, in words.
+
+    Raises:
+        BadValue: it has such a spring.
+    """
+    springs = {} if robot.settings is None else robot.settings.springs
+    special = [name for name, spring in springs.items() if spring.path is not None or spring.clutch is not None]
+    if special:
+        expected = f"only springs at knees that switch at once, which {what}"
+        raise BadValue("springs of the file", ", ".join(special), expected)
 
 
 def _alike(of_joints: Mapping[str, Any], angles: Mapping[str, Sequence[Turn]]) -> dict[str, Any]:

@@ -115,6 +115,44 @@ def test_a_late_switch_of_a_hip_and_knee_spring_in_lanes():
         np.testing.assert_allclose(lanes.v[i], last.v, atol=1e-8)
 
 
+@pytest.mark.extra("heyoka")
+@pytest.mark.parametrize("name", ["on_delay", "off_delay", "tooth"])
+def test_lanes_that_begin_at_zero(name):
+    """What is zero is left out of the equations, so that other lanes need others."""
+    clutch = (
+        Clutch(0.004, 0.004, pitch=0.05, damper="joint") if name == "tooth" else Clutch(damper="joint", off_delay=0.004)
+    )
+    gait = found(Spring(clutch=replace(clutch, **{name: 0.0})))
+    values = np.array([0.0, 0.002, 0.004])
+    q, v = (np.repeat(part[None], 3, axis=0) for part in gait.state)
+    lanes = simulate_many(gait.system, q, v, rtol=1e-12, parameters={name: values})
+    for i, value in enumerate(values):
+        last = simulate(with_numbers(gait.system, {name: value}), gait.state, cycles=1, rtol=1e-12).named("touchdown")[
+            -1
+        ]
+        np.testing.assert_allclose(lanes.q[i], last.q, atol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.extra("heyoka")
+@pytest.mark.parametrize("clutch", [Clutch(play=0.1, damper="joint"), Clutch(0.02, 0.001, damper="joint")])
+def test_both_engines_agree_while_the_toe_alternates(clutch):
+    gait = found(Spring(clutch=clutch), replace(LAW, stance_torque=8.0063))
+    run = simulate(gait.system, gait.state, cycles=1, rtol=1e-12)
+    assert "chatter" in run.domain and "chatter" not in {event.domain for event in run.named("switch:knee")}
+    lanes = simulate_many(gait.system, *(part[None] for part in gait.state), rtol=1e-12)
+    np.testing.assert_allclose(lanes.q[0], run.named("touchdown")[-1].q, atol=1e-9)
+
+
+def test_is_engaged_from_one_action_to_the_next():
+    gait = found(late(0.004))
+    run = simulate(gait.system, gait.state, cycles=1)
+    on, off = (event.time for event in run.named("switch:knee"))
+    engaged = run.engaged[:, run.spring_joints.index("knee")]
+    inside = (run.t > on + 1e-9) & (run.t < off - 1e-9)
+    assert engaged[inside].all() and not engaged[(run.t < on - 1e-9) | (run.t > off + 1e-9)].any()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("over", ["on_delay", "play", "pitch", "tooth", "stiffness", "second", "slack"])
 def test_derivative_is_that_of_hops_found_again(over):

@@ -42,6 +42,12 @@ OVER = {
 }
 
 
+LAW, FLIGHT = (
+    HoppingLaw(stance_torque=7.8, hold_extension=True),
+    {"vary": ["stance_torque"], "target": {"flight_time": 0.2}},
+)
+
+
 def unaware(system):
     """The system whose motors do not balance springs in flight."""
     domains = tuple(replace(each, law=flight_law) if each.phase == "flight" else each for each in system.domains)
@@ -49,9 +55,9 @@ def unaware(system):
 
 
 def hop(name, **options):
-    system = hopping(LEG, HoppingLaw(stance_torque=7.8, hold_extension=True), SPRINGS[name])
+    system = hopping(LEG, LAW, SPRINGS[name])
     system = changed(system, unaware) if name == "hip" else system
-    return find_gait(system, ["stance_torque"], {"flight_time": 0.2}, **options)
+    return find_gait(system, **FLIGHT, **options)
 
 
 @pytest.fixture(scope="module")
@@ -138,7 +144,37 @@ def test_a_bound_with_springs_at_its_hips():
     assert np.abs(run.ledger.residual).max() < 1e-8
 
 
+@pytest.mark.slow
+@pytest.mark.extra("heyoka")
+def test_a_cable_that_is_latched_in_both_engines():
+    """The joints that do not move it are none of what touchdown latches."""
+    cable = Spring(17000.0, damping=0.0, path=CABLE)
+    gait = find_gait(hopping(LEG, LAW, {"cable": cable, "knee": Spring(0.0, damping=DAMPING)}), **FLIGHT)
+    lanes = simulate_many(gait.system, *(part[None] for part in gait.state), rtol=1e-12)
+    last = simulate(gait.system, gait.state, cycles=1, rtol=1e-12).named("touchdown")[-1]
+    np.testing.assert_allclose(lanes.q[0], last.q, atol=1e-10)
+    assert gait.sensitivity(["cable.end_z"]).state.any()
+
+
+def test_a_fixed_spring_beside_a_switched_one_at_the_knee():
+    fixed = Spring(8.84, damping=0.0, rest=0.5, path=Joints({"knee": 1.0}))
+    gait = find_gait(hopping(LEG, LAW, {"knee": Spring(40.0), "fixed": fixed}), **FLIGHT)
+    run = simulate(gait.system, gait.state, cycles=1)
+    flight = run.phase == "flight"
+    np.testing.assert_allclose(run.spring[flight, 0], -8.84 * (run.q[flight, 2] - 0.5), atol=1e-12)
+    assert abs(run.ledger.residual[0]) < 1e-8
+
+
 class TestNames:
+    def test_of_a_single_spring_stay(self, tmp_path):
+        system = hopping(LEG, LAW, {"hip": Spring(30.0, unilateral=False), "knee": Spring()})
+        alone = hopping(LEG, LAW, {"hip": Spring(30.0)})
+        for each in (system, alone):
+            other = with_numbers(each, {"stiffness": 31.0})
+            assert [*other.springs] == [*each.springs]
+            assert other.spring == replace(each.spring, stiffness=31.0)
+        assert rebuilt(system, spring=Spring(9.0)).springs == {"hip": Spring(9.0), "knee": Spring()}
+
     def test_of_numbers_say_the_spring_and_have_units(self, hops):
         system = hops["cable"].system
         assert number(system, "stiffness") == 17000.0 and unit(system, "stiffness") == "N/m"
@@ -155,7 +191,8 @@ class TestNames:
     def test_are_kept_in_a_file(self, hops, tmp_path):
         for name in ("cable", "biarticular"):
             path = hops[name].save(tmp_path / f"{name}.json")
-            assert Gait.load(path).system.springs == hops[name].system.springs
+            again = Gait.load(path).system.springs
+            assert [*again.items()] == [*hops[name].system.springs.items()]
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -15,8 +16,8 @@ from spear_pin.model.equations import mechanism_of
 from spear_pin.model.frames import frame_id
 from spear_pin.model.linkage import SliderLinkage
 from spear_pin.model.path import Anchor, Between, Joints, Linked, Over, Sum
-from spear_pin.model.path_data import path_of, spring_data
-from spear_pin.model.posture import RobotPosture, spanned
+from spear_pin.model.path_data import path_data, path_of, spring_data
+from spear_pin.model.robot_posture import RobotPosture, spanned
 
 LEG = load("spear_ii", locked=["boom_x"])
 FULL = load("q_spear_full", base="chain")
@@ -173,6 +174,12 @@ class TestNumbers:
         path, others = path_of(json.loads(json.dumps(spring_data(spring))))
         assert path == spring.path and others["stiffness"] == 1000.0
 
+    def test_of_a_mirrored_linkage_are_kept_as_well(self):
+        path, _ = path_of(path_data(LINKAGE.on({}, -1.0)))
+        for knee in (-0.9, 0.4):
+            posture = postures(LEG, (0.5, 0.4, knee))[0]
+            assert path.length(posture) == pytest.approx(LINKAGE.on({}, -1.0).length(posture))
+
     def test_are_in_units_of_the_path(self):
         assert Spring(path=PATELLA).units["stiffness"] == "N/m"
         assert Spring(path=Joints({"hip": 1.0})).units["stiffness"] == Spring().units["stiffness"] == "N·m/rad"
@@ -202,6 +209,11 @@ class TestMirrored:
         (lambda: Over(PULLEY.start, PULLEY.centre, PULLEY.end, 0.03, 2.0), "side"),
         (lambda: Linked("knee", 0.2, 0.1), "rod - crank"),
         (lambda: Sum([]), "a weight and a path"),
+        (lambda: Sum([(math.nan, PATELLA)]), "Sum.weight"),
+        (lambda: Joints([("knee", 0.02), ("knee", 0.01)]), "each joint once"),
+        (lambda: spanned(replace(PULLEY, radius=0.2), LEG), "farther than the radius"),
+        (lambda: spanned(replace(PULLEY, centre=Anchor("hip", (0, 0, 0.3))), LEG), "keeps its distance"),
+        (lambda: spanned(Between(PATELLA.start, Anchor("thigh", (0, 0, 0))), LEG), "whose length changes"),
         (lambda: path_of({"from": {"body": "thigh", "at": [0, 0, 0]}}), "from and to"),
         (lambda: path_of({"path": {"knee": 1.0}, "linkage": {}}), "path, or linkage"),
         (lambda: path_of({"path": 3.0}), "a table"),

@@ -303,6 +303,7 @@ WRONG = {
     "pairs = [['FL', 'FR'], ['HL', 'RH']]": "pairs: unknown leg 'RH'; valid: FL, FR, HL, HR",
     "pairs = [['FL', 'FR'], ['FL', 'FR']]": "['FL', 'FR']]; expected four different legs",
     "springs.hip = {stiffness = 1}": "springs: unknown knee 'hip'; valid: knee, ",
+    "springs.knee = {path = {knee = 1.0}, stiffness = 1}": "springs.knee has a path; expected a name of its own",
     "springs.b = {path = 3, stiffness = 1}": "springs.b.path is 3; expected a table",
     "springs.b = {path = {knee = 0.0}, stiffness = 1}": "Joints.weights['knee'] is 0.0; expected a number other than",
     "springs.b = {from = {body = 'thigh', at = [0, 0, 0]}, stiffness = 1}": "expected path, or linkage, or sum,",

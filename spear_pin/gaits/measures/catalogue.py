@@ -246,7 +246,8 @@ def register(entry: Named) -> None:
 def names_in(system: HybridSystem) -> list[str]:
     """Returns the names of all measures that cycles of a system may have, without those at other events."""
     robot, moves = system.robot, bool(system.cyclic)
-    springs = dict.fromkeys(mount.name for domain in system.domains for mount in domain.mounts)
+    mounts = [mount for domain in system.domains for mount in domain.mounts]
+    springs = dict.fromkeys(mount.name for mount in mounts if mount.spring.pulls)
     places = {"PHASE": system.phases, "EVENT": (), "JOINT": robot.actuated, "TOE": robot.toes}
     found = []
     for each in CATALOGUE:

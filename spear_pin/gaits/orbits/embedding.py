@@ -77,7 +77,8 @@ def embedded(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = No
     law = law or SpatialLaw.scaled(plane.law, robot)
     if law.plane != plane.law:
         raise BadValue("SpatialLaw.plane", law.plane, "the law of the gait, gait.system.law")
-    system = bounding_in_space(robot, law, of_a_leg(plane.spring), plane.contact)
+    springs = {name: of_a_leg(spring) for name, spring in plane.springs.items()}
+    system = bounding_in_space(robot, law, springs, plane.contact)
     touchdown = return_map(plane, gait.state, 1e-12).event(SECTION)
     pairs = pairs_of(robot)
     q, v = placed(robot, pairs, touchdown.q), moving(robot, pairs, touchdown.v_before)

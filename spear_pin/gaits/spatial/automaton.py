@@ -22,7 +22,7 @@ from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
 from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg
 from spear_pin.gaits.spatial.torques import LegLaw, law_of, nominal_start
-from spear_pin.gaits.springing import Springing, springing_of
+from spear_pin.gaits.springing import Springing, springing_in_space
 from spear_pin.gaits.virtual_constraints import progress
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, WAYS, Contact
@@ -97,6 +97,7 @@ def in_groups(
         measures=OF_HALVES if mirrored else MEASURES,
         phase_limit=LONGEST * scale.time,
         overlap=OVERLAP * scale.time,
+        sprung=True,
     )
 
 
@@ -131,7 +132,7 @@ class Automaton:
         Args:
             springs: the springs of each leg.
         """
-        springing = {leg: springing_of(self.robot, springs, leg) for leg in self.legs}
+        springing = {leg: springing_in_space(self.robot, springs, leg) for leg in self.legs}
         for down in product((True, False), repeat=len(self.legs)):
             bearing = tuple(leg for leg, bears in zip(self.legs, down, strict=True) if bears)
             for phase in [self.phase(bearing)] if bearing else [group.flight for group in self.groups]:

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.symbolic import Motion
@@ -44,7 +45,9 @@ class Alternating:
 
         unloaded = replace(between.grounded, contacts=between.airborne.contacts)
         bearing = [toe for toe, _ in closed_toes(system.robot.toes, between.grounded)]
-        leaves, touches = (latched(held, resets, q, v, numbers.law) for resets in ([between.leave], between.touching))
+        clock = Clock(0.0, numbers.springs, system)
+        sides = [between.leave], between.touching
+        leaves, touches = (latched(held, resets, q, v, numbers.law, clock=clock) for resets in sides)
         self._flight = Motion(system, between.airborne, mechanism, 0.0, q, v, leaves, numbers, ops)
         self._stance = Motion(system, unloaded, mechanism, 0.0, q, v, touches, numbers, ops, bearing)
         self._domain = domain

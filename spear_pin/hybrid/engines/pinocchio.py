@@ -31,7 +31,7 @@ from spear_pin.hybrid.springs import Pull, rest_length, stretch_of, torque_on
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
 from spear_pin.model.path import Joints, Path, Slope
-from spear_pin.model.posture import RobotPosture
+from spear_pin.model.robot_posture import RobotPosture
 
 
 class Flow:

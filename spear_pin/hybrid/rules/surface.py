@@ -12,7 +12,7 @@ from typing import Any
 
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
-from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, GuardValue, Held, Reset
+from spear_pin.hybrid.domain import ACTS, Alternation, Crossing, Domain, Guard, GuardValue, Held, Reset
 from spear_pin.hybrid.fields import ADDED
 from spear_pin.hybrid.rules.latching import latched
 
@@ -72,9 +72,14 @@ def chatter(between: Alternation | Crossing, beyond: float = 0.0) -> Domain:
             Guard(leaves, _to_spare(i, 0.0, beyond), alone.leave, tolerance=ON_EDGE),
         ]
         toes.add(alone.toe)
-    lasting = [guard for guard in airborne.guards if guard.reset is None or not toes & {*guard.reset.impact}]
+    lasting = [guard for guard in airborne.guards if guard.reset is None or _lasts(guard.reset, toes)]
     made = replace(airborne, name=CHATTER, guards=(*guards, *lasting))
     return replace(made, between=between) if isinstance(between, Alternation) else replace(made, crossing=between)
+
+
+def _lasts(reset: Reset, toes: set[str]) -> bool:
+    """Tells whether an event may happen while toes alternate; at each touch a late switch is called off."""
+    return not toes & {*reset.impact} and not any(edge.kind == ACTS for edge in reset.edges)
 
 
 def _after(others: Sequence[Reset], reset: Reset) -> Reset:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from spear_pin.errors import BadValue, Infeasible, NoGait
+from spear_pin.errors import Infeasible, NoGait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.optimize import search
 from spear_pin.gaits.request import Request
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
+from spear_pin.model.settings import refuse_special
 from spear_pin.studies.joint_limits import exceeded
 
 SLOWER = (1.0, 0.9, 0.8, 0.65)  # of the speed that is scaled from Q-SPEAR's, in turn: joints may not turn as fast
@@ -63,10 +64,7 @@ def bound_of(
 def springs_of(robot: Robot) -> dict[str, object]:
     """Returns what the robot's own file says about its springs, where both pairs have the same."""
     springs = {} if robot.settings is None else robot.settings.springs
-    special = [name for name, spring in springs.items() if spring.path is not None or spring.clutch is not None]
-    if special:
-        expected = "springs at knees that switch at once, for a bound that is searched for; `bounding` takes others"
-        raise BadValue("springs", ", ".join(special), expected)
+    refuse_special(robot, "a search for bounds takes")
     own, *others = springs.values() if len(springs) == 2 else [None]
     if own is None or others != [own]:
         return {}

@@ -260,7 +260,9 @@ def parameters(side: Side) -> dict[str, Any]:
         return found | ({} if ground is None else {f"ground: {name}": x for name, x in _fields(ground).items()})
     system = side.gait.system
     found["automaton"] = system.kind
-    for part, whole in (("law", system.law), ("spring", system.spring), ("ground", system.ground)):
+    springs = system.springs.items()
+    named = [("spring" if len(springs) == 1 else f"{name} spring", spring) for name, spring in springs]
+    for part, whole in (("law", system.law), *named, ("ground", system.ground)):
         found |= {f"{part}: {name}": value for name, value in _fields(whole).items()}
     for change in system.changes:  # dry friction, hardware
         if is_dataclass(change):

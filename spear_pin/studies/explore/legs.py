@@ -19,6 +19,7 @@ from spear_pin.model.legs import lean
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
+from spear_pin.model.settings import refuse_special
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import PARAMETERS, vary
 from spear_pin.studies.explore.knobs import Knob, Knobs, Origin, Subject
@@ -128,6 +129,7 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
     """
     if "boom_x" in robot.coordinates:
         raise BadValue("robot", robot, 'a leg that hops in place: monopod(..., locked=["boom_x"])')
+    refuse_special(robot, "knobs move")
     scale = scale_of(robot)
     usual = scaled_hopping(robot)
     own = robot.settings is not None and "knee" in robot.settings.springs

@@ -13,6 +13,7 @@ from spear_pin.gaits.request import Request
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
+from spear_pin.model.settings import refuse_special
 from spear_pin.studies.bound import held_by, summarize
 from spear_pin.studies.design import motors_of
 from spear_pin.studies.payoff.figures import Figures, figures
@@ -148,4 +149,5 @@ def bounds(robot: Robot, path: Path, **options: Any) -> Study:
         NoGait, Infeasible, BadFile, BadValue: see `studied`.
         MissingExtra: CasADi, or for several processes joblib, is not installed.
     """
+    refuse_special(robot, "the knees of this study replace")
     return studied(BOUNDS, robot, path, **options)

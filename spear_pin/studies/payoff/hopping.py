@@ -23,6 +23,7 @@ from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
+from spear_pin.model.settings import refuse_special
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import parameters_of, value_of, vary
 from spear_pin.studies.hop_of_another import scaled_hopping
@@ -285,5 +286,6 @@ def hops(robot: Robot, path: Path, *, over: Mapping[str, tuple[float, float]] = 
         NoGait, BadFile, BadValue: see `studied`.
         MissingExtra: heyoka, or for several processes joblib, is not installed.
     """
+    refuse_special(robot, "the knees of this study replace")
     batch.require()
     return studied(Hops(dict(over)), robot, path, **options)

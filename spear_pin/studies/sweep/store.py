@@ -26,7 +26,9 @@ from spear_pin.files import atomic, parse_json, read_bytes, write_text
 from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.hybrid.result import State
 from spear_pin.model.origin import origin
+from spear_pin.model.path_data import spring_data
 from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.sweep.job import Job, Rows
 
@@ -68,7 +70,7 @@ def description(job: Job, chunk: int, n: int, guess: State | None) -> dict[str, 
         "kind": job.kind,
         "builder": f"{job.build.__module__}.{job.build.__qualname__}",
         "robot": fingerprint(job.robot),
-        **{part: asdict(value) for part, value in job.parts.items()},
+        **{part: _said(value) for part, value in job.parts.items()},
         "changes": [
             [f"{type(change).__module__}.{type(change).__qualname__}", asdict(cast(Any, change))]
             for change in job.changes
@@ -83,6 +85,14 @@ def description(job: Job, chunk: int, n: int, guess: State | None) -> dict[str, 
         "rtol": job.rtol,
         "guess": None if guess is None else [np.asarray(part).tolist() for part in guess],
     }
+
+
+def _said(part: Any) -> Any:
+    """Returns law, ground or springs as data; a single spring at the knee as earlier versions did."""
+    if not isinstance(part, Mapping):
+        return spring_data(part) if isinstance(part, Spring) else asdict(part)
+    springs = {name: spring_data(spring) for name, spring in part.items()}
+    return springs["knee"] if [*springs] == ["knee"] else springs
 
 
 def begin(out: Path, described: Mapping[str, Any], resume: bool) -> bool:

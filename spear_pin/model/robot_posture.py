@@ -10,12 +10,14 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.arrays import Array
+from spear_pin.errors import BadValue
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
 from spear_pin.model.path import Path, Point
 from spear_pin.model.robot import Robot
 
 WORLD = "universe"
+TRIED = 3  # postures at which a path is checked
 
 
 class RobotPosture:
@@ -72,9 +74,16 @@ class RobotPosture:
 
 @lru_cache(maxsize=256)
 def spanned(path: Path, robot: Robot) -> tuple[str, ...]:
-    """Returns the names of the coordinates on which a path's length depends, in their order.
+    """Returns the names of the coordinates on which a path's length depends, in their order; checks the path.
 
     Raises:
         UnknownName: there is no such joint or frame.
+        BadValue: the path does not fit the robot, or its length never changes.
     """
-    return tuple(robot.coordinates[i] for i in path.indices(RobotPosture(robot, None)))
+    some = np.random.default_rng(0).uniform(-0.5, 0.5, (TRIED, robot.nv))
+    postures = [RobotPosture(robot, None).at(q) for q in some]
+    path.check(postures)
+    names = tuple(robot.coordinates[i] for i in path.indices(postures[0]))
+    if not names:
+        raise BadValue("path", path, "one whose length changes as joints move")
+    return names
