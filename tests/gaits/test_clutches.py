@@ -14,6 +14,7 @@ from spear_pin.hybrid.domain import ACTS, LEAVES, TOUCHES, Edge
 from spear_pin.hybrid.parameters import number, unit, with_numbers
 from spear_pin.model.clutch import Clutch
 from spear_pin.model.path import Joints
+from tests.slow import slow_but
 
 LEG = load("spear_ii", locked=["boom_x"])
 SERIES, BOUND = load("spear_ii_series", locked=["boom_x"]), Gait.load("long_stride").system.law
@@ -49,8 +50,9 @@ def engaged_at(gait):
     return acts[0].q[2] if acts and acts[0].time < 0.1 else gait.state[0][2]
 
 
-@pytest.mark.parametrize(("delay", "play"), FOUND)
-def test_a_late_switch_with_play(delay, play):
+@pytest.mark.parametrize("case", slow_but(FOUND, (0.004, 0.0)))
+def test_a_late_switch_with_play(case):
+    delay, play = case
     gait = found(late(delay, play))
     torque, knee, stance, work, damping, multipliers = FOUND[delay, play]
     assert gait.parameters["stance_torque"] == pytest.approx(torque, abs=1e-6)
@@ -77,11 +79,13 @@ def test_teeth_that_are_as_far_ahead(delay, play):
     assert simulate(gait.system, gait.state, cycles=1).ledger.residual[0] == pytest.approx(0.0, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_a_switch_that_only_releases_late_hardly_matters():
     gait = found(Spring(clutch=Clutch(off_delay=0.010, damper="joint")))
     assert gait.parameters["stance_torque"] == pytest.approx(7.826198, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_damper_that_engages_late_needs_a_law_that_keeps_the_toe_down():
     gait = found(Spring(clutch=Clutch(0.010, 0.010)), replace(LAW, minimum_force=5.0))
     assert gait.parameters["stance_torque"] == pytest.approx(7.851579, abs=1e-6)
@@ -90,6 +94,7 @@ def test_a_damper_that_engages_late_needs_a_law_that_keeps_the_toe_down():
     np.testing.assert_allclose(gait.multipliers, (-0.409487, 0.236175, 0.063771), atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("clutch", [Clutch(), Clutch(damper="joint"), Clutch(pitch=1e-7)])
 def test_an_ideal_switch_is_that_of_the_plain_spring(clutch):
     plain, gait = found(Spring()), found(Spring(clutch=clutch))

@@ -11,6 +11,7 @@ from spear_pin.gaits.hopping import flight_law
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.parameters import changed, number, rebuilt, unit, with_numbers
 from spear_pin.model.path import Anchor, Between, Joints
+from tests.slow import slow_but
 
 LEG = load("spear_ii", locked=["boom_x"])
 CABLE = Between(Anchor("thigh", (0.03, 0.0, -0.1)), Anchor("shank", (0.012, 0.0, 0.054)))
@@ -60,12 +61,20 @@ def hop(name, **options):
     return find_gait(system, **FLIGHT, **options)
 
 
+class Found(dict):
+    """Hops, each found when it is asked for."""
+
+    def __missing__(self, name):
+        self[name] = hop(name)
+        return self[name]
+
+
 @pytest.fixture(scope="module")
 def hops():
-    return {name: hop(name) for name in SPRINGS}
+    return Found()
 
 
-@pytest.mark.parametrize("name", SPRINGS)
+@pytest.mark.parametrize("name", slow_but(SPRINGS, "biarticular"))
 class TestHop:
     def test_is_that_of_another_program(self, hops, name):
         gait, (torque, state, multipliers) = hops[name], FOUND[name]
@@ -95,6 +104,7 @@ class TestHop:
             np.testing.assert_allclose(lanes.v[i], last.v, atol=1e-7)
 
 
+@pytest.mark.slow
 def test_two_halves_of_a_spring_are_the_spring(hops):
     whole = find_gait(hopping(LEG, HoppingLaw(hold_extension=True)), ["stance_torque"], {"flight_time": 0.2})
     for one, other in zip(whole.state, hops["two halves"].state, strict=True):
@@ -156,6 +166,7 @@ def test_a_cable_that_is_latched_in_both_engines():
     assert gait.sensitivity(["cable.end_z"]).state.any()
 
 
+@pytest.mark.slow
 def test_a_fixed_spring_beside_a_switched_one_at_the_knee():
     fixed = Spring(8.84, damping=0.0, rest=0.5, path=Joints({"knee": 1.0}))
     gait = find_gait(hopping(LEG, LAW, {"knee": Spring(40.0), "fixed": fixed}), **FLIGHT)
@@ -175,8 +186,10 @@ class TestNames:
             assert other.spring == replace(each.spring, stiffness=31.0)
         assert rebuilt(system, spring=Spring(9.0)).springs == {"hip": Spring(9.0), "knee": Spring()}
 
-    def test_of_numbers_say_the_spring_and_have_units(self, hops):
-        system = hops["cable"].system
+    SYSTEM = hopping(LEG, LAW, SPRINGS["cable"])
+
+    def test_of_numbers_say_the_spring_and_have_units(self):
+        system = self.SYSTEM
         assert number(system, "stiffness") == 17000.0 and unit(system, "stiffness") == "N/m"
         assert number(system, "knee.damping") == DAMPING and unit(system, "knee.damping") == "N·m·s/rad"
         assert number(system, "cable.end_z") == 0.054 and unit(system, "cable.end_z") == "m"
@@ -184,10 +197,11 @@ class TestNames:
         assert changed.springs["knee"].damping == 1.0 and changed.spring.stiffness == 1e4
         assert changed.spring.path.end.at[2] == 0.05 and system.spring.path.end.at[2] == 0.054
 
-    def test_that_do_not_exist_are_refused_with_those_that_do(self, hops):
+    def test_that_do_not_exist_are_refused_with_those_that_do(self):
         with pytest.raises(UnknownName, match=r"cable\.end_z"):
-            number(hops["cable"].system, "cable.end_w")
+            number(self.SYSTEM, "cable.end_w")
 
+    @pytest.mark.slow
     def test_are_kept_in_a_file(self, hops, tmp_path):
         for name in ("cable", "biarticular"):
             path = hops[name].save(tmp_path / f"{name}.json")
