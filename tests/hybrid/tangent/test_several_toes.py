@@ -35,7 +35,7 @@ def jumping(on_both, on_one, stiffness, friction):
     def build(robot, law, spring, contact):
         system = standing(contact)
         domains = tuple(replace(each, law=laws.get(each.phase, posed(on_one))) for each in system.domains)
-        return replace(system, robot=robot, law=law, spring=spring, domains=domains, build=build)
+        return replace(system, robot=robot, law=law, springs={"knee": spring}, domains=domains, build=build)
 
     return build(load("q_spear"), HoppingLaw(stance_torque=stiffness), Spring(), Contact(friction))
 
