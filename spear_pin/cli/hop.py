@@ -178,7 +178,8 @@ def _write_system(program: Program, robot: Code, system: HybridSystem, usual: Hy
     from spear_pin import Ground, HoppingLaw, Spring, hopping
     from spear_pin.studies.hop_of_another import scaled_hopping
 
-    law, spring, ground = system.law, system.parts["spring"], system.ground
+    law, ground = system.law, system.ground
+    spring = system.spring if [*system.springs] == ["knee"] else system.springs
     named: dict[str, object] = {} if ground == Ground() else {"ground": ground}
     if usual is None:
         parts = (("law", law, HoppingLaw()), ("spring", spring, Spring()))

@@ -111,6 +111,7 @@ HOPS = (
 @pytest.mark.slow
 def test_hops(capsys, tmp_path, options):
     found, space = lines_of(capsys, "hop", *options, *SHORT, "--out", tmp_path)
+    assert '"knee":' not in found["python"]  # a single spring at the knee needs no name
     gait, trajectory = space["gait"], space["trajectory"]
     assert gait.period == found["period"] and gait.residual == found["residual"]
     assert trajectory.t[-1] == found["shown"][-1] and trajectory.cycles == found["cycles"]
