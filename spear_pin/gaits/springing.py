@@ -116,7 +116,7 @@ class Springing:
         return [(mount, clutch) for mount in self.mounts if (clutch := self.springs[mount.of].clutch) is not None]
 
 
-class Kneed(Protocol):
+class Legged(Protocol):
     """A leg: its name, the names of its joints and of its toe, and the side to which its knee flexes."""
 
     @property
@@ -140,7 +140,7 @@ def springing(robot: Robot, springs: Springs) -> Springing:
     return Springing(robot, springs, tuple(_mounted(name, name, path, springs) for name, path in _paths(springs)))
 
 
-def springing_in_space(robot: Robot, springs: Springs, leg: Kneed) -> Springing:
+def springing_in_space(robot: Robot, springs: Springs, leg: Legged) -> Springing:
     """Returns how the springs of a leg in space act: at the knee, or on another joint if they pull and push.
 
     Raises:
@@ -154,7 +154,7 @@ def springing_in_space(robot: Robot, springs: Springs, leg: Kneed) -> Springing:
     return springing_of(robot, springs, leg)
 
 
-def springing_of(robot: Robot, springs: Springs, leg: Kneed) -> Springing:
+def springing_of(robot: Robot, springs: Springs, leg: Legged) -> Springing:
     """Returns how the springs of one leg of several act, whose paths name parts such as `knee`, `hip` and `shank`.
 
     Raises:

@@ -80,23 +80,19 @@ class Mount:
 
     def idle(self, spring: Spring, length: Any, held: Held) -> Any:
         """Returns the force along the path of the chain while its switch is open: both springs in series."""
-        if self.on is None or spring.clutch is None or not self.chained:
+        clutch: Any = spring.clutch
+        if self.on is None or not spring.chained:
             return 0.0
-        return -(1.0 - held[self.on]) * spring.in_series * (length - spring.clutch.slack)
+        return -(1.0 - held[self.on]) * spring.in_series * (length - clutch.slack)
 
     def energy(self, length: Any, rest: Any, held: Held) -> Any:
         """Returns the energy that the spring stores where its path has a length, in J."""
         energy = self._if_acting(self.spring.energy(length - rest), held)
-        clutch = self.spring.clutch
-        if self.on is None or clutch is None or not self.chained:
+        clutch: Any = self.spring.clutch
+        if self.on is None or not self.spring.chained:
             return energy
         both, bridged = (length - clutch.slack) ** 2 * self.spring.in_series, (rest - clutch.slack) ** 2 * clutch.second
         return energy + 0.5 * ((1.0 - held[self.on]) * both + held[self.on] * bridged)
-
-    @property
-    def chained(self) -> bool:
-        """Tells whether a second spring is in series with it while its switch is open."""
-        return self.spring.clutch is not None and self.spring.clutch.second != 0.0
 
     def _if_acting(self, value: Any, held: Held) -> Any:
         value = value if self.taut is None else held[self.taut] * value

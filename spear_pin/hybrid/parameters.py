@@ -18,7 +18,7 @@ from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.spring import Spring
-from spear_pin.model.springs import unit_of
+from spear_pin.model.springs import places_of, unit_of
 from spear_pin.model.variants import PARAMETERS, parameters_of, value_of, vary
 
 OF_SPRING = "spring "  # begins the part that is one of the springs
@@ -242,21 +242,18 @@ def _owner(system: HybridSystem, name: str) -> _Place:
 
 def _places(system: HybridSystem) -> dict[str, dict[str, _Place]]:
     """Returns where each part has its numbers, by their names."""
-    found, first = dict[str, dict[str, _Place]](), next(iter(system.springs), "")
-    for part, whole in _parts(system).items():
-        spring = part.removeprefix(OF_SPRING)
-        before = f"{spring}." if spring not in (part, first) else ""
-        own: dict[str, _Place] = {}
+    found: dict[str, dict[str, _Place]] = {part: {} for part in _parts(system)}
+    for name, place in places_of(system.springs).items():
+        part = OF_SPRING + place.spring
+        found[part][name] = _Place(part, place.inner or None, place.field)
+    for part, whole in (("law", system.law), ("contact", system.ground)):
         for field in fields(whole):
             value = getattr(whole, field.name)
-            if isinstance(value, Path):
-                own |= {f"{spring}.{number}": _Place(part, field.name, number) for number in value.numbers}
-            elif is_dataclass(value):
+            if is_dataclass(value):
                 inner = [each.name for each in fields(value) if _numeric(value, each.name)]
-                own |= {before + name: _Place(part, field.name, name) for name in inner}
+                found[part] |= {name: _Place(part, field.name, name) for name in inner}
             elif _numeric(whole, field.name):
-                own[before + field.name] = _Place(part, None, field.name)
-        found[part] = own
+                found[part][field.name] = _Place(part, None, field.name)
     return found
 
 

@@ -9,14 +9,13 @@ from spear_pin.errors import UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Held, Mount
 from spear_pin.hybrid.fields import with_fields
-from spear_pin.model.clutch import OF_CLUTCHES
 from spear_pin.model.path import Path, Posture, Slope
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import spanned
 from spear_pin.model.scalars import plus
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.spring import Spring
-from spear_pin.model.springs import Springs
+from spear_pin.model.springs import Springs, places_of
 
 Posed = Callable[[Sequence[Any]], Posture]
 """Returns the posture at a configuration."""
@@ -28,6 +27,7 @@ class Pull(NamedTuple):
     Attributes:
         name: name of its mount.
         stretch: how much longer its path is than at rest, in rad or m.
+        rate: rate of the path's length, in rad/s or m/s.
         force: force along the path, without the damper's, in N·m or N; negative as it pulls.
         drag: the damper's force.
         slope: lever of these forces on each coordinate.
@@ -35,6 +35,7 @@ class Pull(NamedTuple):
 
     name: str
     stretch: Any
+    rate: Any
     force: Any
     drag: Any
     slope: Slope
@@ -42,18 +43,15 @@ class Pull(NamedTuple):
 
 def springs_with(springs: Springs, values: Mapping[str, Any]) -> Springs:
     """Returns springs with other numbers of any kind, by the names of `numbers_of_springs`; those not named stay."""
+    changed: dict[str, dict[str, dict[str, Any]]] = {name: {"": {}, "path": {}, "clutch": {}} for name in springs}
+    for name, place in places_of(springs).items():
+        if name in values:
+            changed[place.spring][place.inner][place.field] = values[name]
     found: dict[str, Spring] = {}
-    for i, (name, spring) in enumerate(springs.items()):
-        before = f"{name}." if i else ""
-        own = {field: values[before + field] for field in OF_SPRINGS if before + field in values}
-        path, clutch = spring.path, spring.clutch
-        if path is not None:
-            numbers = {each: values[f"{name}.{each}"] for each in path.numbers if f"{name}.{each}" in values}
-            path = path.with_numbers(numbers)
-        if clutch is not None:
-            clutch = with_fields(
-                clutch, {each: values[before + each] for each in OF_CLUTCHES if before + each in values}
-            )
+    for name, spring in springs.items():
+        own, of_path, of_clutch = changed[name].values()
+        path = None if spring.path is None else spring.path.with_numbers(of_path)
+        clutch = None if spring.clutch is None else with_fields(spring.clutch, of_clutch)
         found[name] = with_fields(spring, {**own, "path": path, "clutch": clutch})
     return found
 
@@ -113,7 +111,7 @@ def rest_length(mount: Mount, spring: Spring, path: Path, robot: Robot, held: He
     length = path.length(posed([values.get(name, zero) for name in robot.coordinates]))
     if clutch is None:
         return length
-    if mount.chained:  # the second spring keeps the stretch that it has as the switch closes
+    if spring.chained:  # the second spring keeps the stretch that it has as the switch closes
         share = clutch.second / (spring.stiffness + clutch.second)
         return length - share * (length - clutch.slack)
     return plus(length, clutch.play)

@@ -1,10 +1,10 @@
-"""A spring that a linkage compresses as the knee flexes: its torque at the knee, also as a spring's table."""
+"""A slider that a crank pushes: the spring that it compresses, its torque as a table, and its place as a path."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy
@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
+from spear_pin.model.path import Path, Posture, Slope, unchecked
 
 FINE = 1000  # number of angles at which a range is searched for the beginning of the spring
 
@@ -114,3 +115,75 @@ def slider(crank: Any, rod: Any, offset: Any, angle: Any, ops: Any = np) -> tupl
     across = offset - crank * cosine
     beyond = ops.sqrt(rod * rod - across * across)
     return crank * sine + beyond, crank * (cosine - sine * across / beyond)
+
+
+@typed
+@dataclass(frozen=True)
+class Linked(Path):
+    """How far a slider has moved that a rod joins to a crank on a joint, see `SliderLinkage`.
+
+    Attributes:
+        joint: the joint.
+        crank: c, distance from the joint to the pin, in m.
+        rod: r, distance from the pin to the slider, in m.
+        offset: e, distance of the slider's rail from the joint, in m.
+        zero: angle of the joint at which φ is zero, in rad.
+        side: +1 if φ grows with the joint's angle, else -1.
+        turned: -1 if the joint's angle is counted the other way, else 1.
+    """
+
+    joint: str
+    crank: float
+    rod: float
+    offset: float = 0.0
+    zero: float = 0.0
+    side: float = 1.0
+    turned: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Checks the fields."""
+        for name in ("crank", "rod"):
+            require(f"Linked.{name}", getattr(self, name), lambda length: length > 0, "a number > 0, in m")
+        reach = self.rod - self.crank
+        require("Linked.offset", self.offset, lambda e: abs(e) < reach, "a number within ±(rod - crank), in m")
+        require("Linked.zero", self.zero, lambda angle: abs(angle) >= 0, "a finite number, in rad")
+        require("Linked.side", self.side, lambda side: abs(side) == 1, "1 or -1")
+
+    def length(self, posture: Posture) -> Any:
+        """Returns the slider's place s(φ)."""
+        return self._slider(posture)[0]
+
+    def slope(self, posture: Posture) -> Slope:
+        """Returns ds/dφ, with the sign of the side."""
+        return Slope({posture.index(self.joint): self.turned * self.side * self._slider(posture)[1]})
+
+    def indices(self, posture: Posture) -> list[int]:
+        """Returns that of its joint."""
+        return [posture.index(self.joint)]
+
+    @property
+    def numbers(self) -> Mapping[str, Any]:
+        """Crank, rod, offset and the zero."""
+        return {name: getattr(self, name) for name in ("crank", "rod", "offset", "zero")}
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """All lengths in m, the zero in rad."""
+        return {**dict.fromkeys(self.numbers, "m"), "zero": "rad"}
+
+    def with_numbers(self, numbers: Mapping[str, Any]) -> Self:
+        """Returns the path of another linkage."""
+        return unchecked(self, **numbers)
+
+    def on(self, names: Mapping[str, str], side: float = 1.0) -> Self:
+        """Returns the path of the same linkage on another joint."""
+        return unchecked(self, joint=names.get(self.joint, self.joint), turned=side * self.turned)
+
+    @property
+    def turns(self) -> bool:
+        """Tells that the length is none of an angle."""
+        return False
+
+    def _slider(self, posture: Posture) -> tuple[Any, Any]:
+        phi = self.side * (self.turned * posture.angle(self.joint) - self.zero)
+        return slider(self.crank, self.rod, self.offset, phi, posture.ops)

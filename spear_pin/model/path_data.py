@@ -7,7 +7,9 @@ from dataclasses import asdict, fields
 from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.model.path import Anchor, Between, Joints, Linked, Over, Path, Sum
+from spear_pin.model.cable import Anchor, Between, Over
+from spear_pin.model.linkage import Linked
+from spear_pin.model.path import Joints, Path, Sum
 from spear_pin.model.spring import Spring
 
 KEYS = ("path", "from", "to", "over", "linkage", "sum")  # of a spring's table that describe its path

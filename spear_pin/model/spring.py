@@ -16,6 +16,7 @@ from spear_pin.model.clutch import Clutch
 from spear_pin.model.curve import Curve, through
 from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
+from spear_pin.model.scalars import vanishes
 from spear_pin.model.scale import scale_of
 
 STIFFEST = 1e6  # N·m/rad: at a knee as good as rigid
@@ -128,6 +129,11 @@ class Spring:
         return bool(self.stiffness or self.hardening or self.preload or self.table)
 
     # its law, for scalars of any kind in fields and arguments
+
+    @property
+    def chained(self) -> bool:
+        """Tells whether a second spring is in series with it while its switch is open."""
+        return self.clutch is not None and not vanishes(self.clutch.second)
 
     @property
     def in_series(self) -> Any:

@@ -7,7 +7,8 @@ it, `biceps.stiffness`, and so has every number of a path, `biceps.hip`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import fields
+from typing import Any, NamedTuple
 
 from spear_pin.errors import BadValue
 from spear_pin.model.clutch import DELAYS, OF_CLUTCHES
@@ -31,17 +32,44 @@ def springs_by_name(given: Spring | Mapping[str, Spring], first: str) -> Springs
     return springs
 
 
-def numbers_of_springs(springs: Springs) -> dict[str, Any]:
-    """Returns the numbers of springs by name, in their order."""
-    found: dict[str, Any] = {}
+class Place(NamedTuple):
+    """Where a number of springs is.
+
+    Attributes:
+        spring: name of the spring.
+        inner: "path" or "clutch" if it is a number of these, else empty.
+        field: its own name there.
+    """
+
+    spring: str
+    inner: str
+    field: str
+
+    def value(self, spring: Any) -> Any:
+        """Returns the number."""
+        owner = getattr(spring, self.inner) if self.inner else spring
+        return owner.numbers[self.field] if self.inner == "path" else getattr(owner, self.field)
+
+
+def places_of(springs: Springs) -> dict[str, Place]:
+    """Returns where each number of springs is, by its name."""
+    found: dict[str, Place] = {}
     for i, (name, spring) in enumerate(springs.items()):
         before = f"{name}." if i else ""
-        found |= {before + field: getattr(spring, field) for field in UNITS}
+        own = [each.name for each in fields(spring) if each.name not in ("path", "clutch")]
+        plain = [field for field in own if not isinstance(getattr(spring, field), (bool, str, tuple))]
+        found |= {before + field: Place(name, "", field) for field in plain}
         if spring.clutch is not None:
-            found |= {before + field: getattr(spring.clutch, field) for field in OF_CLUTCHES}
+            found |= {before + field: Place(name, "clutch", field) for field in OF_CLUTCHES}
         if spring.path is not None:
-            found |= {f"{name}.{number}": value for number, value in spring.path.numbers.items()}
+            found |= {f"{name}.{number}": Place(name, "path", number) for number in spring.path.numbers}
     return found
+
+
+def numbers_of_springs(springs: Springs) -> dict[str, Any]:
+    """Returns the numbers of springs that equations have, by name, in their order."""
+    places = {name: place for name, place in places_of(springs).items() if place.inner or place.field in UNITS}
+    return {name: place.value(springs[place.spring]) for name, place in places.items()}
 
 
 def said(name: str, spring: Spring) -> str:
@@ -49,22 +77,23 @@ def said(name: str, spring: Spring) -> str:
     law = "by a table" if spring.table else f"{spring.stiffness:.4g} {spring.units['stiffness']}"
     words = [f"{law} in the {name}" if spring.path is None else f"{law}, {name}"]
     if (clutch := spring.clutch) is not None:
-        words += [f"engaged {1e3 * clutch.on_delay:.4g} ms late, released {1e3 * clutch.off_delay:.4g} ms late"]
+        late = ("engaged", clutch.on_delay), ("released", clutch.off_delay)
+        words += [f"{what} {1e3 * delay:.4g} ms late" for what, delay in late if delay]
         unit = "rad" if spring.turns else "m"
         words += [f"play {clutch.play:.4g} {unit}"] if clutch.play else []
         words += [f"teeth of {clutch.pitch:.4g} {unit}"] if clutch.pitch else []
+        words += [f"a second spring of {clutch.second:.4g} {spring.units['stiffness']}"] if clutch.second else []
     return "; ".join(words)
 
 
 def unit_of(springs: Springs, name: str) -> str:
     """Returns the unit of a number of springs; "" if none has it."""
-    owner, _, field = name.rpartition(".")
-    spring = springs.get(owner) if owner else next(iter(springs.values()), None)
-    if spring is None:
+    place = places_of(springs).get(name)
+    if place is None:
         return ""
-    if field in UNITS:
-        return spring.units[field]
-    if field in OF_CLUTCHES and spring.clutch is not None:
-        units = dict.fromkeys(DELAYS, "s") | {"second": spring.units["stiffness"]}
-        return units.get(field, "rad" if spring.turns else "m")
-    return spring.path.units.get(field, "") if spring.path is not None else ""
+    spring, stretch = springs[place.spring], "rad" if springs[place.spring].turns else "m"
+    if place.inner == "clutch":
+        return {**dict.fromkeys(DELAYS, "s"), "second": spring.units["stiffness"]}.get(place.field, stretch)
+    if spring.path is not None and place.inner:
+        return spring.path.units[place.field]
+    return spring.units.get(place.field, stretch)

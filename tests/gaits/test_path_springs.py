@@ -10,7 +10,8 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.hopping import flight_law
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.parameters import changed, number, rebuilt, unit, with_numbers
-from spear_pin.model.path import Anchor, Between, Joints
+from spear_pin.model.cable import Anchor, Between
+from spear_pin.model.path import Joints
 from tests.slow import slow_but
 
 LEG = load("spear_ii", locked=["boom_x"])

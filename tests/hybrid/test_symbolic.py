@@ -14,7 +14,9 @@ from spear_pin.hybrid.engines.structure import Scalars, with_fields
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
-from spear_pin.model.path import Anchor, Between, Joints, Linked, Over, Sum
+from spear_pin.model.cable import Anchor, Between, Over
+from spear_pin.model.linkage import Linked
+from spear_pin.model.path import Joints, Sum
 from spear_pin.model.planar import Planar
 
 OPS = SimpleNamespace(

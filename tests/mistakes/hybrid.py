@@ -134,7 +134,7 @@ MUTATIONS = [
             "gaits/test_path_springs",
         ],
         {
-            "damping drives": ("lever * (force + drag)", "lever * (force - drag)"),
+            "damping drives": ("lever * (pull.force + pull.drag)", "lever * (pull.force - pull.drag)"),
             "the last spring of a joint counts alone": ("_passive[index] += lever", "_passive[index] = lever"),
             "drift dropped in stance": ("drifts.append(", "drifts.append(0.0 * "),
             "spatial acceleration in stance": (
@@ -156,7 +156,7 @@ MUTATIONS = [
             ),
             "torque in the trajectory without the damper's": (
                 "return [float(self._applied[index]) for index in self._actuated]",
-                "drag = {i: mount.spring.damping * float(self.v[i]) for i, mount in self._springs}\n"
+                "drag = {i: -lever * pull.drag for pull in self._pulls for i, lever in pull.slope.items()}\n"
                 "        return [float(self._applied[index]) + drag.get(index, 0.0) for index in self._actuated]",
             ),
         },

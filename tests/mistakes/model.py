@@ -4,7 +4,7 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
-        "model/path",
+        "model/cable",
         ["model/test_path"],
         {
             "a cable that pushes its start": ("| {i: -dot(d, column)", "| {i: dot(d, column)"),
@@ -14,7 +14,13 @@ MUTATIONS = [
             ),
             "a cable through the pulley": ("ops.maximum(bend - touches, 0.0)", "0.0 * bend"),
             "a cable that the pulley does not lengthen": (" + self.radius * wrapped", ""),
-            "a mirrored point where it was": ("(_weighted(self.side, x), y, z)", "(x, y, z)"),
+            "a mirrored point where it was": ("(weighted(self.side, x), y, z)", "(x, y, z)"),
+        },
+    ),
+    *mistakes_in(
+        "model/path",
+        ["model/test_path"],
+        {
             "a part of a sum without its weight": ("weight * value)", "value)"),
         },
     ),

@@ -12,10 +12,11 @@ from scipy.spatial import ConvexHull
 from spear_pin import Spring, load
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.dynamics import FLOATS
+from spear_pin.model.cable import Anchor, Between, Over
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.frames import frame_id
-from spear_pin.model.linkage import SliderLinkage
-from spear_pin.model.path import Anchor, Between, Joints, Linked, Over, Sum
+from spear_pin.model.linkage import Linked, SliderLinkage
+from spear_pin.model.path import Joints, Sum
 from spear_pin.model.path_data import path_data, path_of, spring_data
 from spear_pin.model.robot_posture import RobotPosture, spanned
 

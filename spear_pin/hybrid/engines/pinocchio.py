@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,21 +16,20 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import SLIPS, constrained, imposed, solve
-from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Rub
+from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
+from spear_pin.hybrid.engines.sprung import Sprung
 from spear_pin.hybrid.fields import adjusted
 from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.own import refuse_in_law
 from spear_pin.hybrid.rules.footing import Rubbing, along, closed_toes
 from spear_pin.hybrid.soundness import Latched
-from spear_pin.hybrid.springs import Pull, rest_length, stretch_of, torque_on
+from spear_pin.hybrid.springs import Pull, stretch_of, torque_on
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
-from spear_pin.model.path import Joints, Path, Slope
-from spear_pin.model.robot_posture import RobotPosture
 
 
 class Flow:
@@ -39,7 +37,6 @@ class Flow:
 
     It is also the `dyn` of laws and guards. After a call, `u`, `tau`, `friction`, `a` and
     `force(toe)` are those of the state it was called with; they are overwritten by the next call.
-    It is less smooth where a function of the configuration in `knots` passes zero.
     `own` asks the functions that are not of this package.
     """
 
@@ -51,7 +48,7 @@ class Flow:
         self._law = domain.law
         self.own = OwnFunctions(domain)
         self._actuated = [robot.index(joint) for joint in robot.actuated]
-        self._posture, self._pulls = RobotPosture(robot, FLOATS), list[Pull]()
+        self._sprung, self._pulls = Sprung(robot, domain.mounts, self.own), list[Pull]()
         self.hold(held)
         self._added = robot.added
         self._joint_damping = np.array(robot.model.damping)
@@ -96,22 +93,12 @@ class Flow:
         self.held: Held = Latched(held)
         self.p = adjusted(self.system.law, held)
         self._at: tuple[float, Array] | None = None
-        robot, mounts = self.system.robot, self.domain.mounts
-        lengths = [rest_length(mount, mount.spring, mount.along, robot, self.held, self._posed) for mount in mounts]
-        levers = [_levers(mount, self._posture) for mount in mounts]
-        self._springs = list(zip(mounts, lengths, levers, strict=True))
-        self.knots = [
-            partial(self._beyond, mount.along, length + knot)
-            for mount, length, _ in self._springs
-            for knot in mount.spring.knots
-        ]
+        self._sprung.hold(self.held)
 
-    def _posed(self, q: Sequence[float]) -> RobotPosture:
-        return self._posture.at(np.array(q))
-
-    def _beyond(self, path: Path, length: float, q: Array) -> float:
-        """Returns how much longer a path is than a length."""
-        return float(path.length(self._posture.at(q)) - length)
+    @property
+    def knots(self) -> list[Callable[[Array], float]]:
+        """Functions of the configuration, (nv,); the motion is less smooth where one passes zero."""
+        return self._sprung.knots
 
     def __call__(self, t: float, y: Array) -> Array:
         """Returns dy/dt; NaN where a law or the dynamics has no value."""
@@ -168,28 +155,11 @@ class Flow:
             self.friction = self._dry + self._viscous
             rubbed = float(self.friction @ v)
         damped = 0.0
-        self._pulls, self._passive = [], self._zeros.copy()
-        for mount, rest, levers in self._springs:
-            if levers is None:
-                self._posture.at(q)
-                slope, length = mount.along.slope(self._posture), mount.along.length(self._posture)
-                rate = slope.rate(rates)
-            else:
-                slope, length, rate = levers, 0.0, 0.0
-                for index, lever in levers.items():
-                    length += lever * angles[index]
-                    rate += lever * rates[index]
-            stretch = length - rest
-            if mount.name in self.own.springs:
-                force, drag = self.own.spring(mount, stretch, rate, self.held)
-            else:
-                drag = mount.drag(mount.spring, rate, self.held)
-                force = mount.pull(mount.spring, stretch, self.held, FLOATS)
-                force += mount.idle(mount.spring, length, self.held)
-            for index, lever in slope.items():
-                self._passive[index] += lever * (force + drag)
-            damped += drag * rate
-            self._pulls.append(Pull(mount.name, stretch, force, drag, slope))
+        self._pulls, self._passive = self._sprung.at(q, angles, rates), self._zeros.copy()
+        for pull in self._pulls:
+            for index, lever in pull.slope.items():
+                self._passive[index] += lever * (pull.force + pull.drag)
+            damped += pull.drag * pull.rate
         slopes: list[float] = []
         electrical: list[float] = []
         if self._hardware is None:
@@ -445,8 +415,3 @@ class Flow:
             return rows, drifts
         turn = self._ground.seen_in
         return [np.array(turn(row)) for row in rows], [np.array(turn(drift)) for drift in drifts]
-
-
-def _levers(mount: Mount, posture: RobotPosture) -> Slope | None:
-    """Returns the slope of a path whose length is a weighted sum of angles; None for any other, whose slope changes."""
-    return mount.along.slope(posture) if isinstance(mount.along, Joints) else None

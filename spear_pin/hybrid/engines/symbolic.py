@@ -292,8 +292,9 @@ class Motion:
             stretch = length - rest_length(mount, spring, path, robot, self.held, posed)
             force = self._asked(what, spring.torque, mount.pull, (spring, stretch, self.held, self.ops))
             force = plus(force, mount.idle(spring, length, self.held))
-            drag = self._asked(what, spring.drag, mount.drag, (spring, slope.rate(self.v), self.held))
-            found.append(Pull(mount.name, stretch, force, drag, slope))
+            rate = slope.rate(self.v)
+            drag = self._asked(what, spring.drag, mount.drag, (spring, rate, self.held))
+            found.append(Pull(mount.name, stretch, rate, force, drag, slope))
         return found
 
     @cached_property
