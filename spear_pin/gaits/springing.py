@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.clutch import acting
-from spear_pin.hybrid.domain import ENGAGES, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
+from spear_pin.hybrid.domain import ENGAGES, HOLDS, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
 from spear_pin.hybrid.dual import ARRAYS
 from spear_pin.hybrid.rules.guards import spring_switches
 from spear_pin.hybrid.springs import values_along
@@ -70,12 +70,14 @@ class Springing:
     @property
     def touching(self) -> tuple[Edge, ...]:
         """What touchdown does to switches."""
-        return tuple(Edge(TOUCHES if clutch.on_delay else ENGAGES, mount) for mount, clutch in self._clutched)
+        kinds = [TOUCHES if clutch.on_delay else HOLDS if clutch.hold else ENGAGES for _, clutch in self._clutched]
+        return tuple(Edge(kind, mount) for kind, (mount, _) in zip(kinds, self._clutched, strict=True))
 
     @property
     def leaving(self) -> tuple[Edge, ...]:
         """What lift-off does to switches."""
-        return tuple(Edge(LEAVES if clutch.off_delay else RELEASES, mount) for mount, clutch in self._clutched)
+        leave = [(mount, clutch) for mount, clutch in self._clutched if not clutch.hold]
+        return tuple(Edge(LEAVES if clutch.off_delay else RELEASES, mount) for mount, clutch in leave)
 
     def switches(self, mounts: Sequence[Mount]) -> tuple[Guard, ...]:
         """Returns the events at which springs go slack, or taut again, and those at which late switches act."""
@@ -83,7 +85,7 @@ class Springing:
         for mount in mounts:
             found += spring_switches(mount, "spring_switch" if mount.of == first else f"spring_switch:{mount.of}")
             clutch = self.springs[mount.of].clutch if mount.on is not None else None
-            if clutch is not None and (clutch.on_delay or clutch.off_delay):
+            if clutch is not None and (clutch.on_delay or clutch.off_delay or clutch.hold):
                 found.append(acting(mount))
         return tuple(found)
 

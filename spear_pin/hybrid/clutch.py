@@ -11,7 +11,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.domain import ACTS, DUE, ENGAGES, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount, Reset
+from spear_pin.hybrid.domain import (
+    ACTS,
+    DUE,
+    ENGAGES,
+    HOLDS,
+    LEAVES,
+    RELEASES,
+    TOUCHES,
+    Edge,
+    Guard,
+    Held,
+    Mount,
+    Reset,
+)
 from spear_pin.hybrid.dual import ARRAYS, value_of
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.springs import numbered, values_along
@@ -63,6 +76,8 @@ def _after(kind: str, mount: Mount, held: Held, q: Sequence[Any], clock: Clock) 
     if kind in (TOUCHES, LEAVES):
         delay, waits = (clutch.on_delay, 1.0 - on) if kind == TOUCHES else (clutch.off_delay, on)
         return {**found, mount.on: on, waiting(mount): waits, due(mount): clock.t + delay}
+    if kind == HOLDS:
+        return {**found, mount.on: 1.0, waiting(mount): 1.0, due(mount): clock.t + clutch.hold}
     to = {ENGAGES: 1.0, RELEASES: 0.0, ACTS: 1.0 - on}[kind]
     return {**found, mount.on: to, waiting(mount): 0.0, due(mount): clock.t}
 

@@ -100,6 +100,7 @@ class Mount:
 
 
 TOUCHES, LEAVES, ENGAGES, RELEASES, ACTS = "touches", "leaves", "engages", "releases", "acts"
+HOLDS = "holds"
 DUE = "due:"  # begins the names of held times, on the phase's clock
 
 
@@ -107,7 +108,8 @@ class Edge(NamedTuple):
     """What happens to a spring's switch.
 
     Attributes:
-        kind: `TOUCHES` or `LEAVES`, after which the switch acts late; `ENGAGES` or `RELEASES` at once; or `ACTS`.
+        kind: `TOUCHES` or `LEAVES`, after which the switch acts late; `ENGAGES` or `RELEASES` at once; `HOLDS`, which
+            engages at once and releases after a time; or `ACTS`.
         mount: the spring.
     """
 

@@ -10,8 +10,9 @@ from spear_pin.kinds import typed
 
 SPRING, JOINT = "spring", "joint"
 DELAYS = "on_delay", "off_delay"
-OF_CLUTCHES = (*DELAYS, "play", "pitch", "tooth", "second", "slack")  # its numbers
-LONGEST = 1.0  # s, of a delay
+TIMES = (*DELAYS, "hold")
+OF_CLUTCHES = (*TIMES, "play", "pitch", "tooth", "second", "slack")  # its numbers
+LONGEST = 1.0  # s
 
 
 @typed
@@ -33,6 +34,7 @@ class Clutch:
             N·m/rad or N/m; 0 for none. The closed switch bridges it. Then neither engaging nor bridging costs energy;
             releasing costs what the two springs lose as they come to the same pull.
         slack: length of the path at which both springs are without pull, in rad or m.
+        hold: time from touchdown after which it releases the spring by itself, in s; 0 if lift-off releases it.
 
     Example:
         >>> from spear_pin import Clutch, Spring, hopping, load
@@ -49,10 +51,11 @@ class Clutch:
     damper: str = SPRING
     second: float = 0.0
     slack: float = 0.0
+    hold: float = 0.0
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        for name in DELAYS:
+        for name in TIMES:
             within = f"a number from 0 to {LONGEST:g}, in s"
             require(f"Clutch.{name}", getattr(self, name), lambda delay: (delay >= 0) & (delay <= LONGEST), within)
         for name in ("play", "pitch"):
@@ -64,5 +67,7 @@ class Clutch:
             raise BadValue("Clutch.second", self.second, "0 with teeth or play: it keeps the chain taut")
         if self.pitch and self.play:
             raise BadValue("Clutch.play", self.play, "0 with teeth, which have play of their own")
+        if self.hold and (self.on_delay or self.off_delay):
+            raise BadValue("Clutch.hold", self.hold, "0 with delays: it engages in the instant of touchdown")
         if self.damper not in (SPRING, JOINT):
             raise BadValue("Clutch.damper", self.damper, f"{SPRING!r} or {JOINT!r}")

@@ -11,7 +11,7 @@ from dataclasses import fields
 from typing import Any, NamedTuple
 
 from spear_pin.errors import BadValue
-from spear_pin.model.clutch import DELAYS, OF_CLUTCHES
+from spear_pin.model.clutch import OF_CLUTCHES, TIMES
 from spear_pin.model.spring import UNITS, Spring
 
 Springs = Mapping[str, Spring]
@@ -79,6 +79,7 @@ def said(name: str, spring: Spring) -> str:
     if (clutch := spring.clutch) is not None:
         late = ("engaged", clutch.on_delay), ("released", clutch.off_delay)
         words += [f"{what} {1e3 * delay:.4g} ms late" for what, delay in late if delay]
+        words += [f"released {1e3 * clutch.hold:.4g} ms after touchdown"] if clutch.hold else []
         unit = "rad" if spring.turns else "m"
         words += [f"play {clutch.play:.4g} {unit}"] if clutch.play else []
         words += [f"teeth of {clutch.pitch:.4g} {unit}"] if clutch.pitch else []
@@ -93,7 +94,7 @@ def unit_of(springs: Springs, name: str) -> str:
         return ""
     spring, stretch = springs[place.spring], "rad" if springs[place.spring].turns else "m"
     if place.inner == "clutch":
-        return {**dict.fromkeys(DELAYS, "s"), "second": spring.units["stiffness"]}.get(place.field, stretch)
+        return {**dict.fromkeys(TIMES, "s"), "second": spring.units["stiffness"]}.get(place.field, stretch)
     if spring.path is not None and place.inner:
         return spring.path.units[place.field]
     return spring.units.get(place.field, stretch)

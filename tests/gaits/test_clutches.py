@@ -159,13 +159,15 @@ def test_is_engaged_from_one_action_to_the_next():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("over", ["on_delay", "play", "pitch", "tooth", "stiffness", "second", "slack"])
+@pytest.mark.parametrize("over", ["on_delay", "play", "pitch", "tooth", "stiffness", "second", "slack", "hold"])
 def test_derivative_is_that_of_hops_found_again(over):
     spring = late(0.004, 0.01)
     if over in ("pitch", "tooth"):
         spring = late(0.004, pitch=0.05, tooth=0.9)
     if over in ("second", "slack"):
         spring = late(0.004, second=2.0, slack=0.1)
+    if over == "hold":
+        spring = Spring(clutch=Clutch(hold=0.38))
     gait = found(spring, rtol=1e-12)
     table, given = gait.sensitivity([over], ["stance_torque"], ["flight_time"]), number(gait.system, over)
 
@@ -177,7 +179,7 @@ def test_derivative_is_that_of_hops_found_again(over):
     coarse, fine = ((again(h) - again(-h)) / (2 * h * given) for h in (1e-3, 5e-4))
     exact = np.array([*table.solved["stance_torque"], *table.state[:, 0]])
     assert np.abs(exact).max() > 1e-4
-    np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=1e-7 * np.abs(exact).max())
+    np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=1e-8 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize(
@@ -195,6 +197,19 @@ def test_a_second_spring_in_series(second, torque, knee, released):
     k, rest = 48.84, run.q[0, 2] * (1 - second / (48.84 + second))
     lost = (k * (lift_off.q[2] - rest) - second * rest) ** 2 / (2 * (k + second))
     assert lift_off.work["released"] == pytest.approx(-lost, rel=1e-6)
+
+
+def test_a_switch_that_releases_after_a_time_in_flight():
+    """The time runs on where stance ends; multipliers hold only if lift-off's own derivative goes into it."""
+    law = replace(LAW, stance_torque=7.826188)
+    gait = find_gait(hopping(LEG, law, Spring(clutch=Clutch(hold=0.38))))
+    q, v = gait.state
+    assert (q[1], q[2], v[2]) == pytest.approx((0.510928, 0.973801, 5.407394), abs=1e-6)
+    np.testing.assert_allclose(gait.multipliers[:2], (-0.402144, 0.119012 + 0.141165j), atol=1e-6)
+    run = simulate(gait.system, gait.state, cycles=1)
+    (release,) = run.named("switch:knee")
+    assert (release.domain, release.time) == ("flight", pytest.approx(0.38, abs=1e-12))
+    assert abs(run.ledger.residual[0]) < 1e-8
 
 
 class TestEdges:
@@ -249,6 +264,7 @@ def test_numbers_have_units_and_are_kept_in_a_file(tmp_path):
         (lambda: Clutch(tooth=float("inf")), "Clutch.tooth"),
         (lambda: Clutch(second=1.0, pitch=0.05), "keeps the chain taut"),
         (lambda: Clutch(second=-1.0), "Clutch.second"),
+        (lambda: Clutch(hold=0.3, on_delay=0.01), "0 with delays"),
         (lambda: Spring(hardening=3.0, clutch=Clutch(second=1.0)), "a stiffness alone"),
         (lambda: Clutch(damper="hip"), "'spring' or 'joint'"),
         (lambda: Spring(rest=0.9, clutch=Clutch()), "never switched"),

@@ -113,6 +113,7 @@ MUTATIONS = [
                 "(clutch.on_delay, 1.0 - on) if kind == TOUCHES",
                 "(clutch.on_delay, 1.0) if kind == TOUCHES",
             ),
+            "a switch that releases after no time": ("clock.t + clutch.hold", "clock.t"),
             "the tooth before": ("np.ceil((length", "np.floor((length"),
             "a switch that engages where it last did": ("return on * old + (1.0 - on) * new", "return old"),
             "a spring without play": ("slack = mount.tooth is not None or", "slack = mount.tooth is not None and"),

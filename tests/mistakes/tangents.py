@@ -5,7 +5,7 @@ from tests.mistakes.mutation import mistakes_in
 MUTATIONS = [
     *mistakes_in(
         "hybrid/tangent/cycle",
-        ["hybrid/tangent/test_hop", "hybrid/tangent/test_grazing", "hybrid/tangent/test_bound"],
+        ["hybrid/tangent/test_hop", "hybrid/tangent/test_grazing", "hybrid/tangent/test_bound", "gaits/test_clutches"],
         {
             "derivatives: sign of the motion after an event": (
                 "lag = now.tau if now.behind",
