@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from spear_pin.model.mechanism import Terms
 from spear_pin.model.scalars import dot, times, vanishes
 
 Matrix = list[list[Any]]
 
 
 def factorize(matrix: Matrix) -> tuple[Matrix, list[Any]]:
-    """Factorizes a symmetric positive definite matrix into L diag(d) Lᵀ, and returns L and d."""
+    """Factorizes a symmetric matrix into L diag(d) Lᵀ, and returns L and d.
+
+    The matrix is positive definite, or that of `responses`, for which no pivot vanishes either.
+    """
     n = len(matrix)
     lower: Matrix = [[0.0] * n for _ in range(n)]
     diagonal: list[Any] = []
@@ -35,6 +39,25 @@ def substitute(factors: tuple[Matrix, list[Any]], right: Sequence[Any]) -> list[
     for i in reversed(range(n)):
         x[i] = x[i] - dot([lower[j][i] for j in range(i + 1, n)], x[i + 1 :])
     return x
+
+
+def eliminated(matrix: Matrix, rights: Matrix) -> Matrix:
+    """Solves linear systems of one symmetric matrix, as `factorize` takes it."""
+    factors = factorize(matrix)
+    return [substitute(factors, right) for right in rights]
+
+
+def responses(terms: Terms, rows: Matrix, solved: Callable[[Matrix, Matrix], Matrix] = eliminated) -> Matrix:
+    """Returns the change of velocity for a unit impulse along each row, with closed loops: of r = D⁻¹ Jᵀ the part W Jᵀ.
+
+    With the loops' rows A it solves D r + Aᵀ μ = Jᵀ, A r = 0.
+    """
+    nv, loops = len(terms.mass_matrix), terms.loop_rows
+    if not loops:
+        return solved(terms.mass_matrix, rows)
+    border = [[*own, *column] for own, *column in zip(terms.mass_matrix, *loops, strict=True)]
+    border += [[*row, *[0.0] * len(loops)] for row in loops]
+    return [found[:nv] for found in solved(border, [[*row, *[0.0] * len(loops)] for row in rows])]
 
 
 def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName, listed
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.contact import OPEN, PINNED, SLIPS
@@ -30,6 +30,7 @@ from spear_pin.hybrid.rules.footing import (
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import STATE_AT_REST, aloft, below_ground, rests, start
+from spear_pin.model.loops import CLOSED
 
 F = TypeVar("F", bound=Flow)
 
@@ -169,4 +170,8 @@ def _feet(system: HybridSystem, q: Any, v: Any) -> dict[str, tuple[float, Array]
     for toe, (height, _) in feet.items():
         if below_ground(height):
             raise BadValue(f"height of {toe}", height, "at or above the ground")
+    for what, gap in ((q, system.robot.loop_gap(q)), (v, system.robot.loop_jacobian(q) @ v)):
+        if np.abs(gap).max(initial=0.0) > CLOSED:
+            names = listed([loop.name for loop in system.robot.loops])
+            raise BadValue("q" if what is q else "v", what, f"one that keeps {names} closed, as robot.closed(q) does")
     return feet

@@ -214,6 +214,8 @@ class _Runner:
         """
         nq, nv, held = self.robot.nq, self.robot.nv, self.flow.held
         q, v = self.y[:nq], self.y[nq : nq + nv]
+        if self.robot.closure is not None:
+            q, v = self.robot.closure.projected(q, v)
         before, impulse = v.copy(), np.zeros((len(self.robot.toes), self.robot.dimension))
         work: dict[str, float] = {}
         if reset.release:

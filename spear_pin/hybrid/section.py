@@ -120,6 +120,14 @@ class AfterImpact(Section):
                     jacobians[:, i, axis, j] = value
         return heights, jacobians
 
+    def loops(self, q: Array) -> tuple[Array, Array]:
+        """Returns how far the robot's loops are from closed, (n, m), and their rows, (n, m, nv)."""
+        closure = self.robot.closure
+        if closure is None:
+            return np.empty((len(q), 0)), np.empty((len(q), 0, q.shape[1]))
+        gaps, rows = zip(*map(closure.at, q), strict=True)
+        return np.array(gaps), np.array(rows)
+
     def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
         """Tells which closed toes slide, (n, k)."""
         return np.asarray(~still(applied(self.geometry(q)[1][:, :, 0], v)))
@@ -129,29 +137,33 @@ class AfterImpact(Section):
         return np.concatenate([without(self.translations, ends[0] - begins[0]), ends[1] - begins[1]], axis=1)
 
     def placed(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> tuple[Array, Array]:
-        """Returns states with the closed toes on the ground, at rest but for those that slide; see `Section`."""
+        """Returns states with closed toes on the ground, at rest unless they slide, and closed loops; see `Section`."""
         q, v = q.copy(), v.copy()
         near = np.abs(q).max(axis=1) < FARTHEST  # also False where q is not finite
         q[~near], v[~near] = np.nan, np.nan
         moving = lanes = np.flatnonzero(near)
-        jacobians = np.empty((len(q), len(slides), 2, q.shape[1]))
+        nv, size = q.shape[1], 0 if self.robot.closure is None else self.robot.closure.size
+        jacobians, closing = np.empty((len(q), len(slides), 2, nv)), np.empty((len(q), size, nv))
         for _ in range(PROJECTIONS):
             heights, jacobians[moving] = self.take(moving).geometry(q[moving])
-            off = ~on_the_ground(heights).all(axis=1)
+            gaps, closing[moving] = self.loops(q[moving])
+            away = np.concatenate([heights, gaps], axis=1)
+            off = ~on_the_ground(away).all(axis=1)
             moving = moving[off]
             if not len(moving):
                 break
-            q[moving] -= applied(np.linalg.pinv(jacobians[moving, :, 1]), heights[off])
-        rows = velocity_rows(jacobians[lanes], slides)
+            rows = np.concatenate([jacobians[moving, :, 1], closing[moving]], axis=1)
+            q[moving] -= applied(np.linalg.pinv(rows), away[off])
+        rows = np.concatenate([velocity_rows(jacobians[lanes], slides), closing[lanes]], axis=1)
         v[lanes] -= applied(np.linalg.pinv(rows), applied(rows, v[lanes]))
         return q, v
 
     def charts(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> Charts:
         """Returns the charts around states that all have the same sliding toes, (k,)."""
-        _, jacobians = self.geometry(q)
+        (_, jacobians), (_, closing) = self.geometry(q), self.loops(q)
         fixed = np.broadcast_to(self.translations, (len(q), *self.translations.shape[-2:]))
-        q_bases = null_spaces(np.concatenate([jacobians[:, :, 1], fixed], axis=1))
-        v_bases = null_spaces(velocity_rows(jacobians, slides))
+        q_bases = null_spaces(np.concatenate([jacobians[:, :, 1], fixed, closing], axis=1))
+        v_bases = null_spaces(np.concatenate([velocity_rows(jacobians, slides), closing], axis=1))
         return Charts(self, slides, q, v, q_bases, v_bases, np.ones(q_bases.shape[2] + v_bases.shape[2], bool))
 
 

@@ -13,6 +13,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import KELLER, HybridSystem
 from spear_pin.hybrid.contact import PINNED, SLOW, STICK
 from spear_pin.hybrid.domain import Domain, Reset
+from spear_pin.hybrid.per_lane import null_spaces
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.rules.guards import ON_GROUND, rise
 from spear_pin.hybrid.rules.guards import struck as told
@@ -116,14 +117,35 @@ def pins(system: HybridSystem, domain: Domain, reset: Reset) -> bool:
     return PINNED in system.of_phase(reset.phase or domain.phase)[0].contacts
 
 
+class Yielding(NamedTuple):
+    """A robot as an impact finds it, in velocities along which its loops stay closed.
+
+    Attributes:
+        basis: orthonormal directions of these velocities, (nv, n); all coordinates without loops.
+        mass_matrix: D along them, (n, n).
+        v: the velocity before, (n,).
+    """
+
+    basis: Array
+    mass_matrix: Array
+    v: Array
+
+
+def yielding(robot: Robot, q: Array, v: Array) -> Yielding:
+    """Returns a robot as an impact finds it: no impulse can open a loop, and those on its pins do no work."""
+    basis = np.eye(robot.nv) if robot.closure is None else null_spaces(robot.loop_jacobian(q)[None])[0]
+    return Yielding(basis, basis.T @ robot.mass_matrix(q) @ basis, basis.T @ v)
+
+
 def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Strike:
     """Computes the effect of an impact that pins toes, all that are on the ground afterwards, by `caught`."""
     robot = system.robot
-    jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in toes])
-    impact = caught(robot.mass_matrix(q), jacobian, v)
+    own = yielding(robot, q, v)
+    jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in toes]) @ own.basis
+    impact = caught(own.mass_matrix, jacobian, own.v)
     impulse = np.zeros((len(robot.toes), robot.dimension))
     impulse[[robot.toes.index(toe) for toe in toes]] = impact.impulse.reshape(len(toes), -1)
-    return Strike(impact.v, impulse, -impact.loss, {})
+    return Strike(own.basis @ impact.v, impulse, -impact.loss, {})
 
 
 def struck_in_space(
@@ -201,12 +223,12 @@ def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Arra
 
     For the other arguments see `struck`.
     """
-    robot, before = system.robot, v
-    mass_matrix = robot.mass_matrix(q)
-    jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in struck])
+    robot = system.robot
+    basis, mass_matrix, before = yielding(robot, q, v)
+    jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in struck]) @ basis
     toes = [robot.toes.index(toe) for toe in struck]
     impulse = np.zeros((len(robot.toes), 2))
-    v, impulse[toes, 1] = landed(mass_matrix, jacobian, v, [toe in reset.impact for toe in struck])
+    v, impulse[toes, 1] = landed(mass_matrix, jacobian, before, [toe in reset.impact for toe in struck])
     strike = plastic_impact if len(struck) == 1 else joint_impact
     impact: Impact | JointImpact = strike(mass_matrix, jacobian, v, system.contact.friction)
     work = 0.5 * float(impulse[toes, 1] @ (jacobian @ (before + v))[1::2]) - impact.loss
@@ -215,4 +237,4 @@ def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Arra
     if isinstance(impact, JointImpact):
         speeds = np.where(impact.leaves, (jacobian @ impact.v)[1::2], 0.0).tolist()
         rises = dict(zip(map(rise, struck), speeds, strict=True))
-    return Strike(impact.v, impulse, work, rises)
+    return Strike(basis @ impact.v, impulse, work, rises)

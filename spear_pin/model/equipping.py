@@ -17,6 +17,8 @@ from spear_pin.model.fitting import drivable, hold
 from spear_pin.model.frames import joint_id
 from spear_pin.model.gears import Gear
 from spear_pin.model.legs import Leg, find_legs, named_leg
+from spear_pin.model.loop_data import loop_of
+from spear_pin.model.loops import Loop
 from spear_pin.model.motor import Gearbox
 from spear_pin.model.named_legs import NamedLeg, leg_of
 from spear_pin.model.path_data import keys_of, path_of
@@ -51,6 +53,7 @@ def equipped(
     path = said.path
     if path is None:
         return None, None, known
+    loops = _loops(said, path, model)
     with blaming(path, "locked"):
         held = hold(model, said.locked or ())
     with blaming(path, "toes"):
@@ -72,9 +75,26 @@ def equipped(
         efficiencies={joint: efficiency for joint, (_, efficiency) in drives.items()},
         gears={joint: gear for joint, (_, table) in gears.items() if (gear := _own(table)) != Gear()},
         post=_post(said, path, model),
+        loops=loops,
+        independent=tuple(said.independent),
     )
     driven = tuple(gears) if isinstance(said.motors, Mapping) else said.motors
     return settings, driven, {**known, **{joint: geared for joint, (geared, _) in drives.items()}}
+
+
+def _loops(said: Sidecar, path: Path, model: pin.Model) -> tuple[Loop, ...]:
+    """Returns the loops, whose ends become frames of the model."""
+    found = []
+    for name, table in said.loops.items():
+        with blaming(path, f"loops.{name}"):
+            found.append(loop_of(name, table, model))
+    if found and said.legs:
+        raise BadFile(
+            path, f"legs has {', '.join(said.legs)}; expected no legs beside loops: a leg is a chain of hip and knee"
+        )
+    if said.independent and not found:
+        raise BadFile(path, f"independent is {list(said.independent)!r}; expected it only beside loops")
+    return tuple(found)
 
 
 def _own(table: Mapping[str, Any]) -> Gear:
@@ -114,7 +134,7 @@ def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...]
         raise BadFile(
             path, f"legs has the hips {', '.join(leg.hip for leg in legs)}; expected another hip for each leg"
         )
-    if not explicit:
+    if not explicit and not said.loops:
         with blaming(path, "legs"):
             legs = list(find_legs(robot, sides={name: table["side"] for name, table in said.legs.items()}))
     for leg in legs:

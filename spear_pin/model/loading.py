@@ -21,9 +21,10 @@ from spear_pin.model.examples import PACKAGE, beginning_with, example_robots
 from spear_pin.model.fitting import check_floating, drivable, hold, with_inertia, with_motors
 from spear_pin.model.gears import set_gears
 from spear_pin.model.limits import order_limits
+from spear_pin.model.loop_data import check_loops
 from spear_pin.model.mjcf_reading import mjcf_of
 from spear_pin.model.robot import Robot
-from spear_pin.model.sidecar import NAMING, SUFFIX, Sidecar, read
+from spear_pin.model.sidecar import NAMING, SUFFIX, Sidecar, blaming, read
 from spear_pin.model.urdf import Base, urdf_of
 
 
@@ -165,7 +166,7 @@ def load(
     for note in notes:
         warnings.warn(RobotWarning(f"{draft.name}: {note}"), stacklevel=3)
     model = on_chain(model) if wanted_base == "chain" else model  # the chain's joints have no motors
-    return Robot(
+    robot = Robot(
         model,
         name=draft.name,
         toes=own_toes if toes is None else _names(toes),
@@ -179,6 +180,9 @@ def load(
         },
         settings=settings,
     )
+    with blaming(said.path, "loops"):
+        check_loops(robot)
+    return robot
 
 
 def sidecar_of(source: str | Path | pin.Model) -> Sidecar:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import islice
 from operator import add, mul
@@ -57,6 +57,7 @@ class Terms:
         bias: C v + G, nv.
         positions, jacobians, drifts: position, J and J̇ v of each toe, as `Feet` has them.
         position: returns the position of any frame of the robot's model, see `Mechanism.position`.
+        loop_gaps, loop_rows, loop_drifts: φ, m, A, m rows of nv, and Ȧ v, m, of the robot's loops, see `loops`.
     """
 
     mass_matrix: list[list[Any]]
@@ -65,6 +66,9 @@ class Terms:
     jacobians: dict[str, list[list[Any]]]
     drifts: dict[str, tuple[Any, ...]]
     position: Callable[[str], tuple[Any, ...]]
+    loop_gaps: list[Any] = field(default_factory=list)
+    loop_rows: list[list[Any]] = field(default_factory=list)
+    loop_drifts: list[Any] = field(default_factory=list)
 
 
 class Posed:
@@ -114,6 +118,7 @@ class Mechanism(ABC):
         toes: body and place of each toe.
         lift: acceleration of the ground, which does what gravity does, in m/s²; a vector of two or three.
         circle: directions of contact, if it goes round a post.
+        loops: the loops that it closes.
     """
 
     circle: Round | None = None
@@ -127,7 +132,7 @@ class Mechanism(ABC):
             # of several of a name the first, as Pinocchio finds it
             self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, place))
             self.axes.setdefault(frame.name, axes)
-        self.toes = {toe: self.frames[toe] for toe in robot.toes}
+        self.toes, self.loops = {toe: self.frames[toe] for toe in robot.toes}, robot.loops
 
     @abstractmethod
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
@@ -254,4 +259,11 @@ class Mechanism(ABC):
     def shape(self) -> Any:
         """All of it but its numbers, and which of these are zero."""
         other = self.with_numbers([float(number != 0.0) for number in self.numbers])
-        return other.bodies, tuple(other.toes.items()), tuple(sorted(other.frames.items())), self.lift, self.circle
+        return (
+            other.bodies,
+            tuple(other.toes.items()),
+            tuple(sorted(other.frames.items())),
+            self.lift,
+            self.circle,
+            self.loops,
+        )

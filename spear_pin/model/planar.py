@@ -22,7 +22,7 @@ from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.mechanism import Feet, Mechanism, Terms
 from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
-from spear_pin.model.scalars import vanishes
+from spear_pin.model.scalars import dot, negated, plus, vanishes
 from spear_pin.model.vectors import matrix_of, rotate
 
 Vector = tuple[Any, Any]
@@ -93,7 +93,8 @@ class Planar(Mechanism):
         """Returns the equations of motion, see `Mechanism.terms`."""
         joints = self._joints(q, v, ops)
         mass_matrix, bias = self._dynamics(joints)
-        return Terms(mass_matrix, bias, *self._feet(joints), partial(self._place, joints))
+        closing = self._closing(joints, q)
+        return Terms(mass_matrix, bias, *self._feet(joints), partial(self._place, joints), *closing)
 
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
         """Returns the kinematics of the toes, see `Mechanism.feet`."""
@@ -134,15 +135,41 @@ class Planar(Mechanism):
 
     def _feet(self, joints: Sequence[_Joint]) -> Feet:
         positions, jacobians, drifts = {}, {}, {}
-        for toe, (i, offset) in self.toes.items():
-            joint = joints[i]
-            lever = _turned(offset, joint.cosine, joint.sine)
-            positions[toe] = position = _added(joint.origin, lever)
-            drifts[toe] = _added(joint.acceleration, _scaled(-joint.spin * joint.spin, lever))
-            rows = jacobians[toe] = [[0.0] * self.nv, [0.0] * self.nv]
-            for j, (x, z) in self._columns(joints, i, position):
-                rows[0][j], rows[1][j] = x, z
+        for toe, place in self.toes.items():
+            positions[toe], jacobians[toe], drifts[toe] = self._moving(joints, *place)
         return Feet(positions, jacobians, drifts)
+
+    def _moving(self, joints: Sequence[_Joint], i: int, offset: Vector) -> tuple[Vector, list[list[Any]], Vector]:
+        """Returns position, Jacobian and drift of a point of body i."""
+        joint = joints[i]
+        lever = _turned(offset, joint.cosine, joint.sine)
+        position = _added(joint.origin, lever)
+        rows: list[list[Any]] = [[0.0] * self.nv, [0.0] * self.nv]
+        for j, (x, z) in self._columns(joints, i, position):
+            rows[0][j], rows[1][j] = x, z
+        return position, rows, _added(joint.acceleration, _scaled(-joint.spin * joint.spin, lever))
+
+    def _closing(self, joints: Sequence[_Joint], q: Sequence[Any]) -> tuple[list[Any], list[list[Any]], list[Any]]:
+        """Returns gaps, rows and drifts of the loops, in the order of `loops.Closure`."""
+        gaps: list[Any] = []
+        rows: list[list[Any]] = []
+        drifts: list[Any] = []
+        for loop in self.loops:
+            if loop.ends:
+                (at, here, slow), (to, there, fast) = (self._moving(joints, *self.frames[end]) for end in loop.ends)
+                gaps += [b - a for a, b in zip(at, to, strict=True)]
+                rows += [
+                    [plus(b, negated(a)) for a, b in zip(*pair, strict=True)] for pair in zip(here, there, strict=True)
+                ]
+                drifts += [b - a for a, b in zip(slow, fast, strict=True)]
+            else:
+                weights = dict.fromkeys(self.coordinates, 0.0)
+                for joint, weight in loop.joints:
+                    weights[joint] += weight
+                gaps.append(dot([*weights.values()], q))
+                rows.append([*weights.values()])
+                drifts.append(0.0)
+        return gaps, rows, drifts
 
     def _point(self, joints: Sequence[_Joint], frame: str, at: Sequence[Any]) -> Point:
         i, offset = self._frame(frame)

@@ -20,6 +20,7 @@ from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.frames import frame_id
 from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.limits import Limits, limits_of
+from spear_pin.model.loops import TOGGLE, Closure, Loop, Reduced
 from spear_pin.model.named_legs import leg_of
 from spear_pin.model.settings import Settings
 from spear_pin.printable import printable
@@ -32,6 +33,7 @@ Added = Callable[[Array], tuple[int, float, float]]
 CONFIGURATION = {2: ("cos", "sin"), 7: ("x", "y", "z", "qx", "qy", "qz", "qw")}
 VELOCITY = {6: ("vx", "vy", "vz", "wx", "wy", "wz")}
 UNIT = 1e-4  # largest difference from 1 of the length of a quaternion in q
+GUIDED, STILL = 3, 1e-12  # configurations at which a toe is seen to move along the ground, or not, and how little
 OUT_OF_PLANE = 1e-5  # rad or m per unit of a coordinate: a URDF's "1.5708" is a right angle
 
 
@@ -56,6 +58,8 @@ class Robot(Shown):
         directions: directions in which the ground acts on its toes: x and z in the plane, x, y and z in space; round a
             post along a circle about it and vertically.
         dimension: number of these directions, 2 or 3.
+        loops: closed loops, if its settings give any; `model` is the tree without them.
+        closure: the constraints that close the loops, None without loops.
         source: registered name or path from which the robot was loaded.
         options: arguments of `load` that were given, by name: base, motors, repair.
         varied: numbers that differ from the source, by name (see `spear_pin.model.variants`).
@@ -104,6 +108,8 @@ class Robot(Shown):
         self.post = post = None if settings is None else settings.post
         self.planar = post is None and _is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
+        self.loops: tuple[Loop, ...] = () if settings is None else settings.loops
+        self.closure = Closure(model, self.coordinates, self.loops) if self.loops else None
         self.directions: Directions = Axes(len(self._rows)) if post is None else Round(post)
         self.dimension = self.directions.dimension
 
@@ -146,8 +152,10 @@ class Robot(Shown):
     def legs(self) -> tuple[Leg, ...]:
         """The legs that end in its toes, in their order; without toes, the legs that `find_legs` finds.
 
-        If its settings give legs joint by joint, it has these.
+        A robot with closed loops has none. If its settings give legs joint by joint, it has these.
         """
+        if self.loops:  # a leg is a chain of hip and knee
+            return ()
         joints, given = set(self.model.names), () if self.settings is None else self.settings.legs
         if legs := [each for each in given if each.toe in self.toes and {each.hip, each.knee} <= joints]:
             there = [each if each.abduction in joints else each._replace(abduction=None) for each in legs]
@@ -290,6 +298,85 @@ class Robot(Shown):
         pin.forwardKinematics(self.model, self._data, self._q(q), self._v(v), np.zeros(self.nv))
         acceleration = pin.getFrameClassicalAcceleration(self.model, self._data, index, WORLD_ALIGNED)
         return np.array(self.directions.accelerated(self.model, self._data, index, acceleration.linear))
+
+    @cached_property
+    def guided(self) -> tuple[str, ...]:
+        """Toes that move up and down only, in the plane, as one on a slider below a robot on a slider."""
+        if not self.planar:
+            return ()
+        rng, neutral = np.random.default_rng(0), pin.neutral(self.model)
+        some = [pin.integrate(self.model, neutral, rng.uniform(-0.5, 0.5, self.nv)) for _ in range(GUIDED)]
+        moves = {toe: max(np.abs(self.toe_jacobian(q, toe)[0]).max() for q in some) for toe in self.toes}
+        return tuple(toe for toe, most in moves.items() if most < STILL)
+
+    @cached_property
+    def independent(self) -> tuple[str, ...]:
+        """Names of coordinates that determine all others; those that the loops do not tie are among them.
+
+        Of the tied ones these are the ones that the settings name, else those with a motor.
+        """
+        if self.closure is None:
+            return self.coordinates
+        said = () if self.settings is None else self.settings.independent
+        own = said or self.actuated
+        return tuple(name for name in self.coordinates if name not in self.closure.tied or name in own)
+
+    def closed(self, q: ArrayLike) -> Array:
+        """Closes the loops, and returns the configuration, (nv,); the independent coordinates stay as they are.
+
+        Raises:
+            BadValue: Newton's method finds no such configuration from this one.
+        """
+        near = self._q(q)
+        if self.closure is None:
+            return near
+        free = [i for i, name in enumerate(self.coordinates) if name not in self.independent]
+        found = self.closure.closed(near, free)
+        if not np.isfinite(found).all():
+            raise BadValue("q", q, f"a configuration near one that closes {listed([loop.name for loop in self.loops])}")
+        return found
+
+    def loop_gap(self, q: ArrayLike) -> Array:
+        """Returns φ(q), (m,), in m or rad: how far the loops are from closed; empty without loops."""
+        return np.zeros(0) if self.closure is None else self.closure.at(self._q(q))[0]
+
+    def loop_jacobian(self, q: ArrayLike) -> Array:
+        """Returns A(q) = ∂φ/∂q, (m, nv)."""
+        return np.zeros((0, self.nv)) if self.closure is None else self.closure.at(self._q(q))[1]
+
+    def loop_drift(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Returns Ȧ v, (m,), in m/s² or rad/s², the acceleration at which the ends of loops part at v̇ = 0."""
+        if self.closure is None:
+            return np.zeros(0)
+        pin.forwardKinematics(self.model, self._data, self._q(q), self._v(v), np.zeros(self.nv))
+        return self.closure.drift(self._data)
+
+    def reduced(self, q: ArrayLike, rates: ArrayLike) -> Reduced:
+        """Returns the equations of motion in the independent coordinates, with closed loops.
+
+        With A = (A_i, A_d) it is T = (1, -A_d⁻¹ A_i) and c = (0, -A_d⁻¹ γ).
+
+        Args:
+            q: a configuration that closes the loops, or is near one with the same independent coordinates, (nv,).
+            rates: rates of the independent coordinates, (n,).
+
+        Raises:
+            BadValue: the loops cannot be closed there, or they are at a toggle, where A_d is singular.
+        """
+        whole, names = self.closed(q), self.independent
+        v_i = _vector("rates", rates, len(names), names)
+        free = np.array([name in names for name in self.coordinates])
+        T, c = np.zeros((self.nv, len(names))), np.zeros(self.nv)
+        T[free] = np.eye(len(names))
+        if not free.all():
+            A = self.loop_jacobian(whole)
+            dependent = A[:, ~free]
+            if np.linalg.cond(dependent) > TOGGLE:
+                raise BadValue("q", q, "a configuration that is not a toggle of the loops")
+            T[~free] = -np.linalg.solve(dependent, A[:, free])
+            c[~free] = -np.linalg.solve(dependent, self.loop_drift(whole, T @ v_i))
+        D, v = self.mass_matrix(whole), T @ v_i
+        return Reduced(whole, v, T, c, T.T @ D @ T, T.T @ (self.bias(whole, v) + D @ c))
 
     def _q(self, q: ArrayLike) -> Array:
         vector = _vector("q", q, self.nq, self.configuration)

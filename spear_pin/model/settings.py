@@ -9,6 +9,7 @@ from typing import Any
 from spear_pin.errors import BadValue
 from spear_pin.model.cut import Turn
 from spear_pin.model.gears import Gear
+from spear_pin.model.loops import Loop
 from spear_pin.model.motor import Motor
 from spear_pin.model.named_legs import NamedLeg
 
@@ -28,6 +29,8 @@ class Settings:
         efficiencies: efficiencies of joints' gearboxes, in (0, 1].
         gears: ratios and rotors that the file itself gives, by joint.
         post: position, x and y in m, of the post about which the robot goes, if any.
+        loops: closed loops, between frames of the model or among its joints.
+        independent: names of tied joints that determine the others; by default those with a motor.
     """
 
     path: str
@@ -39,6 +42,8 @@ class Settings:
     efficiencies: Mapping[str, float] = field(default_factory=dict)
     gears: Mapping[str, Gear] = field(default_factory=dict)
     post: tuple[float, float] | None = None
+    loops: tuple[Loop, ...] = ()
+    independent: tuple[str, ...] = ()
 
     def of_cut(self, angles: Mapping[str, Sequence[Turn]]) -> Settings:
         """Returns the settings of a robot that is cut out of this one, by the cut's joints.

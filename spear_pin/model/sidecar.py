@@ -49,6 +49,8 @@ class Sidecar:
         pairs: names of legs.
         springs: tables by "knee", a knee's joint, or the name of a spring on a path.
         post: joint by which the robot turns about a post, round which its toes go.
+        loops: tables of closed loops by name, see `spear_pin.model.loops`.
+        independent: names of joints in loops that determine the others.
     """
 
     source: Any
@@ -61,6 +63,8 @@ class Sidecar:
     pairs: Sequence[Sequence[str]] = ()
     springs: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     post: str | None = None
+    loops: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    independent: Sequence[str] = ()
 
     @property
     def own_toes(self) -> Sequence[str] | None:
@@ -106,6 +110,8 @@ KEYS = {
     "pairs": Kind(_are_pairs, "two pairs of legs, [[left, right], [left, right]]"),
     "springs": TABLES,
     "post": TEXT,
+    "loops": TABLES,
+    "independent": NAMES,
 }
 LEG = {
     "side": Kind(lambda value: type(value) is int and value in (-1, 1), "1 or -1"),
@@ -116,6 +122,7 @@ MOTOR = {
     **{name: _number(MOTOR_UNITS[name]) for name in ("ratio", "rotor_inertia", "efficiency")},
 }
 TABLE = Kind(lambda value: isinstance(value, dict), "a table")
+LOOP = dict.fromkeys(("a", "b", "joints"), TABLE)
 SPRING = {
     **{name: _number(unit) for name, unit in SPRING_UNITS.items()},
     **dict.fromkeys(("path", "from", "to", "over", "linkage", "clutch"), TABLE),
@@ -140,7 +147,7 @@ def read(path: Path) -> Sidecar:
     except (ValueError, RecursionError) as error:
         raise BadFile(path, f"is not TOML: {error}") from None
     _check(path, said, KEYS, "")
-    tables = {"legs": LEG, "springs": SPRING, "motors": MOTOR}
+    tables = {"legs": LEG, "springs": SPRING, "motors": MOTOR, "loops": LOOP}
     for key, kinds in tables.items():
         for name, table in said[key].items() if isinstance(said.get(key), dict) else ():
             _check(path, table, kinds, f"{key}.{name}.")

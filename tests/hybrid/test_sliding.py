@@ -15,7 +15,7 @@ TOE = "toe"
 def grounded(push):
     """A point mass of 1 kg pressed to the ground, and pushed along it."""
     weight = np.array([*push, -10.0])
-    return Grounded(np.eye(3), weight, {TOE: np.eye(3)}, {TOE: np.zeros(3)}, np.zeros((0, 3)), 0.5)
+    return Grounded(np.eye(3), weight, {TOE: np.eye(3)}, {TOE: np.zeros(3)}, np.zeros((0, 3)), np.zeros(0), 0.5)
 
 
 def at(*velocity):

@@ -50,7 +50,7 @@ class Flow:
         self._actuated = [robot.index(joint) for joint in robot.actuated]
         self._sprung, self._pulls = Sprung(robot, domain.mounts, self.own), list[Pull]()
         self.hold(held)
-        self._added = robot.added
+        self._added, self._closure = robot.added, robot.closure
         self._joint_damping = np.array(robot.model.damping)
         self._has_friction = bool(self._joint_damping.any() or domain.rubs)
         self._zeros = np.zeros(robot.nv)
@@ -73,6 +73,9 @@ class Flow:
         self._closed = closed_toes(robot.toes, domain)
         self._slips = [(toe, mode) for toe, mode in self._closed if mode in SLIPS]
         self._k, self._directions = robot.dimension, robot.directions
+        self._first = {
+            toe: self._k - 1 if toe in robot.guided else 0 for toe in robot.toes
+        }  # row that binds it at rest
         self._sliding = Sliding(dict(self._slips))
         self._ways: Ways = {}
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
@@ -81,7 +84,7 @@ class Flow:
         self._forces: dict[str, tuple[float, ...]] = dict.fromkeys(robot.toes, self._k * (0.0,))
         self._pivots = dict.fromkeys(robot.toes, math.nan)
         self._accelerate: Callable[[Array], Array] = (
-            self._slip if self._slips else self._stick if self._closed or self._stuck else self._open
+            self._slip if self._slips else self._stick if self._closed or self._stuck or self._closure else self._open
         )
         self.q = self.v = self.a = self.friction = self._viscous = self._zeros
         self.u: Sequence[float] = ()
@@ -316,7 +319,7 @@ class Flow:
         if self._has_friction:
             applied += self._viscous
         _, multipliers = self._resting(self._at_rest, applied)
-        return multipliers[self._k * (self._at_rest.index(toe) + 1) - 1]
+        return self._shared_out(self._at_rest, multipliers)[toe][-1]
 
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[float], motors: Sequence[int], others: Sequence[tuple[int, float]]
@@ -338,8 +341,8 @@ class Flow:
             for index, value in row:
                 weight[index] += value
         jacobian, drift = self._nowhere
-        if self._at_rest:
-            jacobian, drift = (np.concatenate(parts) for parts in self._rows(self._at_rest))
+        if self._at_rest or self._closure:
+            jacobian, drift = (np.concatenate(parts) for parts in self._resting_rows(self._at_rest))
         driven = [self._actuated[column] for column in motors]
         torques: list[float] = imposed(self._data.M, force, jacobian, drift, weights, wanted, driven).tolist()
         return torques
@@ -355,16 +358,16 @@ class Flow:
         return a
 
     def _stick(self, applied: Array) -> Array:
-        a, multipliers = self._resting([toe for toe, _ in self._closed], applied, self._locks)
-        for i, (toe, _) in enumerate(self._closed):
-            self._forces[toe] = tuple(multipliers[self._k * i : self._k * (i + 1)])
+        toes = [toe for toe, _ in self._closed]
+        a, multipliers = self._resting(toes, applied, self._locks)
+        self._forces |= self._shared_out(toes, multipliers)
         if self._stuck:
-            self._holding = np.array(multipliers[self._k * len(self._closed) :])
+            self._holding = np.array(multipliers[-len(self._stuck) :])
         return a
 
     def _resting(self, toes: Sequence[str], applied: Array, locks: Array | None = None) -> tuple[Array, list[float]]:
-        """Returns the acceleration with these toes at rest and joints held, and the forces on toes and joints."""
-        rows, drifts = self._rows(toes)
+        """Returns the acceleration with toes at rest and joints held, and the forces on toes, loops and joints."""
+        rows, drifts = self._resting_rows(toes)
         if locks is not None and len(locks):
             rows, drifts = [*rows, locks], [*drifts, np.zeros(len(locks))]
         if len(rows) == 1:
@@ -374,29 +377,53 @@ class Flow:
         a: Array = pin.forwardDynamics(self._model, self._data, applied, jacobian, drift)
         return a, self._data.lambda_c.tolist()
 
+    def _shared_out(self, toes: Sequence[str], multipliers: Sequence[float]) -> dict[str, tuple[float, ...]]:
+        """Returns the force on each toe at rest, along the ground and normal to it, from those of all rows."""
+        forces, row = dict[str, tuple[float, ...]](), 0
+        for toe in toes:
+            first, end = self._first[toe], row + self._k - self._first[toe]
+            forces[toe], row = (*first * (0.0,), *multipliers[row:end]), end
+        return forces
+
     def _slip(self, applied: Array) -> Array:
         friction, net = self.system.contact.friction, applied - self._data.nle
-        toes = [toe for toe, _ in self._closed]
-        jacobians, drifts = (dict(zip(toes, each, strict=True)) for each in self._rows(toes))
-        grounded = Grounded(self._data.M, net, jacobians, drifts, self._locks, friction)
+        toes, sliding = [toe for toe, _ in self._closed], {toe for toe, _ in self._slips}
+        rows, drifts = self._rows(toes)
+        first = [0 if toe in sliding else self._first[toe] for toe in toes]
+        own = list(zip(toes, first, rows[: len(toes)], drifts[: len(toes)], strict=True))
+        jacobians, own_drifts = ({toe: (J, drift)[k][i:] for toe, i, J, drift in own} for k in (0, 1))
+        bound = np.concatenate([*rows[len(toes) :], self._locks])
+        bound_drift = np.concatenate([*drifts[len(toes) :], np.zeros(len(self._locks))])
+        grounded = Grounded(self._data.M, net, jacobians, own_drifts, bound, bound_drift, friction)
         self._ways = ways = self._sliding(grounded, self.toe_velocity)
         a, multiplier, schur = constrained(self._data.M, net, *grounded.constraint(toes, ways))
         inverse_pivots = np.diag(np.linalg.inv(schur))
         row = 0
-        for toe in toes:
+        for toe, begin in zip(toes, first, strict=True):
             if toe not in ways:
-                self._forces[toe] = tuple(multiplier[row : row + self._k].tolist())
-                row += self._k
+                end = row + self._k - begin
+                self._forces[toe] = (*begin * (0.0,), *multiplier[row:end].tolist())
+                row = end
             else:
                 normal = float(multiplier[row])
                 self._forces[toe] = *(-friction * way * normal for way in ways[toe]), normal
                 self._pivots[toe] = 1.0 / float(inverse_pivots[row])
                 row += 1
-        self._holding = multiplier[row:]
+        self._holding = multiplier[len(multiplier) - len(self._stuck) :]
         return a
 
+    def _resting_rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
+        """Returns the rows and drifts that bind toes at rest, then those of loops."""
+        rows, drifts = self._rows(toes)
+        if not any(self._first[toe] for toe in toes):
+            return rows, drifts
+        first = [*(self._first[toe] for toe in toes), *[0] * (len(rows) - len(toes))]
+        return [each[i:] for each, i in zip(rows, first, strict=True)], [
+            each[i:] for each, i in zip(drifts, first, strict=True)
+        ]
+
     def _rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
-        """Returns J and J̇ v of some toes; of the same toes as the law asked for, it computed them already."""
+        """Returns J and J̇ v of some toes, then the rows and drifts of loops, if any; it remembers the last."""
         if self._known is None or self._known[0] != toes:
             self._known = toes, *self._computed_rows(toes)
         return self._known[1], self._known[2]
@@ -411,7 +438,10 @@ class Flow:
             drift = pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear
             rows.append(directions.along(model, data, index, jacobian))
             drifts.append(directions.accelerated(model, data, index, drift))
-        if self._level:
-            return rows, drifts
-        turn = self._ground.seen_in
-        return [np.array(turn(row)) for row in rows], [np.array(turn(drift)) for drift in drifts]
+        if not self._level:
+            turn = self._ground.seen_in
+            rows, drifts = [np.array(turn(row)) for row in rows], [np.array(turn(drift)) for drift in drifts]
+        if self._closure is not None:
+            rows.append(self._closure.rows(data))
+            drifts.append(self._closure.drift(data))
+        return rows, drifts

@@ -28,14 +28,16 @@ SWEEPS, SETTLED = 100, 1e-12  # iterations and tolerance for the directions in w
 
 @dataclass(frozen=True)
 class Grounded:
-    """Toes on the ground at a state, and joints that are held.
+    """Toes on the ground at a state, and what else binds the robot.
 
     Attributes:
         D: mass matrix, (nv, nv).
         net: generalised force minus bias, (nv,).
-        jacobians: Jacobian of each toe, along the ground and normal to it, (2, nv) or (3, nv).
-        drifts: J̇ v of each toe, (2,) or (3,).
-        locks: rows of the constraint v̇ = 0 on joints, (m, nv).
+        jacobians: Jacobian of each toe, along the ground and normal to it, (2, nv) or (3, nv); of a guided toe that
+            rests only normal to it, (1, nv).
+        drifts: J̇ v of each toe, of as many numbers.
+        bound: rows of closed loops, and of joints that are held, (m, nv).
+        bound_drift: their drift, (m,).
         friction: coefficient of friction.
     """
 
@@ -43,11 +45,12 @@ class Grounded:
     net: Array
     jacobians: Mapping[str, Array]
     drifts: Mapping[str, Array]
-    locks: Array
+    bound: Array
+    bound_drift: Array
     friction: float
 
     def constraint(self, toes: Sequence[str], ways: Ways) -> tuple[Array, Array, Array]:
-        """Returns rows A, directions G and drift of some toes and of the joints, as `constrained` takes them."""
+        """Returns rows A, directions G and drift of some toes and of `bound`, as `constrained` takes them."""
         A, G, drift = [], [], []
         for toe in toes:
             jacobian, toe_drift = self.jacobians[toe], self.drifts[toe]
@@ -59,14 +62,13 @@ class Grounded:
                 A.append(jacobian[-1])
                 G.append(jacobian[-1] - self.friction * along(ways[toe], jacobian[:-1]))
                 drift.append(toe_drift[-1])
-        still = [0.0] * len(self.locks)
-        return np.array([*A, *self.locks]), np.array([*G, *self.locks]).T, np.array(drift + still)
+        return np.array([*A, *self.bound]), np.array([*G, *self.bound]).T, np.array([*drift, *self.bound_drift])
 
     def alone(self, toe: str, ways: Ways) -> tuple[Array, Array]:
         """Returns A and b of a toe, see `rules.cone`, while all other toes keep to their modes."""
         others = [each for each in self.jacobians if each != toe]
         forces = np.column_stack([self.net, self.jacobians[toe].T])
-        if others or len(self.locks):
+        if others or len(self.bound):
             a = constrained(self.D, forces, *self.constraint(others, ways))[0]
         else:
             a = solve(self.D, forces)

@@ -84,6 +84,9 @@ class Motion:
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
         self._taken = [toe for toe in robot.toes if toe in bearing] if at_rest is None else list(at_rest)
         self._k = robot.dimension
+        self._first = {
+            toe: self._k - 1 if toe in robot.guided else 0 for toe in robot.toes
+        }  # row that binds it at rest
         self._motors = [self._index[joint] for joint in robot.actuated]
         self._imposed: Imposed | None = None  # by the law, if it imposes accelerations
         self._in_law = False
@@ -140,8 +143,9 @@ class Motion:
         row = 0
         for toe, mode in self._closed:
             if mode in RESTS:
-                forces[toe] = tuple(multipliers[row : row + self._k])
-                row += self._k
+                first, end = self._first[toe], row + self._k - self._first[toe]
+                forces[toe] = (*first * (0.0,), *multipliers[row:end])
+                row = end
                 continue
             friction, normal = self.numbers.ground.friction, multipliers[row]
             forces[toe] = *(-way * friction * normal for way in self._ways[toe]), normal
@@ -229,7 +233,7 @@ class Motion:
         applied = self._applied(zip(self._motors, u, strict=True))
         rows, drift = self._at_rest()
         _, multipliers, _ = self._constrained(applied, rows, rows, drift)
-        return multipliers[self._k * (self._taken.index(toe) + 1) - 1]
+        return self._pushes(multipliers)[toe][-1]
 
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[Any], motors: Sequence[int], others: Sequence[tuple[int, Any]]
@@ -253,7 +257,7 @@ class Motion:
         a, pushes = solution[:n], solution[n:]
         pulls = [dot([row[i] for row in contacts], pushes) for i in range(n)]
         torques = [dot(self.mass_matrix[i], a) - force[i] - pulls[i] for i in (self._motors[j] for j in motors)]
-        forces = {toe: tuple(pushes[self._k * i : self._k * (i + 1)]) for i, toe in enumerate(self._taken)}
+        forces = self._pushes(pushes)
         if [(toe, True) for toe in self._taken] == [(toe, mode in RESTS) for toe, mode in self._closed]:
             self._imposed = Imposed(a, forces, [*others, *zip(motors, torques, strict=True)])
         return torques
@@ -321,27 +325,38 @@ class Motion:
         rows: Matrix = []
         drift: list[Any] = []
         for toe in self._taken:
-            rows += self.jacobian(toe)
-            drift += self._feet.drifts[toe]
-        return rows, drift
+            rows += self.jacobian(toe)[self._first[toe] :]
+            drift += self._feet.drifts[toe][self._first[toe] :]
+        return [*rows, *self._terms.loop_rows], [*drift, *self._terms.loop_drifts]
+
+    def _pushes(self, multipliers: Sequence[Any]) -> dict[str, tuple[Any, ...]]:
+        """Returns the force on each toe that `_at_rest` binds, along the ground and normal to it."""
+        forces: dict[str, tuple[Any, ...]] = {}
+        row = 0
+        for toe in self._taken:
+            first, end = self._first[toe], row + self._k - self._first[toe]
+            forces[toe], row = (*first * (0.0,), *multipliers[row:end]), end
+        return forces
 
     def _constraint(self) -> tuple[Matrix, Matrix, list[Any]]:
         rows: Matrix = []
         directions: Matrix = []
         drift: list[Any] = []
         for toe, mode in self._closed:
-            (*tangential, z), own = self.jacobian(toe), self._feet.drifts[toe]
+            (*tangential, z), own, first = self.jacobian(toe), self._feet.drifts[toe], self._first[toe]
             if mode in RESTS:
-                rows += [*tangential, z]
-                directions += [*tangential, z]
-                drift += own
+                rows += [*tangential, z][first:]
+                directions += [*tangential, z][first:]
+                drift += own[first:]
             else:
                 slopes = [way * self.numbers.ground.friction for way in self._ways[toe]]
                 rows.append(z)
                 columns = zip(z, *tangential, strict=True)
                 directions.append([plus(down, negated(dot(slopes, along))) for down, *along in columns])
                 drift.append(own[-1])
-        return rows, rows if len(rows) == self._k * len(self._closed) else directions, drift
+        loops, rests = self._terms.loop_rows, all(mode in RESTS for _, mode in self._closed)
+        rows, directions = [*rows, *loops], [*directions, *loops]
+        return rows, rows if rests else directions, [*drift, *self._terms.loop_drifts]
 
     def _bordered(self, force: Sequence[Any], rows: Matrix, drift: Sequence[Any]) -> tuple[Matrix, list[Any]]:
         """Returns matrix and right-hand side of D a = force + Aᵀ λ, A a + drift = 0, for (a, λ)."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.elimination import factorize, substitute
+from spear_pin.hybrid.elimination import responses
 from spear_pin.hybrid.engines.polynomials import Polynomials
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.taylor import (
@@ -219,7 +219,7 @@ class CompiledImpact:
         mechanism, numbers, _ = symbols(system, structure.mechanism, {}, hy.par)
         terms = mechanism.terms(state[:nv], state[nv:], hy)
         (x, z), v = numbers.ground.seen(terms, operations([])).jacobians[toe], state[nv:]
-        along, up = (substitute(factorize(terms.mass_matrix), row) for row in (x, z))
+        along, up = responses(terms, [x, z])
         a_tt, a_tn, a_nn, slide, approach = dot(x, along), dot(x, up), dot(z, up), dot(x, v), dot(z, v)
         outputs = [a_tt, a_tn, a_nn, slide, approach, numbers.ground.friction, *along, *up]
         self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state, opt_level=level)

@@ -8,6 +8,7 @@ import numpy as np
 
 from spear_pin.hybrid.lanes.groups import Group, stacked
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.per_lane import applied, null_spaces
 from spear_pin.hybrid.rules.footing import along
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
@@ -33,16 +34,21 @@ def strike(numbers: Numbers, toes: list[str], lands: tuple[str, ...], group: Gro
     if rising.any():
         landing, risen = group.take(~rising), group.take(rising)
         return strike(numbers, toes, lands, landing)[0] if len(landing) else landing, risen
-    friction, held = ground.friction, group.held
+    friction, held, v = ground.friction, group.held, v.T
+    basis = null_spaces(stacked(terms.loop_rows, n)) if terms.loop_rows else None
+    if basis is not None:  # as `strikes.yielding`
+        along_it = np.swapaxes(basis, 1, 2)
+        D, J, v = along_it @ D @ basis, J @ basis, applied(along_it, v)
     if len(toes) > 1:
-        each = zip(D, J, v.T, np.broadcast_to(friction, n), strict=True)
+        each = zip(D, J, v, np.broadcast_to(friction, n), strict=True)
         impacts = [joint_impact(*values[:3], float(values[3])) for values in each]
         speeds = np.array([(J[i] @ impact.v)[1::2] * impact.leaves for i, impact in enumerate(impacts)])
         held = {**held, **{rise(toe): speeds[:, i] for i, toe in enumerate(toes)}}
-        after = np.array([impact.v for impact in impacts]).T
+        after = np.array([impact.v for impact in impacts])
     else:
         response = np.linalg.solve(D, J.transpose(0, 2, 1))
-        before = (J @ v.T[:, :, None])[:, :, 0].T
+        before = (J @ v[:, :, None])[:, :, 0].T
         impulse, _ = routh((J @ response).transpose(1, 2, 0), before, friction)
-        after = v + (response @ np.transpose(impulse)[:, :, None])[:, :, 0].T
-    return replace(group, y=np.concatenate([q, after]), held=held), group.take(rising)
+        after = v + (response @ np.transpose(impulse)[:, :, None])[:, :, 0]
+    after = after if basis is None else applied(basis, after)
+    return replace(group, y=np.concatenate([q, after.T]), held=held), group.take(rising)

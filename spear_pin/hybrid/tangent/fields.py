@@ -27,7 +27,7 @@ from spear_pin.hybrid.dual import (
     varying,
 )
 from spear_pin.hybrid.dynamics import Operations
-from spear_pin.hybrid.elimination import Matrix, factorize, substitute
+from spear_pin.hybrid.elimination import Matrix, eliminated, responses
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
@@ -37,6 +37,9 @@ from spear_pin.hybrid.tangent import seeds
 from spear_pin.hybrid.tangent.terms import ArrayMechanism
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.scalars import dot
+
+
+NONE = np.empty(0)  # of a robot without loops
 
 
 class Values(NamedTuple):
@@ -148,12 +151,6 @@ class TangentField:
         return Values(values, self._ends), Values(slopes, self._ends)
 
 
-def eliminated(matrix: Matrix, rights: Matrix) -> Matrix:
-    """Solves linear systems of one symmetric positive definite matrix, for scalars of any kind."""
-    factors = factorize(matrix)
-    return [substitute(factors, right) for right in rights]
-
-
 @dataclass(frozen=True, eq=False)
 class TangentFeet:
     """Numbers of toes and of the mass matrix on which impacts and sections depend, with derivatives.
@@ -195,8 +192,9 @@ class TangentFeet:
     @cached_property
     def _parts(self) -> list[tuple[slice, tuple[int, ...]]]:
         """Place among the outputs, and shape, of each of `ToeNumbers` except the first."""
-        nv, k, m = self.structure.system.robot.nv, self.structure.system.robot.dimension, len(self.toes)
-        shapes: list[tuple[int, ...]] = [(m,), (m, k, nv), (m, k, nv), (k * m, k * m), (k * m,)]
+        robot, m = self.structure.system.robot, len(self.toes)
+        nv, k, loops = robot.nv, robot.dimension, 0 if robot.closure is None else robot.closure.size
+        shapes: list[tuple[int, ...]] = [(m,), (m, k, nv), (m, k, nv), (k * m, k * m), (k * m,), (loops,), (loops, nv)]
         ends = np.cumsum([1, *map(math.prod, shapes)]).tolist()
         return [(slice(i, j), shape) for i, j, shape in zip(ends[:-1], ends[1:], shapes, strict=True)]
 
@@ -213,11 +211,12 @@ class TangentFeet:
         terms = mechanism.terms(duals[:nv], duals[nv : 2 * nv], ops)
         feet = numbers.ground.seen(terms, ops)
         rows = [row for toe in self.toes for row in feet.jacobians[toe]]
-        responses = solved(terms.mass_matrix, rows)
+        moved = responses(terms, rows, solved)
         outputs = [numbers.ground.friction, *(feet.positions[toe][-1] for toe in self.toes)]
-        outputs += [number for each in (rows, responses) for row in each for number in row]
-        outputs += [dot(row, response) for row in rows for response in responses]
-        return outputs + [dot(row, duals[nv : 2 * nv]) for row in rows]
+        outputs += [number for each in (rows, moved) for row in each for number in row]
+        outputs += [dot(row, response) for row in rows for response in moved]
+        outputs += [dot(row, duals[nv : 2 * nv]) for row in rows]
+        return [*outputs, *terms.loop_gaps, *(number for row in terms.loop_rows for number in row)]
 
 
 class ToeNumbers(NamedTuple):
@@ -227,9 +226,11 @@ class ToeNumbers(NamedTuple):
         friction: the coefficient of friction.
         heights: heights of the toes, in m, (m, ...).
         rows: rows of their Jacobians, along the ground and normal to it, (m, k, nv, ...).
-        responses: D⁻¹ times those rows, (m, k, nv, ...).
-        inverse_inertia: J D⁻¹ Jᵀ of all toes together, (k m, k m, ...).
+        responses: D⁻¹ times those rows, with closed loops W times them, (m, k, nv, ...).
+        inverse_inertia: J D⁻¹ Jᵀ, or J W Jᵀ, of all toes together, (k m, k m, ...).
         speeds: J v, (k m, ...).
+        gaps: φ of the robot's loops, (l, ...).
+        loops: A of these, (l, nv, ...).
     """
 
     friction: Any
@@ -238,6 +239,8 @@ class ToeNumbers(NamedTuple):
     responses: Array
     inverse_inertia: Array
     speeds: Array
+    gaps: Array = NONE
+    loops: Array = NONE
 
 
 def compiled(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, nv: int) -> Any:

@@ -34,7 +34,8 @@ APART = 10.0 * ON_GROUND  # m: height of the second foot as the first one lands,
 def on_section(system: HybridSystem, local: Chart, seeds: Array, xi: Array | None = None) -> Array:
     """Returns derivatives of a state on the section, (2 nv, c).
 
-    Closed toes stay on the ground and move along it only where they slide. Before an impact the lowest toe stays on it.
+    Closed toes stay on the ground and move along it only where they slide, and loops stay closed. Before an impact the
+    lowest toe stays on the ground.
 
     Args:
         system: the system.
@@ -54,11 +55,13 @@ def on_section(system: HybridSystem, local: Chart, seeds: Array, xi: Array | Non
         dy[Z] -= slopes.heights[feet.heights.argmin()]
         return dy
     feet, slopes = _feet(system, section.toes, y, dy * 0.0, seeds)
-    dy[:nv] -= np.linalg.pinv(feet.rows[:, 1]) @ slopes.heights
+    up = np.concatenate([feet.rows[:, 1], feet.loops])
+    dy[:nv] -= np.linalg.pinv(up) @ np.concatenate([slopes.heights, slopes.gaps])
     _, slopes = _feet(system, section.toes, y, dy, seeds)
     chosen = np.column_stack([~slides, np.ones_like(slides)]).ravel()
-    drift = np.einsum("rnc,n->rc", slopes.rows.reshape(-1, nv, seeds.shape[1])[chosen], y[nv:])
-    rows = velocity_rows(feet.rows[None], slides)[0]
+    turned = np.concatenate([slopes.rows.reshape(-1, nv, seeds.shape[1])[chosen], slopes.loops])
+    drift = np.einsum("rnc,n->rc", turned, y[nv:])
+    rows = np.concatenate([velocity_rows(feet.rows[None], slides)[0], feet.loops])
     dy[nv:] = -np.linalg.pinv(rows) @ drift
     dy[nv:, split:d] += local.v_basis
     return dy

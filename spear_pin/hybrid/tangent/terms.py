@@ -33,7 +33,12 @@ class ArrayMechanism(Mechanism):
         self._plain, self._code = mechanism, _shared(_Code(mechanism.shape, mechanism))
         self.coordinates, self.nv = mechanism.coordinates, mechanism.nv
         self.bodies, self.frames, self.toes = mechanism.bodies, mechanism.frames, mechanism.toes
-        self.axes, self.lift, self.circle = mechanism.axes, mechanism.lift, mechanism.circle
+        self.axes, self.lift, self.circle, self.loops = (
+            mechanism.axes,
+            mechanism.lift,
+            mechanism.circle,
+            mechanism.loops,
+        )
         self._numbers: list[Any] = [number for number in mechanism.numbers if number != 0.0]
 
     def with_numbers(self, numbers: Sequence[Any]) -> Self:
@@ -94,7 +99,8 @@ class _Code:
         left, ops = iter(duals[2 * nv :]), operations(taylor.operations([]), hy.relup)
         mechanism = self.mechanism.with_numbers([next(left) if number != 0.0 else 0.0 for number in own])
         terms = mechanism.terms(duals[:nv], duals[nv : 2 * nv], ops)
-        outputs = {name: getattr(terms, name) for name in ("mass_matrix", "bias", "positions", "jacobians", "drifts")}
+        names = ("mass_matrix", "bias", "positions", "jacobians", "drifts", "loop_gaps", "loop_rows", "loop_drifts")
+        outputs = {name: getattr(terms, name) for name in names}
         outputs["frames"] = {frame: terms.position(frame) for frame in mechanism.frames}
         found: list[Dual] = []
         _mapped(lambda each: found.append(each) if isinstance(each, Dual) else None, outputs)
