@@ -38,7 +38,6 @@ from spear_pin.hybrid.tangent.terms import ArrayMechanism
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.scalars import dot
 
-
 NONE = np.empty(0)  # of a robot without loops
 
 
