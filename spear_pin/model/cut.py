@@ -15,7 +15,7 @@ import pinocchio as pin
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.model.legs import Leg
+from spear_pin.model.legs import WITHOUT_LOOPS, Leg
 from spear_pin.model.limits import Limits, limits_of
 from spear_pin.model.tree import Tree
 
@@ -145,12 +145,14 @@ class Source:
         robot: a `Robot`.
 
     Raises:
-        BadValue: the robot has inertia in addition to its model's.
+        BadValue: the robot has inertia in addition to its model's, or closed loops.
     """
 
     def __init__(self, robot: Any) -> None:
         if robot.added is not None:
             raise BadValue("robot", robot, "one without a rotary boom, whose inertia a leg cannot take over")
+        if robot.loops:
+            raise BadValue("robot", robot, WITHOUT_LOOPS)
         self.robot, self.model = robot, robot.model
         self.tree = Tree(self.model)
         self.data = self.tree.data

@@ -23,6 +23,7 @@ from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.kinds import typed
 from spear_pin.model.frames import frame_id, joint_id
 from spear_pin.model.limits import limits_of
+from spear_pin.model.loops import Loop
 from spear_pin.model.tree import SHORTEST, Tree
 
 Sides = Mapping[str, int] | int
@@ -37,6 +38,9 @@ SIDES: Mapping[str, Mapping[str, int]] = MappingProxyType(
 """Sides of knees whose limits leave both open, by the robot's source."""
 
 
+WITHOUT_LOOPS = "a robot without closed loops: legs here are chains of a hip and a knee"
+
+
 @runtime_checkable
 class LeggedRobot(Protocol):
     """A robot in which legs are found: a `Robot`."""
@@ -44,6 +48,7 @@ class LeggedRobot(Protocol):
     model: pin.Model
     toes: tuple[str, ...]
     source: str
+    loops: tuple[Loop, ...]
 
 
 @dataclass(frozen=True)
@@ -151,8 +156,10 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
 
     Raises:
         UnknownName: there is no such frame, or no such leg.
-        BadValue: the limb of one of the given toes is no leg, or a side is neither +1 nor -1.
+        BadValue: the robot has closed loops, the limb of a given toe is no leg, or a side is neither +1 nor -1.
     """
+    if robot.loops:
+        raise BadValue("robot", robot, WITHOUT_LOOPS)
     model, tree = robot.model, Tree(robot.model)
     ends = tuple(toes) if toes is not None else robot.toes or tree.ends()
     tips: dict[int, str] = {}
@@ -179,6 +186,8 @@ def find_legs(robot: LeggedRobot, toes: Iterable[str] | None = None, sides: Side
 
 def lacking_legs(robot: LeggedRobot) -> str:
     """Describes what a robot without legs would need to have some, in words that follow "expected"."""
+    if robot.loops:
+        return WITHOUT_LOOPS
     usual = "a robot, x forward and z up, with a leg: a hip and a knee about the y axis, and a toe"
     return lacking_toe(robot) or usual
 

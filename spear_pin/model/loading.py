@@ -99,6 +99,12 @@ ROBOTS = {
         "monoped MUPS v2 in the sagittal plane, with its knee spring and motors",
         "arXiv 2606.21866 and its repository; the point toe is an assumption",
     ),
+    "crank_hopper": Shipped(
+        "crank_hopper.urdf",
+        ("toe",),
+        "vertical hopper whose motor drives its foot by a crank and a rod, with a spring along the leg",
+        "arXiv 2505.22898, and a fit to its public logs; the foot's mass is an assumption",
+    ),
 }
 
 

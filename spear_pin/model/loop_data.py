@@ -100,7 +100,8 @@ def check_loops(robot: Robot) -> None:
             "loops", names, f"loops that leave a joint of {listed(tied)} free to move: these make them rigid"
         )
     if len(own) != count:
-        expected = f'{count} of {listed(tied)}, which determine the others: name them, as independent = ["{tied[0]}"]'
+        some = str([*tied[:count]]).replace("'", '"')
+        expected = f"{count} of {listed(tied)}, which determine the others: name them, as independent = {some}"
         raise BadValue("independent", own, expected)
     free = [name not in robot.independent for name in robot.coordinates]
     if all(np.linalg.svd(closure.at(q)[1][:, free], compute_uv=False)[-1] <= DEPENDENT for q in found):

@@ -10,7 +10,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.model.legs import Leg, in_convention, simple
+from spear_pin.model.legs import WITHOUT_LOOPS, Leg, in_convention, simple
 from spear_pin.model.robot import Robot
 
 
@@ -57,6 +57,8 @@ def scale_of(robot: Robot) -> Scale:
     Raises:
         BadValue: the robot has no legs of hip and knee in the plane.
     """
+    if robot.loops:
+        raise BadValue("robot", robot, WITHOUT_LOOPS)
     if not robot.planar or not robot.legs:
         raise BadValue("robot", robot, "a planar robot with legs, as monopod(...) or sagittal(...) makes it")
     return _relative(robot, shipped("spear_ii" if len(robot.legs) == 1 else "q_spear"))

@@ -241,3 +241,19 @@ class TestMups:
         drive = Drive(mups.settings.motors["knee"], Gearbox(mups.gear_ratio("knee")), 24.0)
         assert drive.joule_power(5.0, 0.0) == pytest.approx(5.0**2 * 0.17 / 0.945**2)
         assert not mups.model.armature.any() and motor("mups_v2_joint").rotor_inertia is None
+
+
+class TestCrankHopper:
+    """A vertical hopper with a crank, a rod and a spring along its leg."""
+
+    def test_masses_and_what_the_motor_feels(self):
+        robot = load("crank_hopper")
+        assert robot.mass == pytest.approx(1.3) and robot.gear_ratio("crank") == 6.0
+        for degrees in (-21.0, 9.0):
+            x = math.radians(degrees)
+            slope = -0.07 * math.cos(x)
+            slope += 0.07**2 * math.cos(x) * math.sin(x) / math.sqrt(0.15**2 - (0.07 * math.cos(x)) ** 2)
+            found = robot.reduced([0.3, x, -0.45 - x, 0.15], [0.0, 0.0])
+            assert found.T[robot.index("slide"), 1] == pytest.approx(slope, abs=1e-12)
+            # the inertia at the crank, and the foot's mass by the linkage; crank and rod have a gram each
+            assert found.mass_matrix[1, 1] == pytest.approx(4.73e-3 + 0.15 * slope**2, abs=1.5e-5)
