@@ -11,6 +11,7 @@ import numpy as np
 
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.inputs import ANGLE, Input
+from spear_pin.gaits.reaching import angles, driving, landing, posed, seeing
 from spear_pin.gaits.springing import springing
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
@@ -21,10 +22,11 @@ from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-from spear_pin.model.scale import only_leg, scale_of, shipped, touchdown_inertia
+from spear_pin.model.scale import Scale, only_leg, scale_of, shipped, touchdown_inertia
 from spear_pin.model.spring import Spring
 from spear_pin.model.springs import springs_by_name
 
+ROBOTS = "a planar robot with the toe 'toe' whose last joints are 'hip' and 'knee'"
 LONGEST, FALLING = 5.0, 0.8  # s, m/s: a phase of SPEAR-II, and how fast it lands in a guess
 FLAT = 1e-9  # 1/m: a smaller change of the normal force with the torque counts as zero
 
@@ -214,10 +216,13 @@ def hopping(
     to zero, releases the spring and latches the forward speed.
 
     Args:
-        robot: SPEAR-II, with boom_x locked or free, or another leg as `spear_pin.monopod` cuts it.
-        law: parameters of the controller; for another leg those of `HoppingLaw.scaled`.
+        robot: SPEAR-II, with boom_x locked or free, another leg as `spear_pin.monopod` cuts it, or a leg with closed
+            loops whose file has `[reach]`, the angles that the law calls hip and knee.
+        law: parameters of the controller; for another leg those of `HoppingLaw.scaled`. On a leg with loops the hip
+            lands at 0 unless the law gives its angle.
         spring: the knee spring, or several by name, each on the joint of its name or on its own path; for another leg
-            that of `Spring.scaled`. If one of them is fixed, the motors balance in flight all that are engaged.
+            that of `Spring.scaled`; with loops by default the springs of its file. If one of them is fixed, the
+            motors balance in flight all that are engaged, but not on a leg with loops.
         contact: friction of level ground.
         ground: the ground, instead of `contact`.
 
@@ -234,12 +239,11 @@ def hopping(
         ('stance', 'flight')
     """
     law, contact = law or HoppingLaw(), given(contact, ground)
-    springs = springing(robot, springs_by_name(Spring() if spring is None else spring, "knee"))
-    if not robot.planar or robot.toes != ("toe",) or robot.coordinates[-2:] != ("hip", "knee"):
-        raise BadValue("robot", robot, "a planar robot with the toe 'toe' whose last joints are 'hip' and 'knee'")
-    if robot.actuated != ("hip", "knee"):
-        raise BadValue("robot.actuated", robot.actuated, "motors on 'hip' and 'knee'")
-    knee, rise, time = robot.index("knee"), robot.index("boom_z"), scale_of(robot).time
+    springs = springing(robot, springs_by_name(_usual(robot) if spring is None else spring, "knee"))
+    _check(robot)
+    if robot.reach is not None and law.hip_touchdown is None:
+        law = replace(law, hip_touchdown=0.0)
+    rise, time = robot.index("boom_z"), _scale(robot, law).time
     forward = robot.index("boom_x") if "boom_x" in robot.coordinates else None
     if forward is None and law.foot_placement != 0.0:
         raise BadValue("HoppingLaw.foot_placement", law.foot_placement, "0 while boom_x is locked")
@@ -250,7 +254,7 @@ def hopping(
         raise BadValue("HoppingLaw.virtual_stiffness", law.virtual_stiffness, expected)
 
     def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        own = {} if imitated else {"knee_touchdown": q[knee], "taut": 1.0}
+        own = {} if imitated else {"knee_touchdown": angles(robot, q)[1], "taut": 1.0}
         return {**own, **springs.engage(q, held), "flexing": 1.0, "compressing": 1.0, "limited": 0.0}
 
     def latch_lift_off(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
@@ -261,12 +265,12 @@ def hopping(
     landed = Reset(impact=("toe",), latch=latch_touchdown, phase="stance", edges=springs.touching)
     balancing = any(spring.rest is not None for spring in springs.springs.values())
     flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"], "compressing": 0.0, "limited": 0.0})
-    fallen = fall(["hip", "knee"])
+    fallen = fall(["hip", "knee"] if robot.reach is None else [*robot.actuated])
     stance = Domain(
         "stance",
         "stance",
         (STICK,),
-        stance_law,
+        driving(robot, stance_law),
         mounts=springs.standing,
         guards=(*springs.switches(springs.standing), *fallen),
         switch=Switch("torque_switch", _half_periods, flip),
@@ -275,7 +279,7 @@ def hopping(
         "flight",
         "flight",
         (OPEN,),
-        sprung_flight_law if balancing else flight_law,
+        driving(robot, sprung_flight_law if balancing and robot.reach is None else flight_law),
         mounts=aloft,
         guards=(
             *springs.switches(aloft),
@@ -290,12 +294,12 @@ def hopping(
         law=law,
         springs=springs.springs,
         contact=contact,
-        domains=(*contact_domains(stance, robot.toes, lift_off, first=_limit_guards(law)), flight),
+        domains=(*contact_domains(stance, robot.toes, lift_off, first=_limit_guards(robot, law)), flight),
         section="touchdown",
         cyclic=() if forward is None else ("boom_x",),
         build=hopping,
         guess=lambda: _guess(robot, law, as_ground(contact)),
-        measures=_MEASURES,
+        measures=_measures(robot),
         phase_limit=LONGEST * time,
         shortest_flight=SHORTEST_FLIGHT * time,
         sprung=True,
@@ -306,7 +310,7 @@ def _half_periods(n: int, p: HoppingLaw) -> float:
     return math.inf if p.hold_extension and n > 1 else 0.5 * n / p.frequency
 
 
-def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
+def _limit_guards(robot: Robot, law: HoppingLaw) -> tuple[Guard, ...]:
     """Returns guards that enter and leave the limit on flexion, if there is one."""
     if law.minimum_force is None:
         return ()
@@ -319,37 +323,66 @@ def _limit_guards(law: HoppingLaw) -> tuple[Guard, ...]:
         return held["compressing"] * spare + (1.0 - held["compressing"])
 
     toggle = Reset(latch=lambda q, v, held, p: {"limited": 1.0 - held["limited"]})
-    return (Guard("force_limit", margin, toggle, tolerance=1e-6),)
+    return (Guard("force_limit", seeing(robot, margin), toggle, tolerance=1e-6),)
+
+
+def _check(robot: Robot) -> None:
+    """Refuses a robot that the law cannot drive."""
+    if not robot.planar or robot.toes != ("toe",) or "boom_z" not in robot.coordinates:
+        raise BadValue("robot", robot, ROBOTS)
+    if robot.reach is None:
+        if robot.loops or robot.coordinates[-2:] != ("hip", "knee"):
+            raise BadValue("robot", robot, "one with [reach] in its file" if robot.loops else ROBOTS)
+        if robot.actuated != ("hip", "knee"):
+            raise BadValue("robot.actuated", robot.actuated, "motors on 'hip' and 'knee'")
+
+
+def _usual(robot: Robot) -> Spring | Mapping[str, Spring]:
+    """Returns SPEAR-II's knee spring; for a leg with loops the springs of its file."""
+    if robot.reach is None:
+        return Spring()
+    springs: Mapping[str, Spring] = {} if robot.settings is None else robot.settings.springs
+    if not springs:
+        raise BadValue("spring", None, "springs on paths by name, as a leg with loops has no knee")
+    return springs
+
+
+def _landing(law: HoppingLaw) -> tuple[float, float]:
+    """Returns the commanded angles of hip and knee at touchdown."""
+    return 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown, law.knee_touchdown
+
+
+def _scale(robot: Robot, law: HoppingLaw) -> Scale:
+    """Returns a robot's size; a leg with loops is as long as its toe is deep at touchdown."""
+    if robot.reach is None:
+        return scale_of(robot)
+    return scale_of(robot, -float(robot.toe_position(posed(robot, *_landing(law)), "toe")[1]))
 
 
 def _guess(robot: Robot, law: HoppingLaw, ground: Ground) -> tuple[Any, Any]:
     """Returns a state just after touchdown at the commanded angles, falling as from a few centimetres."""
-    hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
-    q = np.zeros(robot.nq)
-    q[robot.index("hip")], q[robot.index("knee")] = hip, law.knee_touchdown
+    q = posed(robot, *_landing(law))
     x, z = robot.toe_position(q, "toe")
     q[robot.index("boom_z")] = ground.under(x) - z
-    v = np.zeros(robot.nv)
-    v[robot.index("boom_z")] = -FALLING * scale_of(robot).speed
-    jacobian = robot.toe_jacobian(q, "toe")
-    rows = [robot.index("hip"), robot.index("knee")]
-    v[rows] = np.linalg.lstsq(jacobian[:, rows], -jacobian @ v, rcond=None)[0]
-    return q, v
+    return q, landing(robot, q, FALLING * _scale(robot, law).speed)
 
 
-def _mean_speed(run: Run) -> float:
-    """Returns the forward speed over the cycle, in m/s; boom_x comes first where it is free."""
-    return (run.state[0][0] - run.start[0][0]) / sum(run.durations.values()) if len(run.start[0]) > 3 else 0.0
+def _measures(robot: Robot) -> Mapping[str, Callable[[Run], float]]:
+    """Returns the measures of a hop."""
+    rise, forward = robot.index("boom_z"), "boom_x" in robot.coordinates
 
+    def mean_speed(run: Run) -> float:
+        """Returns the forward speed over the cycle, in m/s; boom_x comes first where it is free."""
+        return (run.state[0][0] - run.start[0][0]) / sum(run.durations.values()) if forward else 0.0
 
-_MEASURES: Mapping[str, Callable[[Run], float]] = {
-    "flight_time": lambda run: run.durations["flight"],
-    "stance_time": lambda run: run.durations["stance"],
-    "period": lambda run: run.durations["flight"] + run.durations["stance"],
-    "apex_height": lambda run: run.event("apex").q[-3],
-    "knee_at_touchdown": lambda run: run.event("touchdown").q[-1],
-    "knee_rate_at_touchdown": lambda run: run.event("touchdown").v_before[-1],
-    "hip_at_touchdown": lambda run: run.event("touchdown").q[-2],
-    "hip_rate_at_touchdown": lambda run: run.event("touchdown").v_before[-2],
-    "mean_speed": _mean_speed,
-}
+    return {
+        "flight_time": lambda run: run.durations["flight"],
+        "stance_time": lambda run: run.durations["stance"],
+        "period": lambda run: run.durations["flight"] + run.durations["stance"],
+        "apex_height": lambda run: run.event("apex").q[rise],
+        "knee_at_touchdown": lambda run: angles(robot, run.event("touchdown").q)[1],
+        "knee_rate_at_touchdown": lambda run: angles(robot, run.event("touchdown").v_before)[1],
+        "hip_at_touchdown": lambda run: angles(robot, run.event("touchdown").q)[0],
+        "hip_rate_at_touchdown": lambda run: angles(robot, run.event("touchdown").v_before)[0],
+        "mean_speed": mean_speed,
+    }

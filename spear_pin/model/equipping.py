@@ -22,6 +22,7 @@ from spear_pin.model.loops import Loop
 from spear_pin.model.motor import Gearbox
 from spear_pin.model.named_legs import NamedLeg, leg_of
 from spear_pin.model.path_data import keys_of, path_of
+from spear_pin.model.reach import Reach
 from spear_pin.model.robot import Robot
 from spear_pin.model.settings import Settings
 from spear_pin.model.sidecar import JOINTS, ROLES, Sidecar, blaming
@@ -77,6 +78,7 @@ def equipped(
         post=_post(said, path, model),
         loops=loops,
         independent=tuple(said.independent),
+        reach=_reach(said, path, model),
     )
     driven = tuple(gears) if isinstance(said.motors, Mapping) else said.motors
     return settings, driven, {**known, **{joint: geared for joint, (geared, _) in drives.items()}}
@@ -95,6 +97,24 @@ def _loops(said: Sidecar, path: Path, model: pin.Model) -> tuple[Loop, ...]:
     if said.independent and not found:
         raise BadFile(path, f"independent is {list(said.independent)!r}; expected it only beside loops")
     return tuple(found)
+
+
+def _reach(said: Sidecar, path: Path, model: pin.Model) -> Reach | None:
+    """Returns the angles of hip and knee of a leg with loops, if the file gives them."""
+    if not said.reach:
+        return None
+    with blaming(path, "reach"):
+        if not said.loops:
+            raise BadValue("reach", dict(said.reach), "no reach without loops: a leg's hip and knee are joints")
+        tables = keys_of("reach", said.reach, ("knee",), ("hip",))
+        for joint, weight in (pair for table in tables.values() for pair in table.items()):
+            if joint not in drivable(model):
+                raise UnknownName("joint", joint, drivable(model))
+            if type(weight) not in (int, float) or not weight:
+                raise BadValue(joint, weight, "a weight, a number other than 0")
+        return Reach(
+            **{name: tuple((joint, float(weight)) for joint, weight in table.items()) for name, table in tables.items()}
+        )
 
 
 def _own(table: Mapping[str, Any]) -> Gear:

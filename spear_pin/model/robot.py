@@ -60,6 +60,7 @@ class Robot(Shown):
         dimension: number of these directions, 2 or 3.
         loops: closed loops, if its settings give any; `model` is the tree without them.
         closure: the constraints that close the loops, None without loops.
+        reach: what a law calls hip and knee on a leg with loops, if its settings say so.
         source: registered name or path from which the robot was loaded.
         options: arguments of `load` that were given, by name: base, motors, repair.
         varied: numbers that differ from the source, by name (see `spear_pin.model.variants`).
@@ -109,6 +110,7 @@ class Robot(Shown):
         self.planar = post is None and _is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
         self.loops: tuple[Loop, ...] = () if settings is None else settings.loops
+        self.reach = None if settings is None else settings.reach
         self.closure = Closure(model, self.coordinates, self.loops) if self.loops else None
         self.directions: Directions = Axes(len(self._rows)) if post is None else Round(post)
         self.dimension = self.directions.dimension

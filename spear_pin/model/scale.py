@@ -48,20 +48,23 @@ class Scale(NamedTuple):
         return self.torque / self.time
 
 
-def scale_of(robot: Robot) -> Scale:
+def scale_of(robot: Robot, length: float | None = None) -> Scale:
     """Returns a robot's size relative to SPEAR-II's if it has one leg, to Q-SPEAR's if it has two legs or pairs.
 
     Args:
         robot: a robot in the plane, as `spear_pin.monopod` or `spear_pin.sagittal` cuts it.
+        length: length of its leg, in m, if that has closed loops.
 
     Raises:
         BadValue: the robot has no legs of hip and knee in the plane.
     """
+    if length is not None:
+        return _relative(_sizes(robot, length), shipped("spear_ii"))
     if robot.loops:
         raise BadValue("robot", robot, WITHOUT_LOOPS)
     if not robot.planar or not robot.legs:
         raise BadValue("robot", robot, "a planar robot with legs, as monopod(...) or sagittal(...) makes it")
-    return _relative(robot, shipped("spear_ii" if len(robot.legs) == 1 else "q_spear"))
+    return _relative(_size(robot), shipped("spear_ii" if len(robot.legs) == 1 else "q_spear"))
 
 
 def scale_in_space(robot: Robot) -> Scale:
@@ -75,7 +78,7 @@ def scale_in_space(robot: Robot) -> Scale:
     """
     if not robot.legs:
         raise BadValue("robot", robot, "one with legs of hip and knee")
-    return _relative(robot, shipped("q_spear_full", "chain"))
+    return _relative(_size(robot), shipped("q_spear_full", "chain"))
 
 
 def touchdown_inertia(robot: Robot, knee: float) -> Array:
@@ -116,11 +119,15 @@ def shipped(name: str, base: Literal["chain"] | None = None) -> Robot:
     return load(name, base=base)
 
 
-def _relative(robot: Robot, reference: Robot) -> Scale:
-    return Scale(*(own / of for own, of in zip(_size(robot), _size(reference), strict=True)))
+def _relative(size: tuple[float, float, float], reference: Robot) -> Scale:
+    return Scale(*(own / of for own, of in zip(size, _size(reference), strict=True)))
 
 
 def _size(robot: Robot) -> tuple[float, float, float]:
     """Returns the mass, in kg, the mean length of the legs, in m, and the time √(l/g), in s."""
-    length = sum(leg.thigh + leg.shank for leg in robot.legs) / len(robot.legs)
+    return _sizes(robot, sum(leg.thigh + leg.shank for leg in robot.legs) / len(robot.legs))
+
+
+def _sizes(robot: Robot, length: float) -> tuple[float, float, float]:
+    """Returns the mass, in kg, a length of the legs, in m, and the time √(l/g), in s."""
     return robot.mass, length, math.sqrt(length / float(np.linalg.norm(robot.model.gravity.linear)))

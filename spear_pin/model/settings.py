@@ -12,6 +12,7 @@ from spear_pin.model.gears import Gear
 from spear_pin.model.loops import Loop
 from spear_pin.model.motor import Motor
 from spear_pin.model.named_legs import NamedLeg
+from spear_pin.model.reach import Reach
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Settings:
         post: position, x and y in m, of the post about which the robot goes, if any.
         loops: closed loops, between frames of the model or among its joints.
         independent: names of tied joints that determine the others; by default those with a motor.
+        reach: hip's and knee's angle of a leg with loops.
     """
 
     path: str
@@ -44,6 +46,7 @@ class Settings:
     post: tuple[float, float] | None = None
     loops: tuple[Loop, ...] = ()
     independent: tuple[str, ...] = ()
+    reach: Reach | None = None
 
     def of_cut(self, angles: Mapping[str, Sequence[Turn]]) -> Settings:
         """Returns the settings of a robot that is cut out of this one, by the cut's joints.

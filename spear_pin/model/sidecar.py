@@ -51,6 +51,7 @@ class Sidecar:
         post: joint by which the robot turns about a post, round which its toes go.
         loops: tables of closed loops by name, see `spear_pin.model.loops`.
         independent: names of joints in loops that determine the others.
+        reach: tables of motors and weights, for the angles of hip and knee of a leg with loops.
     """
 
     source: Any
@@ -65,6 +66,7 @@ class Sidecar:
     post: str | None = None
     loops: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     independent: Sequence[str] = ()
+    reach: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def own_toes(self) -> Sequence[str] | None:
@@ -112,6 +114,7 @@ KEYS = {
     "post": TEXT,
     "loops": TABLES,
     "independent": NAMES,
+    "reach": TABLES,
 }
 LEG = {
     "side": Kind(lambda value: type(value) is int and value in (-1, 1), "1 or -1"),

@@ -54,6 +54,7 @@ motors = ["crank"]
 a = {{ body = "rod", at = [0, 0, {-ROD}] }}
 b = {{ body = "foot", at = [0, 0, 0] }}
 """
+CRANK_LOOP += "[reach]\nknee = { crank = 1.0 }\n"
 FIVE_BAR = "".join(
     [
         '<robot name="five_bar"><link name="world"/>',
@@ -74,6 +75,9 @@ motors = ["front_hip", "back_hip"]
 [loops.pin]
 a = {{ body = "front_lower", at = [0, 0, {-LOWER}] }}
 b = {{ body = "back_lower", at = [0, 0, {-LOWER}] }}
+[reach]
+knee = {{ front_hip = 1.0, back_hip = -1.0 }}
+hip = {{ front_hip = 0.5, back_hip = 0.5 }}
 """
 
 

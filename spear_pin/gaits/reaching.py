@@ -1,0 +1,106 @@
+"""Lets a law of hip and knee drive a leg with closed loops, whose motors it moves by their sums and differences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from spear_pin.arrays import Array
+from spear_pin.errors import BadValue
+from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.model.robot import Robot
+
+TRIES = 12  # configurations from which loops are closed, to find the one that hangs lowest
+Law = Callable[..., Sequence[Any]]
+
+
+class Seen:
+    """The dynamics as a law of hip and knee sees them, for its torques on these; see `Dynamics`.
+
+    Args:
+        dyn: the dynamics.
+        torques: returns the motors' torques for those on hip and knee.
+    """
+
+    def __init__(self, dyn: Dynamics, torques: Callable[[Any, Any], Sequence[Any]]) -> None:
+        self._dyn, self._torques = dyn, torques
+
+    def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
+        """Returns the normal force that torques on hip and knee would give, in N."""
+        return self._dyn.normal_force(toe, self._torques(*u))
+
+
+def driving(robot: Robot, law: Law) -> Law:
+    """Returns a law of hip and knee for a robot's own motors; it stays itself without loops."""
+    reach, motors, seen = robot.reach, robot.actuated, seeing(robot, law)
+    if reach is None:
+        return law
+
+    def driven(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
+        hip, knee = seen(t, q, v, held, p, dyn, ops)
+        return reach.torques(hip, knee, motors)
+
+    return driven
+
+
+def seeing(robot: Robot, function: Callable[..., Any]) -> Callable[..., Any]:
+    """Returns a function that shows a law or a guard hip and knee in the place of a leg with loops."""
+    reach, coordinates, motors = robot.reach, robot.coordinates, robot.actuated
+    if reach is None:
+        return function
+
+    def seen(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        shown = Seen(dyn, lambda hip, knee: reach.torques(hip, knee, motors))
+        return function(t, reach.angles(q, coordinates), reach.angles(v, coordinates), held, p, shown, ops)
+
+    return seen
+
+
+def angles(robot: Robot, values: Sequence[Any]) -> tuple[Any, Any]:
+    """Returns the angles of hip and knee, or their rates, from those of all coordinates."""
+    return (values[-2], values[-1]) if robot.reach is None else robot.reach.angles(values, robot.coordinates)
+
+
+def posed(robot: Robot, hip: float, knee: float) -> Array:
+    """Returns the configuration, (nv,), with these angles of hip and knee; of several, the one whose toe is lowest.
+
+    Raises:
+        BadValue: the loops cannot be closed with these angles.
+    """
+    q, reach = np.zeros(robot.nq), robot.reach
+    if reach is None:
+        q[robot.index("hip")], q[robot.index("knee")] = hip, knee
+        return q
+    rows = np.array(
+        [[dict(weights).get(motor, 0.0) for motor in robot.actuated] for weights in (reach.hip, reach.knee)]
+    )
+    q[[robot.index(motor) for motor in robot.actuated]] = np.linalg.lstsq(rows, [hip, knee], rcond=None)[0]
+    tied = [i for i, name in enumerate(robot.coordinates) if name not in robot.independent]
+    closed = []
+    for start in np.random.default_rng(0).uniform(-2.0, 2.0, (TRIES, len(tied))):
+        q[tied] = start
+        try:
+            closed.append(robot.closed(q))
+        except BadValue:
+            continue
+    if not closed:
+        raise BadValue("knee_touchdown", knee, "an angle at which the leg's loops can be closed")
+    return min(closed, key=lambda each: float(robot.toe_position(each, robot.toes[0])[-1]))
+
+
+def landing(robot: Robot, q: Array, fall: float) -> Array:
+    """Returns the velocity, (nv,), of a robot that falls at a speed, in m/s, onto its toe, which is at rest."""
+    J = robot.toe_jacobian(q, robot.toes[0])
+    if robot.reach is None:
+        v = np.zeros(robot.nv)
+        v[robot.index("boom_z")], rows = -fall, [robot.index("hip"), robot.index("knee")]
+        v[rows] = np.linalg.lstsq(J[:, rows], -J @ v, rcond=None)[0]
+        return v
+    names = robot.independent
+    rates = np.zeros(len(names))
+    rates[names.index("boom_z")] = -fall
+    T, legs = robot.reduced(q, rates).T, [names.index(motor) for motor in robot.actuated]
+    rates[legs] = np.linalg.lstsq(J @ T[:, legs], -J @ T @ rates, rcond=None)[0]
+    return np.asarray(T @ rates, np.float64)

@@ -1,0 +1,153 @@
+"""The hopping law on legs with closed loops, whose file says what it calls hip and knee."""
+
+import numpy as np
+import pytest
+
+from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, simulate
+from spear_pin.errors import BadFile, BadValue
+from spear_pin.gaits.reaching import landing, posed
+from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
+from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
+from spear_pin.hybrid.result import Options
+from spear_pin.hybrid.run import run
+from spear_pin.hybrid.section import chart
+from spear_pin.model.path import Joints
+from tests.model.looped import CRANK_LEG, CRANK_LOOP, FIVE_BAR, crank_leg, five_bar, write
+from tests.slow import slow_but
+
+CRANK = HoppingLaw(-0.35, stance_torque=0.7, frequency=5.0, knee_gain=6.0, knee_damping=0.15, hold_extension=True)
+OPENING = {"leg": Spring(12.0, damping=0.06, path=Joints({"front_hip": 1.0, "back_hip": -1.0}))}
+FIVE = HoppingLaw(
+    1.8,
+    stance_torque=1.4,
+    frequency=6.0,
+    hip_gain=5.0,
+    hip_damping=0.1,
+    knee_gain=3.0,
+    knee_damping=0.1,
+    hold_extension=True,
+    minimum_force=2.0,
+)
+NAMES = "crank_hopper", "five_bar"
+
+
+@pytest.fixture(scope="module")
+def systems(tmp_path_factory):
+    leg = five_bar(tmp_path_factory.mktemp("loops"))
+    return {"crank_hopper": hopping(load("crank_hopper"), CRANK), "five_bar": hopping(leg, FIVE, OPENING)}
+
+
+@pytest.fixture(scope="module")
+def gaits(systems):
+    return {
+        name: find_gait(each, vary=["stance_torque"], target={"flight_time": 0.15}) for name, each in systems.items()
+    }
+
+
+@pytest.mark.parametrize("name", NAMES)
+class TestHop:
+    def test_it_hops_and_conserves_energy(self, systems, gaits, name):
+        gait = gaits[name]
+        assert gait.stable and gait.durations["flight"] == pytest.approx(0.15, abs=1e-9)
+        hops = simulate(gait.system, gait.state, cycles=3)
+        assert np.abs(hops.ledger.residual).max() < 1e-8
+        assert max(np.abs(gait.system.robot.loop_gap(q)).max() for q in hops.q) < 1e-9
+
+    def test_measures_are_those_of_hip_and_knee(self, gaits, name):
+        gait = gaits[name]
+        q = gait.state[0]
+        motors = {motor: q[gait.system.robot.index(motor)] for motor in gait.system.robot.actuated}
+        knee = motors["crank"] if name == "crank_hopper" else motors["front_hip"] - motors["back_hip"]
+        cycle = run(gait.system, gait.state, 1, Options())
+        assert gait.system.measures["knee_at_touchdown"](cycle) == pytest.approx(knee, abs=1e-9)
+
+
+@pytest.mark.extra("heyoka")
+@pytest.mark.parametrize("name", slow_but(NAMES, "crank_hopper"))
+def test_multipliers_are_those_of_differences(gaits, name):
+    gait = gaits[name]
+    own = with_parameters(gait.system, gait.parameters)
+    found = np.sort_complex(eigenvalues(differentiate_return_map(own, gait.state)))
+    np.testing.assert_allclose(found, np.sort_complex(gait.multipliers), rtol=0, atol=1e-6)
+
+
+OVER = {
+    "crank_hopper": ("stiffness", "leg.start_z", "slide_mass", "crank_armature", "crank_to_rod", "knee_gain"),
+    "five_bar": ("stiffness", "knee_gain", "boom_z_mass"),  # leaning, its toe slides for an instant before lift-off
+}
+
+
+@pytest.mark.slow
+@pytest.mark.extra("heyoka")
+@pytest.mark.parametrize(("name", "over"), [(name, over) for name, names in OVER.items() for over in names])
+def test_derivative_is_that_of_hops_found_again(systems, name, over):
+    options = {"vary": ["stance_torque"], "target": {"flight_time": 0.15}, "rtol": 1e-12}
+    gait = find_gait(systems[name], **options)
+    table = gait.sensitivity([over], ["stance_torque"], ["flight_time"])
+    given = number(gait.system, over)
+
+    def found(share):
+        other = with_numbers(gait.system, {over: given * (1 + share)})
+        again = find_gait(other, **options, guess=nearest(other, gait.state))
+        return np.array([again.parameters["stance_torque"], *again.state[0], *again.state[1]])
+
+    coarse, fine = ((found(h) - found(-h)) / (2 * h * given) for h in (1e-3, 5e-4))
+    exact = np.array([*table.solved["stance_torque"], *table.state[:, 0]])
+    np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=1e-7 * np.abs(exact).max())
+
+
+def nearest(system, state):
+    """The state nearest to another's with closed loops and its toe on the ground, at rest."""
+    return chart(system, state).state(np.zeros(chart(system, state).dimension))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_torques_on_hip_and_knee_do_the_work_of_the_motors(systems, name):
+    robot, rng = systems[name].robot, np.random.default_rng(0)
+    v, torques = rng.normal(size=robot.nv), rng.normal(size=2)
+    hip, knee = robot.reach.angles(v, robot.coordinates)
+    torques = torques if robot.reach.hip else np.array([0.0, torques[1]])
+    own = robot.reach.torques(*torques, robot.actuated)
+    power = sum(u * v[robot.index(motor)] for motor, u in zip(robot.actuated, own, strict=True))
+    assert power == pytest.approx(torques @ [hip, knee])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_guess_hangs_below_its_motors_with_its_toe_at_rest(systems, name):
+    robot = systems[name].robot
+    q = posed(robot, 0.0, 1.2 if name == "five_bar" else -0.3)
+    v = landing(robot, q, 0.5)
+    assert robot.toe_position(q, "toe")[1] < -0.15
+    assert np.abs(robot.toe_jacobian(q, "toe") @ v).max() < 1e-12 and v[0] == pytest.approx(-0.5)
+    assert np.abs(robot.loop_gap(q)).max() < 1e-12 and np.abs(robot.loop_jacobian(q) @ v).max() < 1e-12
+
+
+class TestRefused:
+    def test_a_leg_with_loops_whose_knee_is_not_known(self, tmp_path):
+        plain = "".join(CRANK_LOOP.split("[reach]")[:1])
+        leg = load(write(tmp_path, "crank_leg", CRANK_LEG, plain), base="fixed")
+        with pytest.raises(BadValue, match=r"expected one with \[reach\] in its file"):
+            hopping(leg, CRANK, OPENING)
+
+    def test_a_leg_with_loops_and_no_spring(self, tmp_path):
+        with pytest.raises(BadValue, match="a leg with loops has no knee"):
+            hopping(crank_leg(tmp_path), CRANK)
+
+    @pytest.mark.parametrize(
+        ("given", "said"),
+        [
+            ("knee = { elbow = 1.0 }", "unknown joint 'elbow'"),
+            ("knee = { crank = 0.0 }", "a number other than 0"),
+            ("hip = { crank = 1.0 }", "a table with knee"),
+            ("knee = { crank = 1.0 }\nankle = { crank = 1.0 }", "unknown key of reach 'ankle'"),
+        ],
+    )
+    def test_a_wrong_reach(self, tmp_path, given, said):
+        text = CRANK_LOOP.replace("knee = { crank = 1.0 }", given)
+        with pytest.raises(BadFile) as caught:
+            load(write(tmp_path, "crank_leg", CRANK_LEG, text), base="fixed")
+        assert said in str(caught.value) and "\n" not in str(caught.value)
+
+    def test_a_reach_without_loops(self, tmp_path):
+        with pytest.raises(BadFile, match="no reach without loops"):
+            load(write(tmp_path, "five_bar", FIVE_BAR, "[reach]\nknee = { front_knee = 1.0 }\n"), base="fixed")
