@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.clutch import acting
+from spear_pin.hybrid.clutch import acting, slipping
 from spear_pin.hybrid.domain import ENGAGES, HOLDS, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
 from spear_pin.hybrid.dual import ARRAYS
 from spear_pin.hybrid.rules.guards import spring_switches
@@ -87,6 +87,7 @@ class Springing:
             clutch = self.springs[mount.of].clutch if mount.on is not None else None
             if clutch is not None and (clutch.on_delay or clutch.off_delay or clutch.hold):
                 found.append(acting(mount))
+            found += slipping(mount)
         return tuple(found)
 
     def engage(self, q: Sequence[Any], held: Held) -> Held:
@@ -184,7 +185,8 @@ def _mounted(mount: str, name: str, path: Path, springs: Springs) -> Mount:
     if (clutch := spring.clutch) is not None:
         tooth = f"{mount}_tooth" if clutch.pitch else None
         held = f"{mount}_rest", f"{mount}_taut"
-        return Mount(mount, spring, *held, path, of=name, on=f"{mount}_on", tooth=tooth)
+        slips = f"{mount}_slips" if clutch.slip else None
+        return Mount(mount, spring, *held, path, of=name, on=f"{mount}_on", tooth=tooth, slips=slips)
     if mount == name == KNEE and path == Joints({KNEE: 1.0}):  # the motor of a single leg may imitate it
         return Mount(mount, spring, "knee_touchdown", "taut", path, of=name)
     rest = f"{mount}_rest" if spring.rest is None else spring.rest

@@ -24,6 +24,7 @@ from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import left_out_at_zero, parameter, with_parameters
 from spear_pin.hybrid.result import Options
 from spear_pin.kinds import typed
+from spear_pin.model.springs import places_of
 from spear_pin.showing import Shown
 
 TIMES_FINER = 1000.0  # the Taylor engine's tolerance is finer than `rtol` by this factor, which costs little
@@ -184,6 +185,9 @@ def _check(system: HybridSystem, q: Array, v: Array, given: Mapping[str, Array],
         if not may_differ(system, name):
             friction, *others = structure.all_others(system)
             raise BadValue("parameters", name, f"fields of the law, {', '.join(others)} or {friction}")
+        place = places_of(system.springs).get(name)
+        if place is not None and place.field == "slip" and not values.all() and values.any():
+            raise BadValue(f"parameters[{name!r}]", values, "0 in all lanes or in none, as a clutch slips or does not")
         if values.shape != (len(q),) or not np.isfinite(values).all():
             raise BadValue(f"parameters[{name!r}]", values, f"{len(q)} finite numbers")
         for value in {values.min(initial=np.inf), values.max(initial=-np.inf)} if len(q) else ():

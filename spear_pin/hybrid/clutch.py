@@ -15,9 +15,11 @@ from spear_pin.hybrid.domain import (
     ACTS,
     DUE,
     ENGAGES,
+    GRIPS,
     HOLDS,
     LEAVES,
     RELEASES,
+    SLIPS,
     TOUCHES,
     Edge,
     Guard,
@@ -31,6 +33,7 @@ from spear_pin.hybrid.springs import numbered, values_along
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.spring import Spring
 
+GRIPPED = 0.0, 0.0  # it does not slip, and has not slipped since the spring was engaged
 ON_TOOTH = 1e-12  # pitches: within this of a tooth, that tooth is engaged
 
 
@@ -73,6 +76,11 @@ def _after(kind: str, mount: Mount, held: Held, q: Sequence[Any], clock: Clock) 
         length = value_of(path.length(mechanism_of(clock.system.robot).posed([*map(value_of, q)], ARRAYS)))
         tooth = np.ceil((length - value_of(clutch.tooth)) / value_of(clutch.pitch) - ON_TOOTH)
         found[mount.tooth] = on * held.get(mount.tooth, 0.0) + (1.0 - on) * tooth
+    if mount.slips is not None:
+        as_it_was = _mixed(on, held.get(mount.slips, GRIPPED), GRIPPED)
+        found[mount.slips] = {SLIPS: (1.0, 1.0), GRIPS: (0.0, 1.0)}.get(kind, as_it_was)
+    if kind in (SLIPS, GRIPS):
+        return {**found, mount.rest: now} if kind == GRIPS else found
     if kind in (TOUCHES, LEAVES):
         delay, waits = (clutch.on_delay, 1.0 - on) if kind == TOUCHES else (clutch.off_delay, on)
         return {**found, mount.on: on, waiting(mount): waits, due(mount): clock.t + delay}
@@ -106,3 +114,21 @@ def acting(mount: Mount) -> Guard:
         return held[waits] * (held[time] - t) + (1.0 - held[waits])
 
     return Guard(f"switch:{mount.name}", left, Reset(edges=(Edge(ACTS, mount),)))
+
+
+def slipping(mount: Mount) -> tuple[Guard, ...]:
+    """Returns the events at which a clutch begins to slip, and grips again as the path grows no more."""
+    if mount.on is None or mount.slips is None:
+        return ()
+    name, on, slips = mount.name, mount.on, mount.slips
+
+    def spare(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        pull, holds = dyn.pull(name), held[on] * (1.0 - held[slips][0])
+        return holds * (pull.spring.at_slip - pull.stretch) + (1.0 - holds)
+
+    def growth(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        gives = held[on] * held[slips][0]
+        return gives * dyn.pull(name).rate + (1.0 - gives)
+
+    begins, ends = (Reset(edges=(Edge(kind, mount),)) for kind in (SLIPS, GRIPS))
+    return Guard(f"slips:{name}", spare, begins), Guard(f"grips:{name}", growth, ends)

@@ -47,6 +47,8 @@ class Mount:
         of: name of the system's spring whose numbers it has; none means the first.
         on: name in `held` of a value that is 1 while the spring is engaged and 0 while it is not; None if it always is.
         tooth: name in `held` of the number of the tooth in which it rests, of a switch with teeth.
+        slips: name in `held` of two values, of a switch whose clutch slips: 1 while it slips, else 0, and 1 if it has
+            slipped since the spring was engaged, else 0.
     """
 
     name: str
@@ -57,11 +59,30 @@ class Mount:
     of: str = ""
     on: str | None = None
     tooth: str | None = None
+    slips: str | None = None
 
     @cached_property
     def along(self) -> Path:
         """The path."""
         return Joints({self.name: 1.0}) if self.path is None else self.path
+
+    def slipping(self, held: Held) -> Any:
+        """Returns 1 while its clutch slips, else 0."""
+        return 0.0 if self.slips is None else held[self.slips][0]
+
+    def stretch(self, spring: Spring, length: Any, rest: Any, held: Held) -> Any:
+        """Returns how much longer the path is than at rest, in rad or m; while the clutch slips this does not change.
+
+        Args:
+            spring: the spring's law, with scalars of any kind.
+            length: length of the path.
+            rest: its length at rest.
+            held: held values.
+        """
+        if self.slips is None:
+            return length - rest
+        slipping = self.slipping(held)
+        return slipping * spring.at_slip + (1.0 - slipping) * (length - rest)
 
     def pull(self, spring: Spring, stretch: Any, held: Held, ops: Any) -> Any:
         """Returns the force along the path, without the damper's, in N, or N·m on a path of angles.
@@ -87,7 +108,7 @@ class Mount:
 
     def energy(self, length: Any, rest: Any, held: Held) -> Any:
         """Returns the energy that the spring stores where its path has a length, in J."""
-        energy = self._if_acting(self.spring.energy(length - rest), held)
+        energy = self._if_acting(self.spring.energy(self.stretch(self.spring, length, rest, held)), held)
         clutch: Any = self.spring.clutch
         if self.on is None or not self.spring.chained:
             return energy
@@ -100,7 +121,7 @@ class Mount:
 
 
 TOUCHES, LEAVES, ENGAGES, RELEASES, ACTS = "touches", "leaves", "engages", "releases", "acts"
-HOLDS = "holds"
+HOLDS, SLIPS, GRIPS = "holds", "slips", "grips"
 DUE = "due:"  # begins the names of held times, on the phase's clock
 
 
@@ -109,7 +130,7 @@ class Edge(NamedTuple):
 
     Attributes:
         kind: `TOUCHES` or `LEAVES`, after which the switch acts late; `ENGAGES` or `RELEASES` at once; `HOLDS`, which
-            engages at once and releases after a time; or `ACTS`.
+            engages at once and releases after a time; `ACTS`; `SLIPS` or `GRIPS`, for its clutch.
         mount: the spring.
     """
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from spear_pin.hybrid.contact import solve
+from spear_pin.hybrid.pull import Pull
 
 Row = Sequence[tuple[int, Any]]
 """A row vector over the coordinates, as (index, weight) of its entries; those of the same index add up."""
@@ -100,6 +101,9 @@ class Dynamics(Protocol):
 
     def stretch(self, name: str) -> Any:
         """Returns how much longer an engaged spring's path is than at rest, in rad or m, by the name of its mount."""
+
+    def pull(self, name: str) -> Pull:
+        """Returns what an engaged spring does, by the name of its mount: its stretch, its rate, its numbers."""
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
         """Returns the normal force that motor torques would give with the toes on the ground at rest, in N.

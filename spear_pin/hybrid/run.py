@@ -16,7 +16,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.clutch import Clock
-from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
+from spear_pin.hybrid.domain import GRIPS, SLIPS, Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
@@ -227,7 +227,8 @@ class _Runner:
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
         clock, place_of, old = Clock(self.t, self.system.springs, self.system), self.system.place_of, held
         held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, place_of, begins=begins, clock=clock)
-        if switched := {edge.mount.name for edge in reset.edges}:
+        # a clutch that begins or stops slipping loses nothing in that instant
+        if switched := {edge.mount.name for edge in reset.edges if edge.kind not in (SLIPS, GRIPS)}:
             stored = [in_springs(self.system, self.flow.domain, each, self.y, switched) for each in (held, old)]
             if stored[0] != stored[1]:
                 work["released"] = work.get("released", 0.0) + stored[0] - stored[1]

@@ -139,7 +139,7 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
 
 def _names_held(mount: Mount) -> list[str]:
     """Returns the names of the held values of a spring."""
-    return [name for name in (mount.rest, mount.taut, mount.on, mount.tooth) if isinstance(name, str)]
+    return [name for name in (mount.rest, mount.taut, mount.on, mount.tooth, mount.slips) if isinstance(name, str)]
 
 
 def _held(

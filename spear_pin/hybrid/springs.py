@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from spear_pin.errors import UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Held, Mount
 from spear_pin.hybrid.fields import with_fields
-from spear_pin.model.path import Path, Posture, Slope
+from spear_pin.hybrid.pull import Pull
+from spear_pin.model.path import Path, Posture
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import spanned
 from spear_pin.model.scalars import plus
@@ -19,26 +20,6 @@ from spear_pin.model.springs import Springs, places_of
 
 Posed = Callable[[Sequence[Any]], Posture]
 """Returns the posture at a configuration."""
-
-
-class Pull(NamedTuple):
-    """What a spring does at a state.
-
-    Attributes:
-        name: name of its mount.
-        stretch: how much longer its path is than at rest, in rad or m.
-        rate: rate of the path's length, in rad/s or m/s.
-        force: force along the path, without the damper's, in N·m or N; negative as it pulls.
-        drag: the damper's force.
-        slope: lever of these forces on each coordinate.
-    """
-
-    name: str
-    stretch: Any
-    rate: Any
-    force: Any
-    drag: Any
-    slope: Slope
 
 
 def springs_with(springs: Springs, values: Mapping[str, Any]) -> Springs:
@@ -114,6 +95,9 @@ def rest_length(mount: Mount, spring: Spring, path: Path, robot: Robot, held: He
     if spring.chained:  # the second spring keeps the stretch that it has as the switch closes
         share = clutch.second / (spring.stiffness + clutch.second)
         return length - share * (length - clutch.slack)
+    if mount.slips is not None:  # once it has slipped, it rests as far behind as its clutch slips
+        _, slipped = held[mount.slips]
+        return length + (1.0 - slipped) * clutch.play - slipped * spring.at_slip
     return plus(length, clutch.play)
 
 
@@ -128,13 +112,13 @@ def torque_on(pulls: Sequence[Pull], index: int) -> Any:
     return sum((pull.force * pull.slope[index] for pull in pulls if index in pull.slope), 0.0)
 
 
-def stretch_of(pulls: Sequence[Pull], name: str) -> Any:
-    """Returns how far the spring of a mount is stretched.
+def pull_of(pulls: Sequence[Pull], name: str) -> Pull:
+    """Returns what the spring of a mount does.
 
     Raises:
         UnknownName: no spring of that name is engaged.
     """
     for pull in pulls:
         if pull.name == name:
-            return pull.stretch
+            return pull
     raise UnknownName("engaged spring", name, [pull.name for pull in pulls])

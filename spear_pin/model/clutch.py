@@ -1,4 +1,4 @@
-"""The switch of a spring as it is: late, toothed, and with play."""
+"""The switch of a spring as it is: late, toothed, with play, and slipping."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from spear_pin.kinds import typed
 SPRING, JOINT = "spring", "joint"
 DELAYS = "on_delay", "off_delay"
 TIMES = (*DELAYS, "hold")
-OF_CLUTCHES = (*TIMES, "play", "pitch", "tooth", "second", "slack")  # its numbers
+OF_CLUTCHES = (*TIMES, "play", "pitch", "tooth", "second", "slack", "slip")  # its numbers
 LONGEST = 1.0  # s
 
 
@@ -35,6 +35,9 @@ class Clutch:
             releasing costs what the two springs lose as they come to the same pull.
         slack: length of the path at which both springs are without pull, in rad or m.
         hold: time from touchdown after which it releases the spring by itself, in s; 0 if lift-off releases it.
+        slip: pull of the spring at which the clutch slips, in N·m or N; 0 for one that holds any pull. While it slips
+            the pull stays the same, until the path grows no more; then the spring rests at a greater length than
+            before. The energy that the clutch takes is the ledger's `clutch`.
 
     Example:
         >>> from spear_pin import Clutch, Spring, hopping, load
@@ -52,6 +55,7 @@ class Clutch:
     second: float = 0.0
     slack: float = 0.0
     hold: float = 0.0
+    slip: float = 0.0
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -62,11 +66,14 @@ class Clutch:
             require(f"Clutch.{name}", getattr(self, name), lambda length: length >= 0, "a number >= 0, in rad or m")
         require("Clutch.tooth", self.tooth, lambda length: abs(length) < math.inf, "a finite number, in rad or m")
         require("Clutch.second", self.second, lambda k: k >= 0, "a number >= 0, in N·m/rad or N/m")
+        require("Clutch.slip", self.slip, lambda pull: (pull >= 0) & (pull < math.inf), "a number >= 0, in N·m or N")
         require("Clutch.slack", self.slack, lambda length: abs(length) < math.inf, "a finite number, in rad or m")
         if self.second and (self.pitch or self.play):
             raise BadValue("Clutch.second", self.second, "0 with teeth or play: it keeps the chain taut")
         if self.pitch and self.play:
             raise BadValue("Clutch.play", self.play, "0 with teeth, which have play of their own")
+        if self.slip and (self.pitch or self.second):
+            raise BadValue("Clutch.slip", self.slip, "0 with teeth or a second spring, which do not slip")
         if self.hold and (self.on_delay or self.off_delay):
             raise BadValue("Clutch.hold", self.hold, "0 with delays: it engages in the instant of touchdown")
         if self.damper not in (SPRING, JOINT):

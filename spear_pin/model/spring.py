@@ -83,12 +83,8 @@ class Spring:
         object.__setattr__(self, "table", _checked(self.table, self.unilateral))
         if self.table:
             require("Spring.stiffness", self.stiffness, lambda k: k == 0, "0 with a table, which takes its place")
-        if (
-            self.clutch is not None
-            and self.clutch.second
-            and not (self.stiffness and not self.hardening + self.preload)
-        ):
-            raise BadValue("Clutch.second", self.clutch.second, "0 unless the spring has a stiffness alone")
+        if self.clutch is not None:
+            _check_with(self, self.clutch)
         if self.rest is not None:
             most, within = (math.pi, "within ±π rad, or None") if self.turns else (math.inf, "a length in m, or None")
             require("Spring.rest", self.rest, lambda length: abs(length) < most, within)
@@ -141,6 +137,11 @@ class Spring:
         second = 0.0 if self.clutch is None else self.clutch.second
         return self.stiffness * second / (self.stiffness + second)
 
+    @property
+    def at_slip(self) -> Any:
+        """How far it is stretched while its clutch slips, in rad or m."""
+        return (0.0 if self.clutch is None else self.clutch.slip) / self.stiffness
+
     def torque(self, deflection: Any, ops: Any = np) -> Any:
         """Returns the torque toward flexion while the spring pulls, without the damper's, in N·m, (3.24).
 
@@ -189,6 +190,16 @@ def refuse_unusual(spring: Spring, *, path: bool = False) -> None:
         raise BadValue("Spring.clutch", spring.clutch, "None: of these gaits only SPEAR-II's hop has late switches")
     if spring.path is not None and not path:
         raise BadValue("Spring.path", spring.path, "None: this spring is on its joint")
+
+
+def _check_with(spring: Spring, clutch: Clutch) -> None:
+    """Checks that a spring is one that its switch can have."""
+    alone = spring.stiffness and not spring.hardening + spring.preload and type(spring).torque is Spring.torque
+    for name in ("second", "slip"):
+        if (number := getattr(clutch, name)) and not alone:
+            raise BadValue(f"Clutch.{name}", number, "0 unless the spring has a stiffness alone")
+    if clutch.slip and not spring.unilateral:
+        raise BadValue("Clutch.slip", clutch.slip, "0 unless the spring is unilateral: the clutch slips as it pulls")
 
 
 def _checked(table: Any, unilateral: bool) -> tuple[tuple[float, float], ...]:

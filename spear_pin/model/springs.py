@@ -83,6 +83,7 @@ def said(name: str, spring: Spring) -> str:
         unit = "rad" if spring.turns else "m"
         words += [f"play {clutch.play:.4g} {unit}"] if clutch.play else []
         words += [f"teeth of {clutch.pitch:.4g} {unit}"] if clutch.pitch else []
+        words += [f"slips at {clutch.slip:.4g} {spring.units['preload']}"] if clutch.slip else []
         words += [f"a second spring of {clutch.second:.4g} {spring.units['stiffness']}"] if clutch.second else []
     return "; ".join(words)
 
@@ -94,7 +95,8 @@ def unit_of(springs: Springs, name: str) -> str:
         return ""
     spring, stretch = springs[place.spring], "rad" if springs[place.spring].turns else "m"
     if place.inner == "clutch":
-        return {**dict.fromkeys(TIMES, "s"), "second": spring.units["stiffness"]}.get(place.field, stretch)
+        forces = {"second": spring.units["stiffness"], "slip": spring.units["preload"]}
+        return (dict.fromkeys(TIMES, "s") | forces).get(place.field, stretch)
     if spring.path is not None and place.inner:
         return spring.path.units[place.field]
     return spring.units.get(place.field, stretch)

@@ -114,6 +114,12 @@ MUTATIONS = [
                 "(clutch.on_delay, 1.0) if kind == TOUCHES",
             ),
             "a switch that releases after no time": ("clock.t + clutch.hold", "clock.t"),
+            "a clutch that slips where it last gripped": ("GRIPS: (0.0, 1.0)", "GRIPS: (0.0, 0.0)"),
+            "a clutch that grips and pulls as at touchdown": (
+                "mount.rest: now} if kind == GRIPS",
+                "mount.rest: rest} if kind == GRIPS",
+            ),
+            "a clutch that slips only": ("gives * dyn.pull(name).rate + (1.0 - gives)", "1.0"),
             "the tooth before": ("np.ceil((length", "np.floor((length"),
             "a switch that engages where it last did": ("return on * old + (1.0 - on) * new", "return old"),
             "a spring without play": ("slack = mount.tooth is not None or", "slack = mount.tooth is not None and"),

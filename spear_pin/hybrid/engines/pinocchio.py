@@ -22,12 +22,13 @@ from spear_pin.hybrid.engines.own_functions import OwnFunctions
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
 from spear_pin.hybrid.engines.sprung import Sprung
 from spear_pin.hybrid.fields import adjusted
-from spear_pin.hybrid.flow_names import flow_names
+from spear_pin.hybrid.flow_names import flow_names, gives
 from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.own import refuse_in_law
+from spear_pin.hybrid.pull import Pull
 from spear_pin.hybrid.rules.footing import Rubbing, along, closed_toes
 from spear_pin.hybrid.soundness import Latched
-from spear_pin.hybrid.springs import Pull, stretch_of, torque_on
+from spear_pin.hybrid.springs import pull_of, torque_on
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
 
@@ -65,7 +66,7 @@ class Flow:
         self._nowhere = np.empty((0, robot.nv)), np.empty(0)
         self._hardware = system.hardware
         self._nx = len(system.hardware.names) if system.hardware is not None else 0
-        self._nw = len(flow_names(system))
+        self._nw, self._gives = len(flow_names(system)), gives(system)
         self._ground = system.ground
         self._level, self._plain = self._ground.level, self._ground.plain
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
@@ -157,12 +158,13 @@ class Flow:
             self._viscous = -self._joint_damping * v
             self.friction = self._dry + self._viscous
             rubbed = float(self.friction @ v)
-        damped = 0.0
+        damped, taken = 0.0, 0.0
         self._pulls, self._passive = self._sprung.at(q, angles, rates), self._zeros.copy()
         for pull in self._pulls:
             for index, lever in pull.slope.items():
                 self._passive[index] += lever * (pull.force + pull.drag)
             damped += pull.drag * pull.rate
+            taken += pull.slipping * pull.force * pull.rate
         slopes: list[float] = []
         electrical: list[float] = []
         if self._hardware is None:
@@ -190,7 +192,7 @@ class Flow:
         derivative = np.empty(2 * nv + self._nx + self._nw)
         derivative[:nv] = v
         derivative[nv : 2 * nv] = a
-        derivative[2 * nv :] = (*slopes, *powers, damped, rubbed, slipped, *electrical)
+        derivative[2 * nv :] = (*slopes, *powers, damped, rubbed, slipped, *(taken,) * self._gives, *electrical)
         return derivative
 
     def _commanded(self, t: float, angles: Sequence[float], rates: Sequence[float]) -> Sequence[float]:
@@ -215,7 +217,11 @@ class Flow:
 
     def stretch(self, name: str) -> float:
         """Returns how much longer an engaged spring's path was than at rest in the last call, in rad or m."""
-        return float(stretch_of(self._pulls, name))
+        return float(self.pull(name).stretch)
+
+    def pull(self, name: str) -> Pull:
+        """Returns what an engaged spring did in the last call, by the name of its mount."""
+        return pull_of(self._pulls, name)
 
     def holding(self, joint: str) -> float:
         """Returns the force of the dry friction that held a joint at rest in the last call, in N or N·m."""

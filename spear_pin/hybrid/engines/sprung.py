@@ -11,7 +11,8 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Held, Mount
 from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
-from spear_pin.hybrid.springs import Pull, rest_length
+from spear_pin.hybrid.pull import Pull
+from spear_pin.hybrid.springs import rest_length
 from spear_pin.model.path import Joints, Path, Slope
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import RobotPosture
@@ -67,13 +68,13 @@ class Sprung:
             slope, length = mount.along.slope(self._posture), mount.along.length(self._posture)
         else:
             slope, length = levers, levers.rate(angles)
-        stretch, rate = length - rest, slope.rate(rates)
+        stretch, rate = mount.stretch(mount.spring, length, rest, self._held), slope.rate(rates)
         if mount.name in self._own.springs:
             force, drag = self._own.spring(mount, stretch, rate, self._held)
         else:
             drag = mount.drag(mount.spring, rate, self._held)
             force = mount.pull(mount.spring, stretch, self._held, FLOATS) + mount.idle(mount.spring, length, self._held)
-        return Pull(mount.name, stretch, rate, force, drag, slope)
+        return Pull(mount.name, mount.spring, stretch, rate, force, drag, slope, mount.slipping(self._held))
 
     def _posed(self, q: Sequence[float]) -> RobotPosture:
         return self._posture.at(np.array(q))

@@ -22,8 +22,9 @@ from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.trial import mistaken
 from spear_pin.hybrid.fields import adjusted
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
+from spear_pin.hybrid.pull import Pull
 from spear_pin.hybrid.rules.footing import closed_toes, size
-from spear_pin.hybrid.springs import Pull, numbered, rest_length, stretch_of, torque_on
+from spear_pin.hybrid.springs import numbered, pull_of, rest_length, torque_on
 from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
 
@@ -226,7 +227,11 @@ class Motion:
 
     def stretch(self, name: str) -> Any:
         """Returns how much longer an engaged spring's path is than at rest, in rad or m."""
-        return stretch_of(self._pulls, name)
+        return self.pull(name).stretch
+
+    def pull(self, name: str) -> Pull:
+        """Returns what an engaged spring does, by the name of its mount."""
+        return pull_of(self._pulls, name)
 
     def normal_force(self, toe: str, u: Sequence[Any]) -> Any:
         """Returns the normal force that the motor torques `u` would give with the toes on the ground at rest, in N."""
@@ -293,12 +298,14 @@ class Motion:
             what = f"spring of {mount.name!r} in domain {self.domain.name!r}"
             spring, path = numbered(mount, self.system, self.numbers.springs)
             length, slope = path.length(here), path.slope(here)
-            stretch = length - rest_length(mount, spring, path, robot, self.held, posed)
+            rest = rest_length(mount, spring, path, robot, self.held, posed)
+            stretch = mount.stretch(spring, length, rest, self.held)
             force = self._asked(what, spring.torque, mount.pull, (spring, stretch, self.held, self.ops))
             force = plus(force, mount.idle(spring, length, self.held))
             rate = slope.rate(self.v)
             drag = self._asked(what, spring.drag, mount.drag, (spring, rate, self.held))
-            found.append(Pull(mount.name, stretch, rate, force, drag, slope))
+            slipping = mount.slipping(self.held)
+            found.append(Pull(mount.name, spring, stretch, rate, force, drag, slope, slipping))
         return found
 
     @cached_property

@@ -29,5 +29,6 @@ def stretched(system: HybridSystem, mount: Mount, arc: Stretch, numbers: Array, 
     spring, path = numbered(mount, system, scalars.springs)
     posed = partial(mechanism.posed, ops=ARRAYS)
     q = duals(arc.state[:nv], arc.dstate[:nv] + arc.end.slopes[:nv, None] * arc.tau)
-    found = path.length(posed(q)) - rest_length(mount, spring, path, system.robot, arc.held, posed)
+    rest = rest_length(mount, spring, path, system.robot, arc.held, posed)
+    found = mount.stretch(spring, path.length(posed(q)), rest, arc.held)
     return Dual(float(value_of(found)) + 0.0, derivative_of(found))
