@@ -272,7 +272,7 @@ def hopping(
         (STICK,),
         driving(robot, stance_law),
         mounts=springs.standing,
-        guards=(*springs.switches(springs.standing), *fallen),
+        guards=(*springs.switches(springs.standing), *springs.conditions("toe"), *fallen),
         switch=Switch("torque_switch", _half_periods, flip),
     )
     flight = Domain(

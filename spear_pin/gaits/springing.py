@@ -8,11 +8,12 @@ from typing import Any, Protocol
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.clutch import acting, slipping
+from spear_pin.hybrid.conditions import meeting
 from spear_pin.hybrid.domain import ENGAGES, HOLDS, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
 from spear_pin.hybrid.dual import ARRAYS
 from spear_pin.hybrid.rules.guards import spring_switches
 from spear_pin.hybrid.springs import values_along
-from spear_pin.model.clutch import JOINT, Clutch
+from spear_pin.model.clutch import JOINT, TOUCHDOWN, Clutch
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.path import Joints, Path
 from spear_pin.model.robot import Robot
@@ -70,8 +71,7 @@ class Springing:
     @property
     def touching(self) -> tuple[Edge, ...]:
         """What touchdown does to switches."""
-        kinds = [TOUCHES if clutch.on_delay else HOLDS if clutch.hold else ENGAGES for _, clutch in self._clutched]
-        return tuple(Edge(kind, mount) for kind, (mount, _) in zip(kinds, self._clutched, strict=True))
+        return tuple(Edge(_at_touchdown(clutch), mount) for mount, clutch in self._clutched)
 
     @property
     def leaving(self) -> tuple[Edge, ...]:
@@ -89,6 +89,10 @@ class Springing:
                 found.append(acting(mount))
             found += slipping(mount)
         return tuple(found)
+
+    def conditions(self, toe: str) -> tuple[Guard, ...]:
+        """Returns the events of stance at which switches meet conditions of their own."""
+        return tuple(guard for mount, clutch in self._clutched for guard in meeting(mount, clutch, toe))
 
     def engage(self, q: Sequence[Any], held: Held) -> Held:
         """Returns what touchdown latches: where each switched spring rests, and whether fixed ones are taut."""
@@ -117,6 +121,13 @@ class Springing:
     @property
     def _clutched(self) -> list[tuple[Mount, Clutch]]:
         return [(mount, clutch) for mount in self.mounts if (clutch := self.springs[mount.of].clutch) is not None]
+
+
+def _at_touchdown(clutch: Clutch) -> str:
+    """Returns what touchdown does to a switch; one with a condition is open until it is met."""
+    if clutch.engage != TOUCHDOWN:
+        return RELEASES
+    return TOUCHES if clutch.on_delay else HOLDS if clutch.hold else ENGAGES
 
 
 class Legged(Protocol):

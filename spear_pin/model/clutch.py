@@ -9,9 +9,14 @@ from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 
 SPRING, JOINT = "spring", "joint"
+TOUCHDOWN, LIFT_OFF = "touchdown", "lift_off"
+LOADED, UNLOADED = "loaded", "unloaded"
+CONDITIONS = LOADED, UNLOADED
+CHOICES = {"damper": (SPRING, JOINT), "engage": (TOUCHDOWN, *CONDITIONS), "release": (LIFT_OFF, *CONDITIONS)}
+FORCES = "on_force", "off_force"
 DELAYS = "on_delay", "off_delay"
 TIMES = (*DELAYS, "hold")
-OF_CLUTCHES = (*TIMES, "play", "pitch", "tooth", "second", "slack", "slip")  # its numbers
+OF_CLUTCHES = (*TIMES, "play", "pitch", "tooth", "second", "slack", "slip", *FORCES)  # its numbers
 LONGEST = 1.0  # s
 
 
@@ -38,6 +43,13 @@ class Clutch:
         slip: pull of the spring at which the clutch slips, in N·m or N; 0 for one that holds any pull. While it slips
             the pull stays the same, until the path grows no more; then the spring rests at a greater length than
             before. The energy that the clutch takes is the ledger's `clutch`.
+        engage: when it engages the spring: at "touchdown", or in stance where the toe is "loaded" or "unloaded". A toe
+            is loaded as the ground's force rises through `on_force`. Just after touchdown that force must be able to
+            rise, which takes the joint's damper, or a `minimum_force` of the law above `on_force`.
+        release: when it releases the spring: at "lift_off", or before it on one of the same conditions.
+        on_force: the force through which the ground's rises where the toe is loaded, in N.
+        off_force: the force through which it falls where the toe is unloaded, in N. If it is only a little less than
+            `on_force`, the spring's own force may undo the switch at once, again and again (`zeno`).
 
     Example:
         >>> from spear_pin import Clutch, Spring, hopping, load
@@ -56,6 +68,10 @@ class Clutch:
     slack: float = 0.0
     hold: float = 0.0
     slip: float = 0.0
+    engage: str = TOUCHDOWN
+    release: str = LIFT_OFF
+    on_force: float = 0.0
+    off_force: float = 0.0
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -74,7 +90,27 @@ class Clutch:
             raise BadValue("Clutch.play", self.play, "0 with teeth, which have play of their own")
         if self.slip and (self.pitch or self.second):
             raise BadValue("Clutch.slip", self.slip, "0 with teeth or a second spring, which do not slip")
+        _check_conditions(self)
         if self.hold and (self.on_delay or self.off_delay):
             raise BadValue("Clutch.hold", self.hold, "0 with delays: it engages in the instant of touchdown")
-        if self.damper not in (SPRING, JOINT):
-            raise BadValue("Clutch.damper", self.damper, f"{SPRING!r} or {JOINT!r}")
+
+
+def _check_conditions(clutch: Clutch) -> None:
+    """Checks when a switch engages and releases."""
+    for name, valid in CHOICES.items():
+        if (chosen := getattr(clutch, name)) not in valid:
+            raise BadValue(f"Clutch.{name}", chosen, " or ".join(map(repr, valid)))
+    if clutch.engage == clutch.release:
+        others = " or ".join(repr(each) for each in CHOICES["release"] if each != clutch.engage)
+        raise BadValue("Clutch.release", clutch.release, f"{others} where engage is {clutch.engage!r}")
+    for name in FORCES:
+        within = "a number >= 0, in N"
+        require(f"Clutch.{name}", getattr(clutch, name), lambda force: (force >= 0) & (force < math.inf), within)
+    for name in TIMES:
+        if (time := getattr(clutch, name)) and (clutch.engage, clutch.release) != (TOUCHDOWN, LIFT_OFF):
+            raise BadValue(f"Clutch.{name}", time, "0 unless it engages at touchdown and releases at lift-off")
+    for name, condition in zip(FORCES, (LOADED, UNLOADED), strict=True):
+        if (force := getattr(clutch, name)) and condition not in (clutch.engage, clutch.release):
+            raise BadValue(f"Clutch.{name}", force, f"0 unless it engages or releases where the toe is {condition!r}")
+    if {clutch.engage, clutch.release} == {LOADED, UNLOADED} and not clutch.off_force < clutch.on_force:
+        raise BadValue("Clutch.off_force", clutch.off_force, f"less than on_force, {clutch.on_force:g} N")

@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.model.catalogue import motor
-from spear_pin.model.clutch import OF_CLUTCHES, Clutch
+from spear_pin.model.clutch import CHOICES, OF_CLUTCHES, Clutch
 from spear_pin.model.fitting import drivable, hold
 from spear_pin.model.frames import joint_id
 from spear_pin.model.gears import Gear
@@ -192,7 +192,7 @@ def _springs(said: Sidecar, path: Path, legs: Sequence[Leg]) -> dict[str, Spring
         with blaming(path, f"springs.{name}"):
             clutch = table.pop("clutch", None)
             if clutch is not None:
-                clutch = Clutch(**keys_of("clutch", clutch, (), (*OF_CLUTCHES, "damper")))
+                clutch = Clutch(**keys_of("clutch", clutch, (), (*OF_CLUTCHES, *CHOICES)))
             spring = Spring(**table, path=along, clutch=clutch)
             springs |= dict.fromkeys(knees if name == "knee" and along is None else [name], spring)
     return springs

@@ -11,7 +11,7 @@ from dataclasses import fields
 from typing import Any, NamedTuple
 
 from spear_pin.errors import BadValue
-from spear_pin.model.clutch import OF_CLUTCHES, TIMES
+from spear_pin.model.clutch import FORCES, LIFT_OFF, LOADED, OF_CLUTCHES, TIMES, TOUCHDOWN, UNLOADED
 from spear_pin.model.spring import UNITS, Spring
 
 Springs = Mapping[str, Spring]
@@ -80,6 +80,9 @@ def said(name: str, spring: Spring) -> str:
         late = ("engaged", clutch.on_delay), ("released", clutch.off_delay)
         words += [f"{what} {1e3 * delay:.4g} ms late" for what, delay in late if delay]
         words += [f"released {1e3 * clutch.hold:.4g} ms after touchdown"] if clutch.hold else []
+        at = {LOADED: f" at {clutch.on_force:.4g} N", UNLOADED: f" at {clutch.off_force:.4g} N"}
+        when = ("engages", clutch.engage), ("releases", clutch.release)
+        words += [f"{does} {on}{at.get(on, '')}" for does, on in when if on not in (TOUCHDOWN, LIFT_OFF)]
         unit = "rad" if spring.turns else "m"
         words += [f"play {clutch.play:.4g} {unit}"] if clutch.play else []
         words += [f"teeth of {clutch.pitch:.4g} {unit}"] if clutch.pitch else []
@@ -95,8 +98,8 @@ def unit_of(springs: Springs, name: str) -> str:
         return ""
     spring, stretch = springs[place.spring], "rad" if springs[place.spring].turns else "m"
     if place.inner == "clutch":
-        forces = {"second": spring.units["stiffness"], "slip": spring.units["preload"]}
-        return (dict.fromkeys(TIMES, "s") | forces).get(place.field, stretch)
+        pulls = {"second": spring.units["stiffness"], "slip": spring.units["preload"]}
+        return {**dict.fromkeys(TIMES, "s"), **dict.fromkeys(FORCES, "N"), **pulls}.get(place.field, stretch)
     if spring.path is not None and place.inner:
         return spring.path.units[place.field]
     return spring.units.get(place.field, stretch)

@@ -126,6 +126,13 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/conditions",
+        ["gaits/test_switch_conditions"],
+        {
+            "a switch that opens while it is open": ("acts_on * held[on] +", "acts_on +"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/tangent/stretched",
         ["gaits/sensitivity/test_sensitivity"],
         {"a stretch at a fixed time": ("arc.end.slopes[:nv, None] * arc.tau)", "0.0)")},

@@ -159,7 +159,7 @@ class TestSays:
             [springs.biceps]
             path = { knee = 0.02, hip = -0.004 }
             stiffness = 8000.0
-            clutch = { on_delay = 0.004, damper = "joint" }
+            clutch = { engage = "loaded", on_force = 5.0, damper = "joint", slip = 90.0 }
             [springs.patella]
             from = { body = "thigh", at = [0.02, 0.0, -0.06] }
             to = { body = "shank", at = [0.01, 0.0, 0.03] }
@@ -168,7 +168,8 @@ class TestSays:
             """ + SIDES.replace("legs.FL", "[legs]\nFL").replace("legs.", "")))  # fmt: skip
         springs = robot.settings.springs
         assert springs["biceps"].path == Joints({"knee": 0.02, "hip": -0.004})
-        assert springs["biceps"].clutch == Clutch(0.004, damper="joint") and springs["patella"].rest == 0.11
+        clutch = Clutch(engage="loaded", on_force=5.0, damper="joint", slip=90.0)
+        assert springs["biceps"].clutch == clutch and springs["patella"].rest == 0.11
         leg = monopod(robot, "HL", locked=["boom_x"])
         assert leg.settings.springs == springs
         assert scaled_hopping(leg).springs == springs
@@ -310,6 +311,8 @@ WRONG = {
     "springs.b = {path = {knee = 1.0}}": "springs.b has no stiffness; expected a number > 0, in N/m",
     "springs.knee = {stiffness = 1, clutch = {delay = 1}}": "unknown key of clutch 'delay'; valid: on_delay,",
     "springs.knee = {stiffness = 1, clutch = {on_delay = -1}}": "Clutch.on_delay is -1; expected a number from 0",
+    "springs.knee = {stiffness = 1, clutch = {engage = 'apex'}}": "Clutch.engage is 'apex'; expected 'touchdown' or",
+    "springs.knee = {stiffness = 1, clutch = {slip = -1}}": "Clutch.slip is -1; expected a number >= 0",
     "springs.knee = {stiffness = 1, rest = 0.3, clutch = {}}": "None for a spring with a rest",
     "springs.knee = {}": "springs.knee has no stiffness; expected a number > 0, in N·m/rad, or a table",
     "springs.knee.stiffness = '2 N·m/rad'": "springs.knee.stiffness is '2 N·m/rad'; expected a number, in N·m/rad",
