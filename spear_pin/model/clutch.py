@@ -11,7 +11,8 @@ from spear_pin.kinds import typed
 SPRING, JOINT = "spring", "joint"
 TOUCHDOWN, LIFT_OFF = "touchdown", "lift_off"
 LOADED, UNLOADED = "loaded", "unloaded"
-CONDITIONS = LOADED, UNLOADED
+LONGEST_PATH, SHORTEST_PATH = "longest", "shortest"
+CONDITIONS = LOADED, UNLOADED, LONGEST_PATH, SHORTEST_PATH
 CHOICES = {"damper": (SPRING, JOINT), "engage": (TOUCHDOWN, *CONDITIONS), "release": (LIFT_OFF, *CONDITIONS)}
 FORCES = "on_force", "off_force"
 DELAYS = "on_delay", "off_delay"
@@ -43,9 +44,10 @@ class Clutch:
         slip: pull of the spring at which the clutch slips, in N·m or N; 0 for one that holds any pull. While it slips
             the pull stays the same, until the path grows no more; then the spring rests at a greater length than
             before. The energy that the clutch takes is the ledger's `clutch`.
-        engage: when it engages the spring: at "touchdown", or in stance where the toe is "loaded" or "unloaded". A toe
-            is loaded as the ground's force rises through `on_force`. Just after touchdown that force must be able to
-            rise, which takes the joint's damper, or a `minimum_force` of the law above `on_force`.
+        engage: when it engages the spring: at "touchdown", or in stance where the path begins to shorten ("longest") or
+            to grow ("shortest"), or where the toe is "loaded" or "unloaded". A toe is loaded as the ground's force
+            rises through `on_force`. Just after touchdown that force must be able to rise, which takes the joint's
+            damper, or a `minimum_force` of the law above `on_force`.
         release: when it releases the spring: at "lift_off", or before it on one of the same conditions.
         on_force: the force through which the ground's rises where the toe is loaded, in N.
         off_force: the force through which it falls where the toe is unloaded, in N. If it is only a little less than

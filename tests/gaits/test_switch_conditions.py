@@ -8,7 +8,9 @@ import pytest
 from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load, simulate
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.conditions import CONDITIONS
 from spear_pin.hybrid.parameters import number, unit, with_numbers
+from spear_pin.model.clutch import CONDITIONS as NAMES
 from spear_pin.model.clutch import Clutch
 from spear_pin.model.path import Joints
 from spear_pin.model.springs import said
@@ -110,6 +112,43 @@ class TestForceOfOneOfTwo:
     @pytest.mark.slow
     def test_derivative_is_that_of_hops_found_again(self):
         check_derivative(self.SPRINGS, "aid.on_force")
+
+
+class TestLongest:
+    """Of a second, weak spring that is released where it is stretched most."""
+
+    @pytest.fixture(scope="class")
+    @classmethod
+    def gait(cls):
+        return found(beside(0.5, release="longest"))
+
+    def test_is_released_as_the_knee_turns(self, gait):
+        run = simulate(gait.system, gait.state, cycles=1, rtol=1e-12)
+        (off,) = run.named("switch:aid")
+        stance = run.q[run.phase == "stance", 2]
+        assert off.v[2] == pytest.approx(0.0, abs=1e-9) and off.q[2] == pytest.approx(stance.max(), abs=1e-9)
+        assert off.work["released"] == pytest.approx(-0.25 * (off.q[2] - gait.state[0][2]) ** 2, rel=1e-9)
+        assert abs(run.ledger.residual[0]) < 1e-10
+
+    @pytest.mark.extra("heyoka")
+    def test_both_engines_agree(self, gait):
+        assert all(len(run.named("switch:aid")) == 1 for run in agree_in_lanes(gait, "aid.stiffness", [0.4, 0.5, 0.6]))
+
+    @pytest.mark.slow
+    def test_derivative_is_that_of_hops_found_again(self):
+        check_derivative(beside(0.5, release="longest"), "aid.stiffness")
+
+
+@pytest.mark.parametrize("engage", ["longest", "shortest"])
+def test_a_spring_that_engages_as_its_path_turns_pulls_no_more(engage):
+    """The path only shortens after it was longest; in stance it is never shortest."""
+    run = simulate(hopping(LEG, LAW, beside(3.0, engage=engage)), START, cycles=1)
+    assert [event.v[2] for event in run.named("switch:aid")] == pytest.approx([0.0] * (engage == "longest"), abs=1e-8)
+    assert run.spring.min() == pytest.approx(-48.84 * (run.q[:, 2].max() - START[0][2]), rel=1e-6)
+
+
+def test_every_condition_has_a_name():
+    assert set(CONDITIONS) == set(NAMES)
 
 
 def test_a_switch_that_undoes_itself_accumulates_events():

@@ -130,6 +130,7 @@ MUTATIONS = [
         ["gaits/test_switch_conditions"],
         {
             "a switch that opens while it is open": ("acts_on * held[on] +", "acts_on +"),
+            "a turn of the path that may be over": ("if condition.turns else 0.0", "if False else 0.0"),
         },
     ),
     *mistakes_in(
