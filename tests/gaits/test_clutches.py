@@ -79,6 +79,14 @@ def test_teeth_that_are_as_far_ahead(delay, play):
     assert simulate(gait.system, gait.state, cycles=1).ledger.residual[0] == pytest.approx(0.0, abs=1e-8)
 
 
+def test_fine_teeth_change_the_hop_little_and_its_multipliers_much():
+    """The spring rests at the same tooth again, while that of a switch without teeth follows the knee."""
+    law = replace(LAW, stance_torque=7.8261879)
+    gait = find_gait(hopping(LEG, law, Spring(clutch=Clutch(pitch=0.001, damper="joint"))))
+    assert gait.state[0][2] == pytest.approx(0.963117, abs=5e-5)
+    np.testing.assert_allclose(gait.multipliers, (-0.408776, 0.333103, 0.0), atol=1e-6)
+
+
 @pytest.mark.slow
 def test_a_switch_that_only_releases_late_hardly_matters():
     gait = found(Spring(clutch=Clutch(off_delay=0.010, damper="joint")))
