@@ -56,7 +56,7 @@ class Slope(dict[int, Any]):
         """Returns the rate of the length."""
         if len(self) == 1:
             ((i, value),) = self.items()
-            return times(value, v[i])
+            return value * v[i]
         first, *others = [times(value, v[i]) for i, value in self.items()]
         return sum(others, first)
 

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, listed
+from spear_pin.model.coordinates import CONFIGURATION, VELOCITY, is_planar, parts_of, vector_of
 from spear_pin.model.cut import Cut
 from spear_pin.model.directions import WORLD_ALIGNED, Axes, Directions, Round
-from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.frames import frame_id
 from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.limits import Limits, limits_of
@@ -29,12 +29,8 @@ from spear_pin.showing import Shown
 UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 Added = Callable[[Array], tuple[int, float, float]]
 """Inertia μ(q) on one coordinate that no body of the model has: its row, μ, and dμ/dq along that coordinate."""
-# what Pinocchio stores for a joint, by how many numbers it has in q and v; others are numbered
-CONFIGURATION = {2: ("cos", "sin"), 7: ("x", "y", "z", "qx", "qy", "qz", "qw")}
-VELOCITY = {6: ("vx", "vy", "vz", "wx", "wy", "wz")}
 UNIT = 1e-4  # largest difference from 1 of the length of a quaternion in q
 GUIDED, STILL = 3, 1e-12  # configurations at which a toe is seen to move along the ground, or not, and how little
-OUT_OF_PLANE = 1e-5  # rad or m per unit of a coordinate: a URDF's "1.5708" is a right angle
 
 
 class Robot(Shown):
@@ -102,12 +98,12 @@ class Robot(Shown):
         self.toes, self.actuated, self.locked = tuple(toes), tuple(actuated), tuple(locked)
         self.nq, self.nv, self.nu = int(model.nq), int(model.nv), len(self.actuated)
         joints = list(zip(model.names, model.joints, strict=True))[1:]
-        self.coordinates = tuple(each for name, joint in joints for each in _parts(name, joint.nv, VELOCITY))
-        self.configuration = tuple(each for name, joint in joints for each in _parts(name, joint.nq, CONFIGURATION))
+        self.coordinates = tuple(each for name, joint in joints for each in parts_of(name, joint.nv, VELOCITY))
+        self.configuration = tuple(each for name, joint in joints for each in parts_of(name, joint.nq, CONFIGURATION))
         self._data = pin.Data(model)
         self._toe_ids = {toe: frame_id(model, toe) for toe in self.toes}
         self.post = post = None if settings is None else settings.post
-        self.planar = post is None and _is_planar(model, self._data)
+        self.planar = post is None and is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
         self.loops: tuple[Loop, ...] = () if settings is None else settings.loops
         self.reach = None if settings is None else settings.reach
@@ -366,7 +362,7 @@ class Robot(Shown):
             BadValue: the loops cannot be closed there, or they are at a toggle, where A_d is singular.
         """
         whole, names = self.closed(q), self.independent
-        v_i = _vector("rates", rates, len(names), names)
+        v_i = vector_of("rates", rates, len(names), names)
         free = np.array([name in names for name in self.coordinates])
         T, c = np.zeros((self.nv, len(names))), np.zeros(self.nv)
         T[free] = np.eye(len(names))
@@ -381,53 +377,14 @@ class Robot(Shown):
         return Reduced(whole, v, T, c, T.T @ D @ T, T.T @ (self.bias(whole, v) + D @ c))
 
     def _q(self, q: ArrayLike) -> Array:
-        vector = _vector("q", q, self.nq, self.configuration)
+        vector = vector_of("q", q, self.nq, self.configuration)
         if self.nq != self.nv and not pin.isNormalized(self.model, vector, UNIT):
             raise BadValue("q", q, "a quaternion, or a cosine and a sine, of length 1")
         return vector
 
     def _v(self, v: ArrayLike) -> Array:
-        return _vector("v", v, self.nv, self.coordinates)
+        return vector_of("v", v, self.nv, self.coordinates)
 
 
 def _rebuild(model: pin.Model, arguments: Mapping[str, Any]) -> Robot:
     return Robot(model, **arguments)
-
-
-def _vector(name: str, value: ArrayLike, length: int, coordinates: Sequence[str]) -> Array:
-    expected = f"{length} numbers ({listed(coordinates, 8)})"
-    try:
-        given = np.asarray(value)
-    except (TypeError, ValueError):
-        raise BadValue(name, value, expected) from None
-    if given.dtype.kind not in "fiu":
-        raise BadValue(name, value, expected)
-    if given.shape != (length,):
-        raise BadValue(name, value, f"{expected}, not the shape {given.shape}")
-    vector = given.astype(np.float64)
-    valid = np.abs(vector) <= MAX_NUMBER  # what follows from it is finite, too
-    if not valid.all():
-        index = int(np.flatnonzero(~valid)[0])
-        limited = "a finite number" + (f" within ±{MAX_NUMBER:g}" if np.isfinite(vector[index]) else "")
-        raise BadValue(f"{name}[{index}]", float(vector[index]), limited)
-    return vector
-
-
-def _parts(name: str, count: int, parts: Mapping[int, Sequence[str]]) -> list[str]:
-    """Returns the names of the numbers of a joint."""
-    return [name] if count == 1 else [f"{name}_{part}" for part in parts.get(count, range(count))]
-
-
-def _is_planar(model: pin.Model, data: pin.Data) -> bool:
-    """Tells whether no joint can move any body out of the x-z plane, in any configuration."""
-    if model.nv == 0:
-        return False
-    rng = np.random.default_rng(0)
-    for _ in range(3):
-        q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
-        pin.computeJointJacobians(model, data, q)
-        for joint in range(1, model.njoints):
-            jacobian = pin.getJointJacobian(model, data, joint, WORLD_ALIGNED)
-            if np.abs(jacobian[[1, 3, 5]]).max() > OUT_OF_PLANE:
-                return False
-    return True

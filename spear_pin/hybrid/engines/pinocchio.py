@@ -18,6 +18,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import SLIPS, constrained, imposed, solve
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
+from spear_pin.hybrid.engines.binding import Binding
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
 from spear_pin.hybrid.engines.sprung import Sprung
@@ -74,9 +75,7 @@ class Flow:
         self._closed = closed_toes(robot.toes, domain)
         self._slips = [(toe, mode) for toe, mode in self._closed if mode in SLIPS]
         self._k, self._directions = robot.dimension, robot.directions
-        self._first = {
-            toe: self._k - 1 if toe in robot.guided else 0 for toe in robot.toes
-        }  # row that binds it at rest
+        self._binding = Binding(robot, self._ground, self._data)
         self._sliding = Sliding(dict(self._slips))
         self._ways: Ways = {}
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
@@ -89,7 +88,6 @@ class Flow:
         )
         self.q = self.v = self.a = self.friction = self._viscous = self._zeros
         self.u: Sequence[float] = ()
-        self._known: tuple[Sequence[str], list[Array], list[Array]] | None = None
         self.driven: Driven | None = None
 
     def hold(self, held: Held) -> None:
@@ -143,7 +141,7 @@ class Flow:
     def _derivative(self, t: float, y: Array) -> Array:
         nv = self._nv
         self.q, self.v = q, v = y[:nv], y[nv : 2 * nv]
-        self._known = None
+        self._binding.at(q, v)
         pin.computeAllTerms(self._model, self._data, q, v)
         if self._added is not None:
             try:
@@ -325,7 +323,7 @@ class Flow:
         if self._has_friction:
             applied += self._viscous
         _, multipliers = self._resting(self._at_rest, applied)
-        return self._shared_out(self._at_rest, multipliers)[toe][-1]
+        return self._binding.forces(self._at_rest, multipliers)[toe][-1]
 
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[float], motors: Sequence[int], others: Sequence[tuple[int, float]]
@@ -348,7 +346,7 @@ class Flow:
                 weight[index] += value
         jacobian, drift = self._nowhere
         if self._at_rest or self._closure:
-            jacobian, drift = (np.concatenate(parts) for parts in self._resting_rows(self._at_rest))
+            jacobian, drift = (np.concatenate(parts) for parts in self._binding.resting(self._at_rest))
         driven = [self._actuated[column] for column in motors]
         torques: list[float] = imposed(self._data.M, force, jacobian, drift, weights, wanted, driven).tolist()
         return torques
@@ -366,14 +364,14 @@ class Flow:
     def _stick(self, applied: Array) -> Array:
         toes = [toe for toe, _ in self._closed]
         a, multipliers = self._resting(toes, applied, self._locks)
-        self._forces |= self._shared_out(toes, multipliers)
+        self._forces |= self._binding.forces(toes, multipliers)
         if self._stuck:
             self._holding = np.array(multipliers[-len(self._stuck) :])
         return a
 
     def _resting(self, toes: Sequence[str], applied: Array, locks: Array | None = None) -> tuple[Array, list[float]]:
         """Returns the acceleration with toes at rest and joints held, and the forces on toes, loops and joints."""
-        rows, drifts = self._resting_rows(toes)
+        rows, drifts = self._binding.resting(toes)
         if locks is not None and len(locks):
             rows, drifts = [*rows, locks], [*drifts, np.zeros(len(locks))]
         if len(rows) == 1:
@@ -383,71 +381,25 @@ class Flow:
         a: Array = pin.forwardDynamics(self._model, self._data, applied, jacobian, drift)
         return a, self._data.lambda_c.tolist()
 
-    def _shared_out(self, toes: Sequence[str], multipliers: Sequence[float]) -> dict[str, tuple[float, ...]]:
-        """Returns the force on each toe at rest, along the ground and normal to it, from those of all rows."""
-        forces, row = dict[str, tuple[float, ...]](), 0
-        for toe in toes:
-            first, end = self._first[toe], row + self._k - self._first[toe]
-            forces[toe], row = (*first * (0.0,), *multipliers[row:end]), end
-        return forces
-
     def _slip(self, applied: Array) -> Array:
         friction, net = self.system.contact.friction, applied - self._data.nle
         toes, sliding = [toe for toe, _ in self._closed], {toe for toe, _ in self._slips}
-        rows, drifts = self._rows(toes)
-        first = [0 if toe in sliding else self._first[toe] for toe in toes]
-        own = list(zip(toes, first, rows[: len(toes)], drifts[: len(toes)], strict=True))
-        jacobians, own_drifts = ({toe: (J, drift)[k][i:] for toe, i, J, drift in own} for k in (0, 1))
+        rows, drifts = self._binding.resting(toes, sliding)
+        jacobians, own_drifts = (dict(zip(toes, parts[: len(toes)], strict=True)) for parts in (rows, drifts))
         bound = np.concatenate([*rows[len(toes) :], self._locks])
         bound_drift = np.concatenate([*drifts[len(toes) :], np.zeros(len(self._locks))])
         grounded = Grounded(self._data.M, net, jacobians, own_drifts, bound, bound_drift, friction)
         self._ways = ways = self._sliding(grounded, self.toe_velocity)
         a, multiplier, schur = constrained(self._data.M, net, *grounded.constraint(toes, ways))
-        inverse_pivots = np.diag(np.linalg.inv(schur))
+        inverse_pivots, multipliers = np.diag(np.linalg.inv(schur)), multiplier.tolist()
         row = 0
-        for toe, begin in zip(toes, first, strict=True):
+        for toe in toes:
             if toe not in ways:
-                end = row + self._k - begin
-                self._forces[toe] = (*begin * (0.0,), *multiplier[row:end].tolist())
-                row = end
+                self._forces[toe], row = self._binding.force(toe, multipliers, row)
             else:
-                normal = float(multiplier[row])
+                normal = multipliers[row]
                 self._forces[toe] = *(-friction * way * normal for way in ways[toe]), normal
                 self._pivots[toe] = 1.0 / float(inverse_pivots[row])
                 row += 1
         self._holding = multiplier[len(multiplier) - len(self._stuck) :]
         return a
-
-    def _resting_rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
-        """Returns the rows and drifts that bind toes at rest, then those of loops."""
-        rows, drifts = self._rows(toes)
-        if not any(self._first[toe] for toe in toes):
-            return rows, drifts
-        first = [*(self._first[toe] for toe in toes), *[0] * (len(rows) - len(toes))]
-        return [each[i:] for each, i in zip(rows, first, strict=True)], [
-            each[i:] for each, i in zip(drifts, first, strict=True)
-        ]
-
-    def _rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
-        """Returns J and J̇ v of some toes, then the rows and drifts of loops, if any; it remembers the last."""
-        if self._known is None or self._known[0] != toes:
-            self._known = toes, *self._computed_rows(toes)
-        return self._known[1], self._known[2]
-
-    def _computed_rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
-        model, data, directions = self._model, self._data, self._directions
-        pin.forwardKinematics(model, data, self.q, self.v, self._zeros)
-        rows, drifts = [], []
-        for toe in toes:
-            index = self._toe_ids[toe]
-            jacobian = pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[:3]
-            drift = pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear
-            rows.append(directions.along(model, data, index, jacobian))
-            drifts.append(directions.accelerated(model, data, index, drift))
-        if not self._level:
-            turn = self._ground.seen_in
-            rows, drifts = [np.array(turn(row)) for row in rows], [np.array(turn(drift)) for drift in drifts]
-        if self._closure is not None:
-            rows.append(self._closure.rows(data))
-            drifts.append(self._closure.drift(data))
-        return rows, drifts

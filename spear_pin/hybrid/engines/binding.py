@@ -1,0 +1,88 @@
+"""The rows that bind a robot at a state, by Pinocchio's kinematics: toes on the ground, and closed loops."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from spear_pin.arrays import Array
+from spear_pin.hybrid.ground import Ground
+from spear_pin.model.directions import WORLD_ALIGNED
+from spear_pin.model.robot import Robot
+
+
+class Binding:
+    """Rows and drifts at the state of some data of Pinocchio's.
+
+    Args:
+        robot: the robot.
+        ground: the ground, whose axes toes have.
+        data: the data.
+    """
+
+    def __init__(self, robot: Robot, ground: Ground, data: pin.Data) -> None:
+        self._model, self._data, self._directions = robot.model, data, robot.directions
+        self._ground, self._level, self._closure = ground, ground.level, robot.closure
+        self._ids, self._k, self._still = (
+            {toe: robot.toe_id(toe) for toe in robot.toes},
+            robot.dimension,
+            np.zeros(robot.nv),
+        )
+        # a guided toe moves up and down only, so that nothing binds it along the ground
+        self._first = {toe: self._k - 1 if toe in robot.guided else 0 for toe in robot.toes}
+        self._known: tuple[Sequence[str], list[Array], list[Array]] | None = None
+
+    def at(self, q: Array, v: Array) -> None:
+        """Moves on to a state, for which the data are up to date."""
+        self._q, self._v, self._known = q, v, None
+
+    def rows(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
+        """Returns J and J̇ v of some toes, then the rows and drifts of loops, if any; it remembers the last."""
+        if self._known is None or self._known[0] != toes:
+            self._known = toes, *self._computed(toes)
+        return self._known[1], self._known[2]
+
+    def resting(self, toes: Sequence[str], sliding: Collection[str] = ()) -> tuple[list[Array], list[Array]]:
+        """Returns rows and drifts as `rows` does, for toes that rest without those along which nothing binds them."""
+        rows, drifts = self.rows(toes)
+        first = [0 if toe in sliding else self._first[toe] for toe in toes]
+        if not any(first):
+            return rows, drifts
+        first += [0] * (len(rows) - len(toes))
+        return _trimmed(rows, first), _trimmed(drifts, first)
+
+    def forces(self, toes: Sequence[str], multipliers: Sequence[float]) -> dict[str, tuple[float, ...]]:
+        """Returns the force on each toe at rest, along the ground and normal to it, from those of all rows."""
+        forces, row = dict[str, tuple[float, ...]](), 0
+        for toe in toes:
+            forces[toe], row = self.force(toe, multipliers, row)
+        return forces
+
+    def force(self, toe: str, multipliers: Sequence[float], row: int) -> tuple[tuple[float, ...], int]:
+        """Returns the force on a toe at rest whose rows begin at one, and the row after them."""
+        first, end = self._first[toe], row + self._k - self._first[toe]
+        return (*first * (0.0,), *multipliers[row:end]), end
+
+    def _computed(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
+        model, data, directions = self._model, self._data, self._directions
+        pin.forwardKinematics(model, data, self._q, self._v, self._still)
+        rows, drifts = [], []
+        for toe in toes:
+            index = self._ids[toe]
+            jacobian = pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[:3]
+            drift = pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear
+            rows.append(directions.along(model, data, index, jacobian))
+            drifts.append(directions.accelerated(model, data, index, drift))
+        if not self._level:
+            turn = self._ground.seen_in
+            rows, drifts = [np.array(turn(row)) for row in rows], [np.array(turn(drift)) for drift in drifts]
+        if self._closure is not None:
+            rows.append(self._closure.rows(data))
+            drifts.append(self._closure.drift(data))
+        return rows, drifts
+
+
+def _trimmed(parts: Sequence[Array], first: Sequence[int]) -> list[Array]:
+    return [each[i:] for i, each in zip(first, parts, strict=True)]
