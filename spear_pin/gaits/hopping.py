@@ -18,7 +18,7 @@ from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset, Switch
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.ground import Ground, as_ground, given
-from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
+from spear_pin.hybrid.phases import contact_domains, fall, rate, toggle, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
@@ -265,7 +265,9 @@ def hopping(
     landed = Reset(impact=("toe",), latch=latch_touchdown, phase="stance", edges=springs.touching)
     balancing = any(spring.rest is not None for spring in springs.springs.values())
     flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"], "compressing": 0.0, "limited": 0.0})
-    fallen = fall(["hip", "knee"] if robot.reach is None else [*robot.actuated])
+    fallen = fall(["hip", "knee"])
+    if robot.reach is not None:
+        fallen = (*fall(robot.actuated), *toggle(robot, posed(robot, *_landing(law))))
     stance = Domain(
         "stance",
         "stance",

@@ -78,6 +78,10 @@ class Dynamics(Protocol):
     def jacobian(self, toe: str) -> Any:
         """Returns J of a toe: one row of nv along the ground in the plane, two in space, and one normal to it."""
 
+    @property
+    def loop_jacobian(self) -> Any:
+        """A of the closed loops, rows of nv; none without loops."""
+
     def height(self, frame: str) -> Any:
         """Returns the distance of a frame from the ground, along its normal, in m."""
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from spear_pin.model.mechanism import Terms
-from spear_pin.model.scalars import dot, times, vanishes
+from spear_pin.model.scalars import dot, negated, plus, times, vanishes
 
 Matrix = list[list[Any]]
 
@@ -58,6 +58,18 @@ def responses(terms: Terms, rows: Matrix, solved: Callable[[Matrix, Matrix], Mat
     border = [[*own, *column] for own, *column in zip(terms.mass_matrix, *loops, strict=True)]
     border += [[*row, *[0.0] * len(loops)] for row in loops]
     return [found[:nv] for found in solved(border, [[*row, *[0.0] * len(loops)] for row in rows])]
+
+
+def determinant(matrix: Sequence[Sequence[Any]]) -> Any:
+    """Returns the determinant of a small matrix, by its first row."""
+    if not matrix:
+        return 1.0
+    total: Any = 0.0
+    for j, value in enumerate(matrix[0]):
+        if not vanishes(value):
+            rest = times(value, determinant([[*row[:j], *row[j + 1 :]] for row in matrix[1:]]))
+            total = plus(total, negated(rest) if j % 2 else rest)
+    return total
 
 
 def solve(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any]:

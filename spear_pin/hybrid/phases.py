@@ -13,6 +13,7 @@ from spear_pin.hybrid.rules.guards import fall as fall
 from spear_pin.hybrid.rules.guards import height as height
 from spear_pin.hybrid.rules.guards import rate as rate
 from spear_pin.hybrid.rules.guards import spring_switches as spring_switches
+from spear_pin.hybrid.rules.guards import toggle as toggle
 from spear_pin.hybrid.rules.guards import touchdown as touchdown
 
 

@@ -4,6 +4,7 @@ REASONS = {
     "complete": "all cycles were run",
     "below_ground": "a toe was below the ground at the beginning",
     "fall": "a part other than a toe reached the ground",
+    "toggle": "a closed loop reached a toggle, where its motors do not determine its joints any more",
     "limit": "a joint reached the end of its range",
     "zeno": "events accumulate: the control laws of phases that alternate undo each other without time passing",
     "no_cycle": "a thousand events passed and no cycle closed",

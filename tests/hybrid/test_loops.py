@@ -5,18 +5,20 @@ import math
 import numpy as np
 import pytest
 
-from spear_pin import Contact, Spring, find_gait, simulate
+from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, simulate
 from spear_pin.errors import BadValue
+from spear_pin.gaits.reaching import posed
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
 from spear_pin.hybrid.strikes import struck_by
+from spear_pin.model.path import Joints
 from tests.hybrid.eliminated import hop
 from tests.hybrid.looped_hops import FOLDS, looped_hopping
 from tests.hybrid.test_symbolic import compare
-from tests.model.looped import crank_leg, five_bar
+from tests.model.looped import LOWER, crank_leg, five_bar
 from tests.model.test_loops import at
 from tests.slow import slow_but
 
@@ -139,6 +141,33 @@ class TestGait:
         own = with_parameters(system, gait.parameters)
         differences = differentiate_return_map(own, gait.state)
         np.testing.assert_allclose(np.sort_complex(eigenvalues(differences)), exact, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("opening", [0.1, 0.01, -0.01, -0.1])
+def test_the_determinant_of_a_five_bar_is_that_of_its_lower_links(legs, opening):
+    """l² sin(ψ₁ - ψ₂) with ψ the directions of the lower links, near the toggle where both knees meet."""
+    robot = legs["five_bar"]
+    q = robot.closed([0.3, opening, -opening, -opening, opening])
+    turns = (q[1] + q[2]) - (q[3] + q[4])
+    dependent = [robot.index("front_knee"), robot.index("back_knee")]
+    found = np.linalg.det(robot.loop_jacobian(q)[:, dependent])
+    assert abs(found) == pytest.approx(LOWER**2 * abs(math.sin(turns)), abs=1e-12)
+    assert abs(found) == pytest.approx({0.1: 3.988e-3, 0.01: 4.000e-4}[abs(opening)], abs=5e-7)
+
+
+@pytest.mark.extra("heyoka")
+def test_a_run_ends_at_a_toggle_in_both_engines(legs):
+    """Thighs that close at 6 rad/s bring both knees together in the air."""
+    robot = legs["five_bar"]
+    spring = {"leg": Spring(12.0, path=Joints({"front_hip": 1.0, "back_hip": -1.0}))}
+    system = hopping(robot, HoppingLaw(1.0, knee_gain=0.0, knee_damping=0.0, hip_gain=0.0, hip_damping=0.0), spring)
+    q = posed(robot, 0.0, 0.6)
+    q[0] = 1.0
+    v = robot.reduced(q, [0.0, -3.0, 3.0]).v
+    run, many = simulate(system, (q, v), cycles=1), simulate_many(system, q[None], v[None], cycles=1)
+    assert run.reason == many.reason[0] == "toggle" and "toggle at t = " in run.message
+    assert many.message[0] == run.message and not many.repeated[0]
+    assert 0.0 < run.q[-1][1] - run.q[-1][3] < 2e-3
 
 
 def test_a_state_with_an_open_loop_is_refused(legs):

@@ -263,6 +263,11 @@ class Flow:
         jacobian = self._directions.along(self._model, self._data, index, whole)
         return np.array(jacobian if self._level else self._ground.seen_in(jacobian))
 
+    @property
+    def loop_jacobian(self) -> Array:
+        """A of the closed loops, (m, nv)."""
+        return self._nowhere[0] if self._closure is None else self._closure.rows(self._data)
+
     def toe_velocity(self, toe: str) -> tuple[float, ...]:
         """Returns the velocity of a toe, along the ground and normal to it, in m/s."""
         index = self._toe_ids[toe]

@@ -176,6 +176,11 @@ class Motion:
         """Returns J of a toe, with rows along the ground and normal to it."""
         return self._feet.jacobians[toe]
 
+    @property
+    def loop_jacobian(self) -> Matrix:
+        """A of the closed loops, rows of nv."""
+        return self._terms.loop_rows
+
     def direction(self, toe: str) -> tuple[Any, ...]:
         """Returns the unit vector along the ground in which a toe slides; it has none where it begins to slide."""
         return self._ways[toe]

@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
+from spear_pin.arrays import Array
 from spear_pin.hybrid.contact import SIGN, SLIP, SLOW, STICK
 from spear_pin.hybrid.domain import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.elimination import determinant
 from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED, along, size
+from spear_pin.model.robot import Robot
 
 ON_GROUND = 1e-8  # m: above the integration's error of the constraint, below any foot clearance
 ON_REST = 1e-9  # rad: above the effect of an error in an event's time
+AT_TOGGLE = 1e-3  # of the determinant as the leg lands: there a loop counts as at its toggle
 NEAR_GROUND = 1e-6  # m: for a bouncing toe, whose integration errors add up over many short contacts
 
 
@@ -93,6 +99,24 @@ def touchdown(toe: str, reset: Reset, name: str = "touchdown") -> Guard:
 def fall(frames: Sequence[str]) -> tuple[Guard, ...]:
     """Returns guards that end the run when one of these frames reaches the ground."""
     return tuple(Guard(f"fall:{frame}", height(frame), ends="fall", tolerance=ON_GROUND) for frame in frames)
+
+
+def toggle(robot: Robot, q: Array) -> tuple[Guard, ...]:
+    """Returns the guard that ends the run where loops come to a toggle, det A_d = 0 for the dependent coordinates.
+
+    Args:
+        robot: the robot; without loops there is no guard.
+        q: a configuration with closed loops, on the side of the toggle on which the robot moves.
+    """
+    if robot.closure is None:
+        return ()
+    dependent = [i for i, name in enumerate(robot.coordinates) if name not in robot.independent]
+    usual = float(np.linalg.det(robot.loop_jacobian(q)[:, dependent]))
+
+    def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        return determinant([[row[i] for i in dependent] for row in dyn.loop_jacobian]) / usual - AT_TOGGLE
+
+    return (Guard("toggle", value, ends="toggle"),)
 
 
 def spring_switches(mount: Mount, name: str = "spring_switch") -> tuple[Guard, ...]:
