@@ -105,6 +105,38 @@ class TestConstraint:
         assert np.abs(robot.loop_gap(at(robot, *angles))).max() < 1e-13
 
 
+def test_a_ratio_that_depends_on_the_configuration(tmp_path):
+    """A motor's crank turns a rocker by a coupler: D gains J i², the bias J i i' v², the torque i u."""
+
+    def pivoted(name, mass, inertia):
+        return f'''<link name="{name}"><inertial><mass value="{mass}"/>
+        <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial></link>'''
+
+    urdf = "".join(
+        [
+            '<robot name="four_bar"><link name="world"/>',
+            *(pivoted(*each) for each in (("crank", 1.0, 3e-4), ("coupler", 1e-9, 1e-12), ("rocker", 1.0, 0.01))),
+            joint("crank", "revolute", "world", "crank"),
+            joint("coupler", "revolute", "crank", "coupler").replace('xyz="0 0 0.0"', 'xyz="0.03 0 0"'),
+            joint("rocker", "revolute", "world", "rocker").replace('xyz="0 0 0.0"', 'xyz="0.3 0 0"'),
+            "</robot>",
+        ]
+    )
+    toml = """motors = ["crank"]
+independent = ["rocker"]
+[loops.pin]
+a = { body = "coupler", at = [0.302, 0, 0] }
+b = { body = "rocker", at = [0, 0, 0.04] }
+"""
+    robot = load(write(tmp_path, "four_bar", urdf, toml), base="fixed")
+    found = robot.reduced([1.5, -1.3, 0.6], [3.0])
+    ratio = found.T[0, 0]
+    assert ratio == pytest.approx(1.801770996, abs=5e-10)
+    assert found.c[0] == pytest.approx(2.809435369 * 3.0**2, abs=1e-8)
+    assert found.mass_matrix[0, 0] == pytest.approx(0.01 + 3e-4 * ratio**2, abs=1e-9)
+    assert (ratio * 1.0 - found.bias[0]) / found.mass_matrix[0, 0] == pytest.approx(162.941296, abs=1e-6)
+
+
 def link(name, mass, inertia):
     return f'''<link name="{name}"><inertial><origin xyz="0 0 -0.1"/><mass value="{mass}"/>
     <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial></link>'''
