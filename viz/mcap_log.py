@@ -22,6 +22,7 @@ from spear_pin.errors import BadValue, SpearError, listed
 from spear_pin.files import atomic
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.hybrid.trajectory_tables import engaged
 from spear_pin.kinds import typed
 from spear_pin.model.document import describe
 from spear_pin.model.robot import Robot
@@ -178,15 +179,12 @@ def _events(schemas: m.Schemas, trajectory: Trajectory, begin: float) -> Iterato
 
 
 def _samples(trajectory: Trajectory, times: list[int], names: list[str], table: Array) -> Iterator[Message]:
-    words = {"domain": trajectory.domain, "phase": trajectory.phase}
+    words, latches = {"domain": trajectory.domain, "phase": trajectory.phase}, engaged(trajectory)
     for row, time in enumerate(times):
         numbers = [value if np.isfinite(value) else None for value in table[row].tolist()]
         said: dict[str, Any] = dict(zip(names, numbers, strict=True))
         said |= {name: str(values[row]) for name, values in words.items()}
-        said |= {
-            f"engaged_{joint}": bool(on)
-            for joint, on in zip(trajectory.spring_joints, trajectory.engaged[row], strict=True)
-        }
+        said |= {name: bool(on[row]) for name, on in latches.items()}
         yield Message(time, "/samples", said)
 
 
@@ -196,8 +194,8 @@ def _schema(trajectory: Trajectory, names: list[str]) -> dict[str, Any]:
     said = {name: {"description": units[name]} if units[name] else {} for name in names}
     numbers = {name: {"type": ["number", "null"], **said[name]} for name in names}
     words = {name: {"type": "string"} for name in ("domain", "phase")}
-    engaged = {f"engaged_{joint}": {"type": "boolean"} for joint in trajectory.spring_joints}
-    return {"type": "object", "title": SCHEMA, "properties": {**numbers, **words, **engaged}}
+    latches = {name: {"type": "boolean"} for name in engaged(trajectory)}
+    return {"type": "object", "title": SCHEMA, "properties": {**numbers, **words, **latches}}
 
 
 def _attached(robot: Robot) -> dict[str, bytes]:

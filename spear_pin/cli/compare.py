@@ -124,7 +124,7 @@ def as_json(found: Comparison) -> dict[str, Any]:
 
 def text(found: Comparison) -> str:
     """A comparison as a table."""
-    from spear_pin.viz.compare.words import change, number, parameter, percent
+    from spear_pin.viz.compare.words import change, number, parameters, percent
 
     labels = [side.label for side in found.sides]
     head = ["", labels[0], *(part for label in labels[1:] for part in (label, "difference", "%")), ""]
@@ -138,7 +138,7 @@ def text(found: Comparison) -> str:
         ]
         for row in found.measures
     ]
-    differing = [[each.name, *(parameter(given, each.name) for given in each.values)] for each in found.differences]
+    differing = [[each.name, *parameters(each)] for each in found.differences]
     parts = [joined([*found.said, *(note for side in found.sides for note in side.notes)]), _table([head, *rows])]
     if differing:
         parts.append(_table([["parameters that differ", *labels], *differing]))

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from spear_pin.model.robot import Robot
 from spear_pin.model.sagittal import ENDS
 
-TIME, CYCLE, ENGAGED = "t", "cycle", "engaged"
+TIME, CYCLE, ENGAGED, ACTS = "t", "cycle", "engaged", "acts"
 FIRST = (TIME, "domain", "phase", CYCLE)
 UNSAID = "m or rad"  # unit of a coordinate whose robot is not found
 QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {  # by symbol: the quantity, its units along m and rad
@@ -27,6 +27,9 @@ QUANTITIES: dict[str, tuple[str, tuple[str, ...]]] = {  # by symbol: the quantit
     "force_x": ("force along the ground", ("N",)),
     "force_y": ("force across", ("N",)),
     "force_z": ("force normal to the ground", ("N",)),
+    "length": ("length of a spring's path", ("m", "rad")),
+    "stretch": ("stretch of a spring", ("m", "rad")),
+    "pull": ("pull of a spring", ("N", "N·m")),
 }
 
 TOGETHER = ("u", "tau", "friction", "spring", "force_x", "force_z")
@@ -67,12 +70,13 @@ def unit(name: str, measured: Mapping[str, str]) -> str:
 
     Args:
         name: name of the column.
-        measured: unit of each coordinate, "m" or "rad", see `lengths`; for other coordinates both units are given.
+        measured: unit of each coordinate, "m" or "rad", see `lengths`, and by a column's name of what a spring's path
+            is measured in; for others both units are given.
     """
     symbol, label = parted(name)
     if not symbol:
         return "s" if name == TIME else ""
-    return unit_of(symbol, measured.get(label, UNSAID))
+    return unit_of(symbol, measured.get(name, measured.get(label, UNSAID)))
 
 
 def unit_of(symbol: str, length: str = UNSAID) -> str:
@@ -96,6 +100,6 @@ def read_heading(text: str) -> tuple[str, str]:
 def arranged(names: Iterable[str]) -> list[str]:
     """Sorts names as in a table: time, domain, phase and cycle, the numbers, and which springs are engaged."""
     there = list(names)
-    last = [name for name in there if name.startswith(f"{ENGAGED}_")]
+    last = [name for name in there if name.startswith((f"{ENGAGED}_", f"{ACTS}_"))]
     between = [name for name in there if name not in (*FIRST, *last)]
     return [*(name for name in FIRST if name in there), *between, *last]

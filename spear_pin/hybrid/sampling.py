@@ -13,6 +13,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.filippov import flow_of
+from spear_pin.hybrid.path_springs import PathSampler, PathSprings, engaged_in
 from spear_pin.hybrid.result import Segment
 from spear_pin.model.robot_posture import spanned
 
@@ -35,6 +36,7 @@ class Sampler:
         """Prepares a sampler of a system, with at least so many samples a phase."""
         self.springs = sprung_joints(system)
         self._system, self._least = system, least
+        self._along = PathSampler(system)
         self._phase: list[Segment] = []  # segments of the present phase
         self._columns = {name: array("d") for name in NUMERIC}  # flat: a list of rows takes five times the memory
         self._held: list[Held] = []  # of each segment
@@ -70,11 +72,15 @@ class Sampler:
             "cycle": spread(cycles, np.int64),
         }
 
+    @property
+    def by_path(self) -> PathSprings | None:
+        """What the springs do along their paths, after `arrays`; None if columns of joints tell all."""
+        return self._along.springs()
+
     def _engaged(self, domain: Domain, held: Held) -> set[str]:
         """Returns the names of the coordinates on which springs are engaged."""
-        mounts = [mount for mount in domain.mounts if mount.on is None or held[mount.on] == 1.0]
         robot = self._system.robot
-        return {joint for mount in mounts if mount.spring.pulls for joint in spanned(mount.along, robot)}
+        return {joint for mount in engaged_in(domain, held) for joint in spanned(mount.along, robot)}
 
     def _sample_phase(self) -> None:
         moving = [segment for segment in self._phase if segment.pieces]
@@ -109,6 +115,7 @@ class Sampler:
             for toe in robot.toes:
                 columns["force"].extend(flow.force(toe))
             columns["spring"].extend(flow.spring_torque(joint) for joint in self.springs)
+            self._along.add(segment.domain, segment.held, y[: robot.nq], flow.pulls)
             if flow.driven is not None:
                 columns["current"].extend(flow.driven.currents)
                 columns["reference"].extend(flow.driven.references)

@@ -95,6 +95,7 @@ def _trajectory(system: HybridSystem, result: Run, sampler: Sampler) -> Trajecto
         electrical=electrical,
         ground=system.ground,
         origin=origin(robot),
+        springs=sampler.by_path,
     )
 
 

@@ -15,6 +15,7 @@ from spear_pin.errors import BadValue, SpearError, UnknownName, require
 from spear_pin.hybrid import trajectory_parts as parts
 from spear_pin.hybrid import trajectory_tables as tables
 from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.path_springs import PathSprings
 from spear_pin.kinds import typed
 from spear_pin.model.mover import mover
 from spear_pin.model.robot import Robot
@@ -121,6 +122,7 @@ class Trajectory(Shown):
             negative, as a motor's work leaves the drive. The change is that of the inductances.
         ground: the ground, whose axes forces and impulses use; None if a file has none.
         origin: origin of the robot, see `spear_pin.model.origin`; None if a file has none.
+        springs: what springs do along their paths; None if each acts on a joint of its own.
 
     Example:
         >>> from spear_pin import hopping, load, simulate
@@ -163,6 +165,7 @@ class Trajectory(Shown):
     electrical: Ledger | None = None
     ground: Ground | None = None
     origin: Mapping[str, Any] | None = None
+    springs: PathSprings | None = None
 
     def __repr__(self) -> str:
         duration = self.t[-1] - self.t[0]
@@ -300,8 +303,8 @@ class Trajectory(Shown):
 
         Args:
             columns: names among those of `columns`, or the common beginning of all of a kind: "q", "v", "a", "u",
-                "tau", "friction", "spring", "current", "reference", "force_x" or "force_z". By default "q", "spring"
-                if there is one, and "force_z". A quadruped in its sagittal plane has torques and forces of a pair of
+                "tau", "friction", "spring", "pull", "current", "force_x" or "force_z". By default "q", "spring" if
+                there is one, and "force_z". A quadruped in its sagittal plane has torques and forces of a pair of
                 legs, which are labelled so.
             cycles: number of cycles drawn, from the first; None for all.
 
@@ -314,6 +317,6 @@ class Trajectory(Shown):
 
 PLAIN = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")
 """The fields that are names, texts and numbers."""
-_PARTS = ("events", "ledger", "electrical", "ground", "origin")
+_PARTS = ("events", "ledger", "electrical", "ground", "origin", "springs")
 SAMPLED = tuple(f.name for f in fields(Trajectory) if f.name not in (*PLAIN, *_PARTS))
 """The arrays over samples."""

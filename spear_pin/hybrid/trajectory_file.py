@@ -17,12 +17,14 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile, BadValue, listed
+from spear_pin.errors import BadFile, BadValue, UnknownName, listed
 from spear_pin.files import atomic, check_keys, parse_json, regular
 from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.path_springs import MEASURED, PathSprings
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.trajectory import PLAIN, SAMPLED, Event, Ledger, Trajectory
 from spear_pin.model.origin import check_origin
+from spear_pin.model.path_data import path_data, path_of
 from spear_pin.printable import is_printable, printable
 
 FORMAT = "spear_pin trajectory 1"
@@ -52,6 +54,10 @@ ARRAYS = {  # kind of each array, and the names of its axes
     "ledger_work": ("f", "cycles", "flows"),
     "ledger_change": ("f", "cycles"),
 }
+SPRINGS = {
+    **{f"springs_{each}": ("f", "samples", "springs") for each in MEASURED},
+    "springs_acts": ("b", "samples", "springs"),
+}
 ELECTRICAL = {"electrical_work": ("f", "cycles", "drives"), "electrical_change": ("f", "cycles")}
 CURRENTS = ("current", "reference")  # missing in files that are older than hardware
 ORDERED = ("t", "cycle", "event_time")
@@ -71,7 +77,9 @@ def write(trajectory: Trajectory, path: str | Path) -> Path:
     arrays: dict[str, Any] = {name: getattr(trajectory, name) for name in SAMPLED}
     arrays |= {f"event_{name}": np.array([getattr(e, name) for e in trajectory.events]) for name in EVENT_ARRAYS}
     arrays |= {"ledger_work": trajectory.ledger.work, "ledger_change": trajectory.ledger.change}
-    electrical, ground = trajectory.electrical, trajectory.ground
+    electrical, ground, springs = trajectory.electrical, trajectory.ground, trajectory.springs
+    if springs is not None:
+        arrays |= {name: getattr(springs, name.removeprefix("springs_")) for name in SPRINGS}
     if electrical is not None:
         arrays |= {"electrical_work": electrical.work, "electrical_change": electrical.change}
     meta = {name: getattr(trajectory, name) for name in PLAIN} | {
@@ -83,6 +91,7 @@ def write(trajectory: Trajectory, path: str | Path) -> Path:
         "drives": () if electrical is None else electrical.flows,
         "events": [{"name": e.name, "domain": e.domain, "work": dict(e.work)} for e in trajectory.events],
     }
+    meta |= {} if springs is None else {"springs": _springs_data(springs)}
     with atomic(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, meta=np.array(json.dumps(meta)), **arrays)
     return Path(path)
@@ -102,6 +111,7 @@ def read(path: str | Path) -> Trajectory:
         MemoryError,
         RuntimeError,
         TypeError,
+        UnknownName,
         ValueError,
         struct.error,
         zlib.error,
@@ -125,8 +135,11 @@ def _trajectory(archive: ZipFile) -> Trajectory:
     sizes = {name: len(meta[name]) for name in (*NAMES, "flows", "events")} | {"cycles": meta["cycles"]}
     drives = tuple(meta.get("drives", ()))
     sizes |= {"drives": len(drives), "driven": len(meta["actuated"]) if drives else 0}
+    springs = meta.get("springs", {})
+    sizes["springs"] = len(springs)
     older = () if drives else [name for name in CURRENTS if name not in members]
-    wanted = {name: rule for name, rule in (ARRAYS | (ELECTRICAL if drives else {})).items() if name not in older}
+    rules = ARRAYS | (ELECTRICAL if drives else {}) | (SPRINGS if springs else {})
+    wanted = {name: rule for name, rule in rules.items() if name not in older}
     check_keys("array", members, wanted)
     forces, _ = _header(archive, members["force"])
     sizes["directions"] = 3 if forces[-1:] == (3,) else 2  # in space or in the plane
@@ -146,6 +159,7 @@ def _trajectory(archive: ZipFile) -> Trajectory:
         electrical=Ledger(drives, arrays["electrical_work"], arrays["electrical_change"]) if drives else None,
         ground=_ground(meta.get("ground")),
         origin=_origin(meta),
+        springs=_springs(springs, arrays),
     )
 
 
@@ -167,6 +181,32 @@ def _origin(meta: Mapping[str, Any]) -> dict[str, Any] | None:
         if said["source"] != meta["robot"]:
             raise BadValue("robot", meta["robot"], f"{said['source']!r}, the source of its origin")
     return said
+
+
+def _springs_data(springs: PathSprings) -> dict[str, Any]:
+    """Returns the unit of each spring by name, and its path if that is one of the package's."""
+    found = {}
+    for name, unit, path in zip(springs.names, springs.units, springs.paths, strict=True):
+        try:
+            along = {} if path is None else path_data(path)
+        except BadValue:
+            along = {}
+        found[name] = {"unit": unit, **along}
+    return found
+
+
+def _springs(tables: Mapping[str, Mapping[str, Any]], arrays: Arrays) -> PathSprings | None:
+    """Returns the springs on paths, None if there are none."""
+    if not tables:
+        return None
+    paths = []
+    for name, table in tables.items():
+        path, others = path_of(table)
+        if others.keys() != {"unit"} or others["unit"] not in ("rad", "m"):
+            raise BadValue(f"springs[{name!r}]", dict(table), "a unit, rad or m, and a path")
+        paths.append(path)
+    units = tuple(table["unit"] for table in tables.values())
+    return PathSprings(tuple(tables), tuple(paths), units, *(arrays[name] for name in SPRINGS))
 
 
 def _events(infos: Iterable[Mapping[str, Any]], arrays: Arrays) -> tuple[Event, ...]:
@@ -245,7 +285,7 @@ def _check_meta(meta: Any) -> None:
     if not isinstance(meta, dict):
         raise ValueError("meta is no JSON object")
     wanted = {"format", "units", "flows", "events", *PLAIN}
-    check_keys("field of meta", meta, wanted, optional=("drives", "ground", "origin"))
+    check_keys("field of meta", meta, wanted, optional=("drives", "ground", "origin", "springs"))
     for name, value in (("format", FORMAT), ("units", UNITS)):
         if meta[name] != value:
             raise BadValue(name, meta[name], repr(value))
@@ -264,6 +304,10 @@ def _check_meta(meta: Any) -> None:
     for name in ("actuated", "spring_joints"):
         if not set(meta[name]) <= set(meta["coordinates"]):
             raise BadValue(name, meta[name], f"some of {listed(meta['coordinates'], 8)}")
+    springs = meta.get("springs", {})
+    if not isinstance(springs, dict) or not all(isinstance(table, dict) for table in springs.values()):
+        raise BadValue("springs", springs, "a table of each by name")
+    _check_names("springs", [*springs])
     if not isinstance(meta["events"], list):
         raise BadValue("events", meta["events"], "a list")
     for event in meta["events"]:

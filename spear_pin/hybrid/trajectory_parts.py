@@ -45,7 +45,7 @@ def _part(trajectory: Trajectory, chosen: NDArray[np.bool_], rows: slice) -> Tra
 
     edges = np.flatnonzero(np.diff(np.concatenate(([False], chosen, [False])).astype(int)))
     spans = [(trajectory.t[begin], trajectory.t[end - 1]) for begin, end in list(pairwise(edges))[::2]]
-    ledger, electrical = _some(trajectory.ledger, rows), trajectory.electrical
+    ledger, electrical, springs = _some(trajectory.ledger, rows), trajectory.electrical, trajectory.springs
     return replace(
         trajectory,
         **{name: getattr(trajectory, name)[chosen] for name in SAMPLED},
@@ -53,6 +53,7 @@ def _part(trajectory: Trajectory, chosen: NDArray[np.bool_], rows: slice) -> Tra
         ledger=ledger,
         cycles=len(ledger.change),
         electrical=None if electrical is None else _some(electrical, rows),
+        springs=None if springs is None else springs.part(chosen),
     )
 
 

@@ -12,6 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, MissingExtra, RobotWarning, SpearError, UnknownName
 from spear_pin.files import atomic
 from spear_pin.hybrid.column_names import (
+    ACTS,
     CYCLE,
     ENGAGED,
     QUANTITIES,
@@ -23,6 +24,7 @@ from spear_pin.hybrid.column_names import (
     unit,
     unit_of,
 )
+from spear_pin.hybrid.path_springs import MEASURED, PathSprings
 
 if TYPE_CHECKING:
     from spear_pin.hybrid.trajectory import Trajectory
@@ -52,6 +54,7 @@ def columns(trajectory: Trajectory) -> tuple[list[str], Array]:
         ("current", one.current, one.actuated if one.current.size else ()),
         ("reference", one.reference, one.actuated if one.reference.size else ()),
         *((f"force_{axis}", one.force[:, :, i], one.toes) for i, axis in enumerate(directions(one))),
+        *((each, getattr(one.springs, each), one.springs.names) for each in MEASURED if one.springs is not None),
     ):
         names += [f"{symbol}_{label}" for label in labels]
         parts.append(values)
@@ -116,6 +119,13 @@ def dataset(trajectory: Trajectory) -> Any:
         "axis": list(directions(trajectory)),
         "spring_joint": list(trajectory.spring_joints),
     }
+    if springs := trajectory.springs:
+        along = (TIME, "path_spring")
+        coordinates |= {"path_spring": list(springs.names), "path_unit": ("path_spring", list(springs.units))}
+        variables |= {
+            f"path_{each}": (along, getattr(springs, each), {} if each == ACTS else {"units": unit_of(each)})
+            for each in (*MEASURED, ACTS)
+        }
     attributes = {"robot": trajectory.robot, "reason": trajectory.reason, "cycles": trajectory.cycles}
     return xarray.Dataset(variables, coordinates, attributes)
 
@@ -142,6 +152,9 @@ def export(trajectory: Trajectory, path: str | Path, sampled: tuple[str, ...]) -
         ledger = {flow: trajectory.ledger[flow] for flow in trajectory.ledger.flows}
         events = {"name": [e.name for e in trajectory.events], "time": [e.time for e in trajectory.events]}
         extra: dict[str, Any] = {"coordinates": list(trajectory.coordinates), "ledger": ledger, "events": events}
+        if springs := trajectory.springs:
+            extra["springs"] = {"names": list(springs.names), "units": list(springs.units)}
+            extra["springs"] |= {each: getattr(springs, each) for each in (*MEASURED, ACTS)}
         if trajectory.electrical is not None:
             extra["electrical"] = {flow: trajectory.electrical[flow] for flow in trajectory.electrical.flows}
         with atomic(path) as temporary, temporary.open("wb") as file:
@@ -156,15 +169,42 @@ def _table(trajectory: Trajectory) -> Any:
     import pandas
 
     names, numbers = columns(trajectory)
-    words = pandas.DataFrame({"domain": trajectory.domain, "phase": trajectory.phase})
-    engaged = pandas.DataFrame(trajectory.engaged, columns=[f"{ENGAGED}_{joint}" for joint in trajectory.spring_joints])
-    made = pandas.concat([pandas.DataFrame(numbers, columns=names), words, engaged], axis=1)
+    words = pandas.DataFrame({"domain": trajectory.domain, "phase": trajectory.phase} | engaged(trajectory))
+    made = pandas.concat([pandas.DataFrame(numbers, columns=names), words], axis=1)
     made[CYCLE] = trajectory.cycle
     return made[arranged(made.columns)]
 
 
+def engaged(trajectory: Any) -> dict[str, Array]:
+    """Returns whether springs are engaged, by the names of the columns, (n,) each; of joints, then of paths."""
+    joints, springs = tuple(trajectory.spring_joints), paths_of(trajectory)
+    there = np.asarray(trajectory.engaged, dtype=bool).reshape(-1, len(joints)) if joints else np.empty((0, 0), bool)
+    found = {f"{ENGAGED}_{joint}": on for joint, on in zip(joints, there.T, strict=True)}
+    if springs is not None:
+        found |= {f"{ACTS}_{name}": on for name, on in zip(springs.names, springs.acts.T, strict=True)}
+    return found
+
+
+def paths_of(trajectory: Any) -> PathSprings | None:
+    """Returns the springs on paths of whatever moves like a trajectory; None if it has none."""
+    springs: PathSprings | None = getattr(trajectory, "springs", None)
+    return springs
+
+
+def along_paths(springs: PathSprings | None) -> dict[str, str]:
+    """Returns by the names of springs' columns in what their paths are measured, "m" or "rad"."""
+    if springs is None:
+        return {}
+    pairs = [*zip(springs.names, springs.units, strict=True)]
+    return {f"{each}_{name}": unit for each in MEASURED for name, unit in pairs}
+
+
 def _measured(trajectory: Trajectory) -> dict[str, str]:
-    """Returns the unit of each coordinate, "m" or "rad"; empty if the robot is not found."""
+    """Returns "m" or "rad" for each coordinate, if the robot is found, and for what is measured along a path."""
+    return along_paths(trajectory.springs) | _lengths(trajectory)
+
+
+def _lengths(trajectory: Trajectory) -> dict[str, str]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RobotWarning)

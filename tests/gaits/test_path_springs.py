@@ -5,13 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load, simulate
+from spear_pin import Gait, HoppingLaw, Spring, compare, find_gait, hopping, load, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.hopping import flight_law
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.parameters import changed, number, rebuilt, unit, with_numbers
 from spear_pin.model.cable import Anchor, Between
 from spear_pin.model.path import Joints
+from spear_pin.studies.comparison import Side, differences
+from spear_pin.viz.compare.words import parameters
 from tests.slow import slow_but
 
 LEG = load("spear_ii", locked=["boom_x"])
@@ -103,6 +105,31 @@ class TestHop:
             last = alone.named("touchdown")[-1]
             np.testing.assert_allclose(lanes.q[i], last.q, atol=1e-8)
             np.testing.assert_allclose(lanes.v[i], last.v, atol=1e-7)
+
+
+def test_what_is_measured_along_a_path_is_in_its_unit(hops):
+    gait = hops["biarticular"]
+    run = simulate(gait.system, gait.state)
+    landed, lifted = gait.state[0], run.named("lift_off")[-1].q
+    stretch = RADIUS * (lifted[2] - landed[2]) - 0.006 * (lifted[1] - landed[1])
+    table = gait.sensitivity(["stiffness"], ["stance_torque"], ["deflection_knee"])
+    assert table.outputs["deflection_knee"] == pytest.approx(stretch, abs=1e-9)
+    assert table.output_units["deflection_knee"] == "m"
+
+
+@pytest.mark.slow
+def test_a_comparison_names_springs_and_their_units(hops):
+    cable, halves = hops["biarticular"], hops["two halves"]
+    found = compare(cable, halves)
+    rows = {(row.name, row.unit): row.values for row in found.measures}
+    one, other = (simulate(gait.system, gait.state, cycles=4).springs for gait in (cable, halves))
+    assert rows["peak pull, knee", "N"] == (pytest.approx(one.pull.max(), rel=1e-3), None)
+    assert rows["greatest stretch, knee", "m"] == (pytest.approx(one.stretch.max(), rel=1e-3), None)
+    assert rows["peak pull, other", "N·m"] == (None, pytest.approx(other.pull[:, 1].max(), rel=1e-3))
+    stiffer = replace(cable, system=with_numbers(cable.system, {"stiffness": 6e4, "knee.hip": -0.004}))
+    sides = [Side(label, "gait", LEG, gait=gait) for label, gait in (("a", cable), ("b", stiffer))]
+    differ = {each.name: parameters(each) for each in differences(sides)}
+    assert differ == {"spring: stiffness": ["54266.7 N/m", "60000 N/m"], "spring: hip": ["−0.006 m", "−0.004 m"]}
 
 
 @pytest.mark.slow

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.column_names import (
-    ENGAGED,
     TIME,
     arranged,
     heading,
@@ -22,6 +21,7 @@ from spear_pin.hybrid.column_names import (
     read_heading,
     unit,
 )
+from spear_pin.hybrid.trajectory_tables import along_paths, engaged, paths_of
 from spear_pin.model.robot import Robot
 from spear_pin.viz.bench.columns import Column
 from spear_pin.viz.bench.space import by_leg, in_space, plotted_in_space
@@ -56,7 +56,7 @@ def samples_of(robot: Robot, trajectory: TrajectoryLike) -> Samples:
     found = table_of(trajectory)
     # a floating base has more numbers than names there
     names, table = found if found and len(found[0]) == found[1].shape[1] else _plain(robot, trajectory)
-    measured = lengths(robot)
+    measured = lengths(robot) | along_paths(paths_of(trajectory))
     columns = tuple(
         _column(name, np.asarray(values, dtype=np.float64), measured)
         for name, values in zip(names, table.T, strict=True)
@@ -109,7 +109,8 @@ def plotted(samples: Samples) -> list[str]:
     there = [(*parted(column.name), column.name) for column in samples.columns if column.moves]
     driven = {label for symbol, label, _ in there if symbol == "u"}
     angles = [name for symbol, label, name in there if symbol == "q" and (not driven or label in driven)]
-    return [*angles, *(name for first in ("u", "spring", "force_z") for symbol, _, name in there if symbol == first)]
+    others = [name for first in ("u", "spring", "pull", "force_z") for symbol, _, name in there if symbol == first]
+    return [*angles, *others]
 
 
 def _plain(robot: Robot, trajectory: TrajectoryLike) -> tuple[Sequence[str], Array]:
@@ -128,9 +129,7 @@ def _column(name: str, values: Array, measured: Mapping[str, str]) -> Column:
 def _words(trajectory: TrajectoryLike) -> dict[str, NDArray[np.str_]]:
     domain = np.asarray(trajectory.domain, dtype=str)
     phase = getattr(trajectory, "phase", None)
-    springs = tuple(trajectory.spring_joints)
-    engaged = np.asarray(trajectory.engaged, dtype=bool).reshape(len(domain), len(springs))
-    latches = {f"{ENGAGED}_{joint}": on.astype(str) for joint, on in zip(springs, engaged.T, strict=True)}
+    latches = {name: on.astype(str) for name, on in engaged(trajectory).items()}
     return {"domain": domain} | ({} if phase is None else {"phase": np.asarray(phase, dtype=str)}) | latches
 
 

@@ -15,7 +15,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.studies.comparison import Difference, Measure, Side
 from spear_pin.studies.comparison.sides import standing
 from spear_pin.viz.bench.samples import packed, samples_of, thinned
-from spear_pin.viz.compare.words import change, number, parameter, percent, value
+from spear_pin.viz.compare.words import change, number, parameters, percent, value
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.frames import resample
 from spear_pin.viz.playback.scene import GHOST, ROBOT, moving
@@ -51,7 +51,7 @@ def render(
     Raises:
         BadValue: the motions do not fit into the page.
     """
-    view = environment(number=number, percent=percent, change=change, parameter=parameter)
+    view = environment(number=number, percent=percent, change=change, parameters=parameters)
     reach = max([1.0, *(float(np.abs(side.gait.multipliers).max()) for side in sides if side.gait is not None)])
     given = {
         "version": __version__,

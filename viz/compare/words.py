@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from spear_pin.model.spring import UNITS as OF_SPRING
+from spear_pin.studies.comparison import Difference
 from spear_pin.viz.plots.sweep import UNITS as OF_SWEEP
 
 UNITS = {**OF_SWEEP, **OF_SPRING, "slope": "rad", "height": "m", "rest": "rad"}
@@ -34,14 +35,20 @@ def percent(share: float | None) -> str:
     return "0" if share == 0 else f"{share:+.1f}".replace("-", "−") if abs(share) >= 0.05 else "±0.0"
 
 
-def parameter(given: Any, name: str = "") -> str:
-    """Formats a parameter with its unit where that is known; of a list the first few numbers."""
+def parameters(row: Difference) -> list[str]:
+    """Formats the values of a parameter that differs, each with its unit where that is known."""
+    usual = UNITS.get(row.name.rpartition(": ")[2], "")
+    units = row.units or len(row.values) * (usual,)
+    return [parameter(each, unit) for each, unit in zip(row.values, units, strict=True)]
+
+
+def parameter(given: Any, unit: str = "") -> str:
+    """Formats a parameter with its unit; of a list the first few numbers."""
     if given is None:
         return NONE
     if isinstance(given, bool):
         return "yes" if given else "no"
     if isinstance(given, (int, float)):
-        unit = UNITS.get(name.rpartition(": ")[2], "")
         return f"{given:.6g}".replace("-", "−") + (f" {unit}" if unit else "")
     if isinstance(given, (list, tuple)):
         numbers = _flat(given)

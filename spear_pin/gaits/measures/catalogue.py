@@ -15,6 +15,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.measures.signals import Signals
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import motors_at
+from spear_pin.hybrid.path_springs import unit_along
 
 
 class Named(NamedTuple):
@@ -203,7 +204,7 @@ CATALOGUE: list[Named] = [
     Named(
         "deflection_JOINT",
         "rad",
-        "Deflection of a spring when it releases; if it releases several times, the smallest.",
+        "Deflection of a spring when it releases, in m if its path is; if it releases several times, the smallest.",
         lambda cycle, joint: cycle.released.get(joint),
         sampled=False,
     ),
@@ -258,6 +259,15 @@ def names_in(system: HybridSystem) -> list[str]:
         there = springs if each.kind == "deflection" else places.get(word, ())
         found += [pattern.replace(word, place) for place in there] if word else [pattern]
     return found
+
+
+def unit_in(system: HybridSystem, entry: Named, name: str) -> str:
+    """Returns the unit of a system's measure, by its entry and name: that of a deflection is its path's."""
+    if entry.kind == "deflection":
+        for mount in (mount for domain in system.domains for mount in domain.mounts):
+            if name == f"deflection_{mount.name}":
+                return unit_along(mount.along, system.robot)
+    return entry.unit
 
 
 def fitting(entry: Named) -> str:

@@ -93,7 +93,7 @@ class Signals(ABC):
 
     @property
     def released(self) -> Mapping[str, Any]:
-        """Least deflection of each spring as it releases, in rad."""
+        """Least deflection of each spring as it releases, in rad or m."""
         return NOTHING
 
     # integrals and peaks

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.measures.catalogue import CATALOGUE, Named, fitting
+from spear_pin.gaits.measures.catalogue import CATALOGUE, Named, fitting, unit_in
 from spear_pin.gaits.measures.signals import Signals
 from spear_pin.gaits.sensitivity.along_arcs import (
     along,
@@ -53,8 +53,11 @@ def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Gr
 
 def _found(entry: Named, signals: Differentiated, of: Any) -> dict[str, Measure]:
     still = np.zeros(signals.start.shape[1])
-    found = entry.values(signals).items()
-    return {name: Measure(float(value_of(x)), np.asarray(derivative_of(x)) + still, entry.unit) for name, x in found}
+    found, system = entry.values(signals).items(), signals.cycle.system
+    return {
+        name: Measure(float(value_of(x)), np.asarray(derivative_of(x)) + still, unit_in(system, entry, name))
+        for name, x in found
+    }
 
 
 @dataclass(frozen=True)
@@ -163,7 +166,7 @@ class Differentiated(Signals):
 
     @cached_property
     def released(self) -> dict[str, Any]:
-        """Deflection of springs as they release; of several releases the least."""
+        """Deflection of springs as they release, in rad or m; of several releases the least."""
         found, system = dict[str, Any](), self.cycle.system
         for stretch in self.stretches:
             event = stretch.arc.event

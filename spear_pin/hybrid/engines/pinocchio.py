@@ -37,8 +37,8 @@ from spear_pin.model.frames import frame_id
 class Flow:
     """Motion in one domain: `flow(t, y)` is dy/dt, where t is the time since the phase began.
 
-    It is also the `dyn` of laws and guards. After a call, `u`, `tau`, `friction`, `a` and
-    `force(toe)` are those of the state it was called with; they are overwritten by the next call.
+    It is also the `dyn` of laws and guards. After a call, `u`, `tau`, `friction`, `a`, `force(toe)` and `pulls`, of
+    the springs, are those of the state it was called with; they are overwritten by the next call.
     `own` asks the functions that are not of this package.
     """
 
@@ -50,7 +50,7 @@ class Flow:
         self._law = domain.law
         self.own = OwnFunctions(domain)
         self._actuated = [robot.index(joint) for joint in robot.actuated]
-        self._sprung, self._pulls = Sprung(robot, domain.mounts, self.own), list[Pull]()
+        self._sprung, self.pulls = Sprung(robot, domain.mounts, self.own), list[Pull]()
         self.hold(held)
         self._added, self._closure = robot.added, robot.closure
         self._joint_damping = np.array(robot.model.damping)
@@ -157,8 +157,8 @@ class Flow:
             self.friction = self._dry + self._viscous
             rubbed = float(self.friction @ v)
         damped, taken = 0.0, 0.0
-        self._pulls, self._passive = self._sprung.at(q, angles, rates), self._zeros.copy()
-        for pull in self._pulls:
+        self.pulls, self._passive = self._sprung.at(q, angles, rates), self._zeros.copy()
+        for pull in self.pulls:
             for index, lever in pull.slope.items():
                 self._passive[index] += lever * (pull.force + pull.drag)
             damped += pull.drag * pull.rate
@@ -211,7 +211,7 @@ class Flow:
 
     def spring_torque(self, joint: str) -> float:
         """Returns the torque of all engaged springs on a joint in the last call, in N·m; 0 where none is engaged."""
-        return float(torque_on(self._pulls, self.system.robot.index(joint)))
+        return float(torque_on(self.pulls, self.system.robot.index(joint)))
 
     def stretch(self, name: str) -> float:
         """Returns how much longer an engaged spring's path was than at rest in the last call, in rad or m."""
@@ -219,7 +219,7 @@ class Flow:
 
     def pull(self, name: str) -> Pull:
         """Returns what an engaged spring did in the last call, by the name of its mount."""
-        return pull_of(self._pulls, name)
+        return pull_of(self.pulls, name)
 
     def holding(self, joint: str) -> float:
         """Returns the force of the dry friction that held a joint at rest in the last call, in N or N·m."""

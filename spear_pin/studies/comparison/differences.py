@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 from spear_pin.errors import listed
 from spear_pin.studies.comparison.measures import BODY, GAIT, GROUPS, of_side
-from spear_pin.studies.comparison.sides import Side, parameters
+from spear_pin.studies.comparison.sides import Side, parameters, units
 from spear_pin.studies.hop import durations
 
 SPEED = "mean speed"
@@ -63,10 +64,17 @@ class Measure:
 
 @dataclass(frozen=True)
 class Difference:
-    """A parameter that differs between sides; None is the value of a side that does not have it."""
+    """A parameter that differs between sides.
+
+    Attributes:
+        name: part and name of the parameter.
+        values: one for each side; None where a side does not have it.
+        units: unit of each value of a spring; empty for other parameters, whose names tell it.
+    """
 
     name: str
     values: tuple[Any, ...]
+    units: tuple[str, ...] = ()
 
 
 def measures(sides: Sequence[Side]) -> tuple[Measure, ...]:
@@ -87,7 +95,13 @@ def differences(sides: Sequence[Side]) -> tuple[Difference, ...]:
     names = dict.fromkeys(name for each in found for name in each)
     # a motion does not say its law; what a robot does not say is as usual
     known = {name: [each.get(name) for each in found if name in each or name.startswith("robot")] for name in names}
-    return tuple(Difference(name, tuple(each.get(name) for each in found)) for name in names if _differs(known[name]))
+    measured = [units(side) for side in sides]
+    told = {name: tuple(each.get(name, "") for each in measured) for name in dict.fromkeys(chain(*measured))}
+    return tuple(
+        Difference(name, tuple(each.get(name) for each in found), told.get(name, ()))
+        for name in names
+        if _differs(known[name])
+    )
 
 
 def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:

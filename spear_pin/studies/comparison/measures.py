@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN, STANDARD
 from spear_pin.gaits.measures.of_samples import Sampled
-from spear_pin.hybrid.column_names import PAIR, motors_at, of_a_pair, parted
+from spear_pin.hybrid.column_names import PAIR, lengths, motors_at, of_a_pair, parted, unit_of
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
 from spear_pin.studies.comparison.sides import Side
@@ -67,8 +67,14 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
         torques[f"peak torque, {one}", "N·m"] = found[f"peak_torque_{joint}"]
         torques[f"rms torque, {one}", "N·m"] = found[f"rms_torque_{joint}"]
         torques[f"peak speed, {_words(joint)}", "rad/s"] = found[f"peak_speed_{joint}"]
+    measured = lengths(robot)
     for i, joint in enumerate(run.spring_joints):
-        torques[f"peak spring torque, {_effort(f'spring_{joint}')}", "N·m"] = curves.amount(run.spring[:, i])
+        unit = unit_of("spring", measured[joint])
+        torques[f"peak spring torque, {_effort(f'spring_{joint}')}", unit] = curves.amount(run.spring[:, i])
+    if (springs := run.springs) is not None:
+        for i, (name, length) in enumerate(zip(springs.names, springs.units, strict=True)):
+            torques[f"peak pull, {_words(name)}", unit_of("pull", length)] = curves.peak(springs.pull[:, i])
+            torques[f"greatest stretch, {_words(name)}", length] = curves.peak(springs.stretch[:, i])
     energy: Values = {}
     if cycles:
         energy = {

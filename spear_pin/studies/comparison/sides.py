@@ -254,22 +254,46 @@ def parameters(side: Side) -> dict[str, Any]:
     }
     if robot.settings is not None:
         for joint, spring in robot.settings.springs.items():
-            found |= {f"robot: {joint} spring: {name}": value for name, value in _fields(spring).items()}
+            found |= {f"robot: {joint} spring: {name}": value for name, value in _of_spring(spring).items()}
     if side.gait is None:
         ground = None if side.run is None else side.run.ground
         return found | ({} if ground is None else {f"ground: {name}": x for name, x in _fields(ground).items()})
     system = side.gait.system
     found["automaton"] = system.kind
-    springs = system.springs.items()
-    named = [("spring" if len(springs) == 1 else f"{name} spring", spring) for name, spring in springs]
-    for part, whole in (("law", system.law), *named, ("ground", system.ground)):
-        found |= {f"{part}: {name}": value for name, value in _fields(whole).items()}
+    for part, values in (
+        ("law", _fields(system.law)),
+        *((part, _of_spring(spring)) for part, spring in _springs(system)),
+        ("ground", _fields(system.ground)),
+    ):
+        found |= {f"{part}: {name}": value for name, value in values.items()}
     for change in system.changes:  # dry friction, hardware
         if is_dataclass(change):
             found |= {f"{type(change).__name__}: {name}": value for name, value in _fields(change).items()}
         else:
             found[f"changed by {getattr(change, '__name__', change)}"] = True
     return found
+
+
+def units(side: Side) -> dict[str, str]:
+    """Returns the units of the parameters of a side's springs, by part and name."""
+    found: dict[str, str] = {}
+    for part, spring in [] if side.gait is None else _springs(side.gait.system):
+        own = {**spring.units, "rest": "rad" if spring.turns else "m"}
+        own |= {} if spring.path is None else spring.path.units
+        found |= {f"{part}: {name}": unit.replace("1", "") for name, unit in own.items()}
+    return found
+
+
+def _springs(system: HybridSystem) -> list[tuple[str, Spring]]:
+    springs = system.springs.items()
+    return [("spring" if len(springs) == 1 else f"{name} spring", spring) for name, spring in springs]
+
+
+def _of_spring(spring: Spring) -> dict[str, Any]:
+    """Returns the fields of a spring, with the kind of its path and its numbers."""
+    path = spring.path
+    along = {} if path is None else {"path": type(path).__name__, **path.numbers}
+    return _fields(spring) | along
 
 
 def _fields(whole: Any) -> dict[str, Any]:
