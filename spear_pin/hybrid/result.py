@@ -38,7 +38,6 @@ class Moment:
 SHORTEST_STEP = 1e-7  # s: shorter steps make no progress
 FINEST = 1e-13  # relative tolerance that doubles allow
 EVALUATIONS = 60_000  # most right-hand sides of one cycle; a gait's cycle takes some thousands, even at rtol 1e-13
-BOOKED = ("impact", "released")  # flows of energy that happen at events; the others are integrated
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,11 @@ from spear_pin.hybrid.domain import GRIPS, SLIPS, Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
-from spear_pin.hybrid.flow_names import flow_names
+from spear_pin.hybrid.flow_names import IMPACT, booked_flows, flow_names, released_flows
 from spear_pin.hybrid.integration import DUE, KNOT, accuracy, integrated
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.resting import resting
-from spear_pin.hybrid.result import BOOKED, Moment, Options, Piece, Run, Segment, State
+from spear_pin.hybrid.result import Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.rules import cycles as rules
 from spear_pin.hybrid.rules.entry import GLIMPSES, NONE, ahead
 from spear_pin.hybrid.rules.latching import latched
@@ -218,22 +218,23 @@ class _Runner:
             q, v = self.robot.closure.projected(q, v)
         before, impulse = v.copy(), np.zeros((len(self.robot.toes), self.robot.dimension))
         work: dict[str, float] = {}
-        if reset.release:
-            work["released"] = -in_springs(self.system, self.flow.domain, held, self.y, reset.release)
-        strike = struck(self.system, self.flow.domain, reset, q, v, self.overlap, self._now())
+        system, domain = self.system, self.flow.domain
+        for flow, names in released_flows(system, domain, reset.release).items():
+            work[flow] = -in_springs(system, domain, held, self.y, names)
+        strike = struck(system, domain, reset, q, v, self.overlap, self._now())
         if strike is not None:
-            v, impulse, work["impact"] = strike.v, strike.impulse, strike.work
+            v, impulse, work[IMPACT] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
-        clock, place_of, old = Clock(self.t, self.system.springs, self.system), self.system.place_of, held
-        held = latched(held, [reset], q.tolist(), v.tolist(), self.system.law, place_of, begins=begins, clock=clock)
+        clock, old = Clock(self.t, system.springs, system), held
+        held = latched(held, [reset], q.tolist(), v.tolist(), system.law, system.place_of, begins=begins, clock=clock)
         # a clutch that begins or stops slipping loses nothing in that instant
-        if switched := {edge.mount.name for edge in reset.edges if edge.kind not in (SLIPS, GRIPS)}:
-            stored = [in_springs(self.system, self.flow.domain, each, self.y, switched) for each in (held, old)]
+        switched = {edge.mount.name for edge in reset.edges if edge.kind not in (SLIPS, GRIPS)}
+        for flow, names in released_flows(system, domain, switched).items():
+            stored = [in_springs(system, domain, each, self.y, names) for each in (held, old)]
             if stored[0] != stored[1]:
-                work["released"] = work.get("released", 0.0) + stored[0] - stored[1]
-        domain = self.flow.domain.name
-        self.run.events.append(Event(name, self._now(), domain, q.copy(), before, v.copy(), impulse, work))
+                work[flow] = work.get(flow, 0.0) + stored[0] - stored[1]
+        self.run.events.append(Event(name, self._now(), domain.name, q.copy(), before, v.copy(), impulse, work))
         for flow, energy in work.items():
             self.booked[flow] += energy
         return held
@@ -310,7 +311,7 @@ class _Runner:
     def _close_cycle(self) -> None:
         if self.on_section and not rules.whole(sum(self.spent.values())):
             return
-        work = np.array([*self.y[-self.nw :], *(self.booked[name] for name in BOOKED)])
+        work = np.array([*self.y[-self.nw :], *(self.booked[name] for name in booked_flows(self.system))])
         energy = self._energy()
         if self.on_section:
             self.run.work.append(work)

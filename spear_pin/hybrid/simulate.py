@@ -7,8 +7,8 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.flow_names import electrical_flows, flow_names
-from spear_pin.hybrid.result import BOOKED, Moment, Options, Run, State
+from spear_pin.hybrid.flow_names import booked_flows, electrical_flows, flow_names
+from spear_pin.hybrid.result import Moment, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.sampling import Sampler
 from spear_pin.hybrid.trajectory import Ledger, Trajectory
@@ -101,7 +101,7 @@ def _trajectory(system: HybridSystem, result: Run, sampler: Sampler) -> Trajecto
 
 def _ledgers(system: HybridSystem, result: Run) -> tuple[Ledger, Ledger | None]:
     """Returns the ledgers of the mechanism and of its drives: battery = joule + gearbox + motors + inductances."""
-    flows = (*flow_names(system), *BOOKED)
+    flows = (*flow_names(system), *booked_flows(system))
     everything = Ledger(flows, np.array(result.work).reshape(-1, len(flows)), np.array(result.change))
     drives = electrical_flows(system)
     mechanical = tuple(flow for flow in flows if flow not in drives)

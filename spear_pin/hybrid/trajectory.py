@@ -57,7 +57,7 @@ class Ledger:
     """Energy by flow and cycle; positive is into the mechanism.
 
     Attributes:
-        flows: names of the flows.
+        flows: names of the flows; of several springs each has its own, such as `released:biceps`.
         work: energy of each flow, in J, (cycles, flows).
         change: change of the stored energy (kinetic, gravity, springs), in J, (cycles,).
     """
@@ -67,21 +67,32 @@ class Ledger:
     change: Array
 
     def __getitem__(self, flow: str) -> Array:
-        """Returns the energy of one flow in each cycle, in J, (cycles,).
+        """Returns the energy of one flow in each cycle, in J, (cycles,); `released` is the sum over all springs.
 
         Raises:
             UnknownName: there is no such flow.
         """
-        if flow not in self.flows:
-            raise UnknownName("flow", flow, self.flows)
-        column: Array = self.work[:, self.flows.index(flow)]
-        return column
+        columns = [i for i, name in enumerate(self.flows) if flow in (name, kind_of(name))]
+        if not columns:
+            raise UnknownName("flow", flow, dict.fromkeys([*self.kinds, *self.flows]))
+        energy: Array = self.work[:, columns].sum(axis=1) if len(columns) > 1 else self.work[:, columns[0]]
+        return energy
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Names of the flows, with one for all springs."""
+        return tuple(dict.fromkeys(map(kind_of, self.flows)))
 
     @property
     def residual(self) -> Array:
         """Imbalance of energy in each cycle, in J, (cycles,): change of the stored energy minus all flows."""
         left: Array = self.change - self.work.sum(axis=1)
         return left
+
+
+def kind_of(flow: str) -> str:
+    """Returns the name of a flow without that of its spring."""
+    return flow.partition(":")[0]
 
 
 @dataclass(frozen=True, repr=False)

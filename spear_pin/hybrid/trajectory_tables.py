@@ -149,7 +149,8 @@ def export(trajectory: Trajectory, path: str | Path, sampled: tuple[str, ...]) -
 
         arrays = {name: getattr(trajectory, name) for name in sampled}
         arrays |= {name: arrays[name].astype(object) for name in ("domain", "phase")}
-        ledger = {flow: trajectory.ledger[flow] for flow in trajectory.ledger.flows}
+        flows = dict.fromkeys([*trajectory.ledger.kinds, *trajectory.ledger.flows])
+        ledger = {flow.replace(":", "_"): trajectory.ledger[flow] for flow in flows}
         events = {"name": [e.name for e in trajectory.events], "time": [e.time for e in trajectory.events]}
         extra: dict[str, Any] = {"coordinates": list(trajectory.coordinates), "ledger": ledger, "events": events}
         if springs := trajectory.springs:

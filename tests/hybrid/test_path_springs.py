@@ -1,12 +1,13 @@
 """Springs by name over the samples of a motion, against laws and lengths in closed form."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from spear_pin import Clutch, HoppingLaw, Spring, Trajectory, hopping, load, simulate
-from spear_pin.errors import BadFile
+from spear_pin.errors import BadFile, UnknownName
 from spear_pin.hybrid.trajectory_file import ARRAYS
 from spear_pin.model.cable import Anchor, Between
 from spear_pin.model.path import Joints
@@ -15,9 +16,9 @@ LEG = load("spear_ii", locked=["boom_x"])
 START, END, REST = (0.03, 0.0, -0.1), (0.012, 0.0, 0.054), 0.194837478
 THIGH = 0.318  # m
 SPRINGS = {
-    "cable": Spring(8000.0, damping=0.0, rest=REST, path=Between(Anchor("thigh", START), Anchor("shank", END))),
+    "cable": Spring(8000.0, damping=20.0, rest=REST, path=Between(Anchor("thigh", START), Anchor("shank", END))),
     "knee": Spring(20.0, damping=1.3, clutch=Clutch(on_delay=0.01)),
-    "both": Spring(5000.0, damping=0.0, path=Joints({"knee": 0.03, "hip": -0.006})),
+    "both": Spring(5000.0, damping=0.0, unilateral=False, path=Joints({"knee": 0.03, "hip": -0.006})),
 }
 
 
@@ -46,7 +47,8 @@ def test_pulls_follow_the_laws(run):
     springs = run.springs
     np.testing.assert_allclose(springs.stretch[:, 0], springs.length[:, 0] - REST, atol=1e-12)
     for k, stiffness in enumerate((8000.0, 20.0, 5000.0)):
-        wanted = stiffness * np.maximum(springs.stretch[:, k], 0.0) * springs.acts[:, k]
+        stretch = springs.stretch[:, k] if k == 2 else np.maximum(springs.stretch[:, k], 0.0)  # it pushes, too
+        wanted = stiffness * stretch * springs.acts[:, k]
         np.testing.assert_allclose(springs.pull[:, k], wanted, atol=1e-6)
         assert springs.pull[:, k].max() > 0.1
 
@@ -70,6 +72,38 @@ def test_when_they_are_engaged(run):
     begun, (touched, *_) = run.t[np.flatnonzero(acts[:, 1])[0]], run.named("retouch")
     assert begun == pytest.approx(touched.time + 0.01, abs=1e-9)  # its switch is late
     assert not run.springs.stretch[~acts].any()
+
+
+class TestLedger:
+    def test_closes(self, run):
+        ledger = run.ledger
+        assert np.abs(ledger.residual).max() < 1e-5 and ledger.kinds[-2:] == ("impact", "released")
+        assert ledger["damping"] == ledger["damping:knee"] + ledger["damping:cable"] and not ledger["damping:both"]
+
+    def test_of_two_halves_of_a_spring_is_that_of_the_spring(self, hop, hops):
+        half = Spring(hop.system.spring.stiffness / 2, damping=hop.system.spring.damping / 2)
+        halves = {"knee": half, "other": replace(half, path=Joints({"knee": 1.0}))}
+        ledger = simulate(hopping(LEG, hop.system.law, halves), hop.state).ledger
+        for flow in ("damping", "released"):
+            np.testing.assert_allclose(ledger[flow], hops.ledger[flow][:1], atol=1e-9)
+            for name in halves:
+                np.testing.assert_allclose(ledger[f"{flow}:{name}"], hops.ledger[flow][:1] / 2, atol=1e-9)
+
+    def test_has_what_each_spring_releases(self, run):
+        """Half of k δ² of those that are latched, at lift-off."""
+        lift_off = np.flatnonzero((run.phase[:-1] == "stance") & (run.phase[1:] == "flight"))
+        stretch = run.springs.stretch[lift_off]
+        knee, both = 10.0 * np.maximum(stretch[:, 1], 0.0) ** 2, 2500.0 * stretch[:, 2] ** 2
+        wanted = {"released:cable": 0.0, "released:knee": -knee.sum(), "released:both": -both.sum()}
+        assert wanted["released:both"] < -1e-3
+        for flow, energy in wanted.items():
+            assert run.ledger[flow][0] == pytest.approx(energy, abs=1e-9)
+            assert sum(event.work.get(flow, 0.0) for event in run.events) == pytest.approx(energy, abs=1e-9)
+        assert run.ledger["released"][0] == pytest.approx(sum(wanted.values()), abs=1e-9)
+
+    def test_of_another_flow(self, run):
+        with pytest.raises(UnknownName, match="released"):
+            run.ledger["release"]
 
 
 class TestFiles:
@@ -134,3 +168,9 @@ class TestTables:
         read = loadmat(run.export(tmp_path / "run.mat"), simplify_cells=True)["springs"]
         assert [each.strip() for each in read["names"]] == ["cable", "knee", "both"]
         np.testing.assert_array_equal(read["pull"], run.springs.pull)
+
+    def test_of_the_ledger_in_a_mat_file(self, run, tmp_path):
+        from scipy.io import loadmat
+
+        ledger = loadmat(run.export(tmp_path / "run.mat"), simplify_cells=True)["ledger"]
+        assert ledger["damping_knee"] + ledger["damping_cable"] == ledger["damping"] == run.ledger["damping"]

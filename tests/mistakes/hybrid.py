@@ -259,8 +259,8 @@ MUTATIONS = [
         {
             "impact not applied": ("v, impulse, work", "_, impulse, work"),
             "nothing is latched anew": (
-                "self.system.law, place_of, begins=begins, clock=clock)",
-                "self.system.law, place_of, begins=begins, clock=clock) | held",
+                "system.law, system.place_of, begins=begins, clock=clock)",
+                "system.law, system.place_of, begins=begins, clock=clock) | held",
             ),
             "release left out of the ledger": ("= -in_springs(", "= -0.0 * in_springs("),
         },

@@ -84,7 +84,7 @@ def draw_energy(axes: Axes, trajectory: Trajectory, cycle: str = "Hop") -> None:
     top, bottom = np.zeros(len(hops)), np.zeros(len(hops))
     handles: list[Artist | Container] = []
     flows: dict[str, NDArray[np.float64]] = {}
-    for flow in ledger.flows:
+    for flow in ledger.kinds:
         kind = _of_all_legs(flow)
         flows[kind] = flows.get(kind, 0.0) + ledger[flow]
     for flow in sorted(flows, key=lambda name: list(FLOWS).index(name) if name in FLOWS else len(FLOWS)):

@@ -23,7 +23,7 @@ from spear_pin.hybrid.engines.own_functions import OwnFunctions
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
 from spear_pin.hybrid.engines.sprung import Sprung
 from spear_pin.hybrid.fields import adjusted
-from spear_pin.hybrid.flow_names import flow_names, gives
+from spear_pin.hybrid.flow_names import DAMPING, by_spring, flow_names, flow_of_mount, gives
 from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.own import refuse_in_law
 from spear_pin.hybrid.pull import Pull
@@ -67,7 +67,9 @@ class Flow:
         self._nowhere = np.empty((0, robot.nv)), np.empty(0)
         self._hardware = system.hardware
         self._nx = len(system.hardware.names) if system.hardware is not None else 0
-        self._nw, self._gives = len(flow_names(system)), gives(system)
+        self._nw, dampings, self._gives = len(flow_names(system)), by_spring(DAMPING, system), gives(system)
+        self._undamped = [0.0 for _ in dampings]
+        self._dampers = [dampings.index(flow_of_mount(DAMPING, system, mount)) for mount in domain.mounts]
         self._ground = system.ground
         self._level, self._plain = self._ground.level, self._ground.plain
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
@@ -156,12 +158,12 @@ class Flow:
             self._viscous = -self._joint_damping * v
             self.friction = self._dry + self._viscous
             rubbed = float(self.friction @ v)
-        damped, taken = 0.0, 0.0
+        damped, taken = self._undamped.copy(), 0.0
         self.pulls, self._passive = self._sprung.at(q, angles, rates), self._zeros.copy()
-        for pull in self.pulls:
+        for damper, pull in zip(self._dampers, self.pulls, strict=True):
             for index, lever in pull.slope.items():
                 self._passive[index] += lever * (pull.force + pull.drag)
-            damped += pull.drag * pull.rate
+            damped[damper] += pull.drag * pull.rate
             taken += pull.slipping * pull.force * pull.rate
         slopes: list[float] = []
         electrical: list[float] = []
@@ -190,7 +192,7 @@ class Flow:
         derivative = np.empty(2 * nv + self._nx + self._nw)
         derivative[:nv] = v
         derivative[nv : 2 * nv] = a
-        derivative[2 * nv :] = (*slopes, *powers, damped, rubbed, slipped, *(taken,) * self._gives, *electrical)
+        derivative[2 * nv :] = (*slopes, *powers, *damped, rubbed, slipped, *(taken,) * self._gives, *electrical)
         return derivative
 
     def _commanded(self, t: float, angles: Sequence[float], rates: Sequence[float]) -> Sequence[float]:

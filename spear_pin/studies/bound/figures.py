@@ -101,7 +101,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         **stride.motors(),
         "energy_flows": flows,
         "impact_loss": -flows["impact"],
-        "released": flows["released"],
+        "released": float(ledger["released"][0]),
         "energy_balance": sum(flows.values()),
         "energy_residual": float(np.abs(ledger.residual).max()),
         "measures": stride.sampled.values(),

@@ -90,7 +90,7 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
             for name, value in each.values(sampled).items():
                 groups.get(each.unit, motion)[_words(name), each.unit.replace("1", "")] = value
     if run.cycles:
-        for flow in run.ledger.flows:
+        for flow in dict.fromkeys([*run.ledger.kinds, *run.ledger.flows]):
             joint = flow.removeprefix("motor_")
             name = f"energy, {_words(flow)}" if joint == flow else f"net work, {_words(joint)}"
             energy[name, "J"] = float(run.ledger[flow].mean())
