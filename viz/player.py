@@ -18,6 +18,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.playback import meshcat_commands as c
+from spear_pin.viz.playback.cables import LEAST_COLOR, MOST_COLOR, SLACK_COLOR
 from spear_pin.viz.playback.following import base_joint
 from spear_pin.viz.playback.footfalls import footfalls
 from spear_pin.viz.playback.frames import Frames, resample
@@ -34,6 +35,7 @@ BEST_RATE, WORST_RATE, MOST_FRAMES = 120.0, 10.0, 10_000
 PART_RATE = 30.0  # of what is cut out of a longer trajectory
 SHORTEST = 0.5  # s of it
 SPEEDS = (1.0, 0.25, 0.1)
+CABLES = {"spring, largest pull": MOST_COLOR, "spring, small pull": LEAST_COLOR, "spring slack": SLACK_COLOR}
 
 
 @typed
@@ -201,8 +203,7 @@ def as_data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[st
         + f", arrows up to {scene.peak_force:.0f} N" * (scene.peak_force > 0)
     )
     legend = [[force, css(ARROW_COLOR)]]
-    if frames.springs:
-        legend.insert(0, ["spring engaged", css(COIL_COLOR)])
+    legend = [*springs_legend(frames), *legend]
     legend.append(["toe path", css(TRAIL_COLOR)])
     if scene.tracks:
         legend.append(["way of the torso", css(WAY_COLOR)])
@@ -228,6 +229,13 @@ def as_data(frames: Frames, scene: Scene, animation: str, title: str) -> dict[st
         "joints": [[name, path] for name, path in scene.joints.items()],
         "commands": [*map(encoded, scene.commands), animation],
     }
+
+
+def springs_legend(frames: Frames) -> list[list[str]]:
+    """Returns texts and colours of springs: coils, and cables by their pull."""
+    coils = [["spring engaged", css(COIL_COLOR)]] if frames.springs else []
+    colors = CABLES if frames.cables else {}
+    return [*coils, *([text, css(color)] for text, color in colors.items())]
 
 
 def in_words(name: str) -> str:

@@ -11,10 +11,11 @@ from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 from spear_pin.model.path import Path, Point, Posture, Slope, unchecked, weighted
 from spear_pin.model.scalars import dot, plus
-from spear_pin.model.vectors import subtract
+from spear_pin.model.vectors import Vector, subtract
 
 AXES = "x", "y", "z"
 ALIKE = 1e-9  # m: by how much a distance that stays the same may change
+CHORDS = 6  # of the part of a cable that is on a pulley, where it is drawn
 
 
 @typed
@@ -48,16 +49,16 @@ class Anchor:
         return posture.point(self.body, (weighted(self.side, x), y, z))
 
 
-class _Anchored(Path):
-    """A path between points of bodies."""
+class Cabled(Path):
+    """A path between points of bodies, which has a place in the world."""
 
-    def _anchors(self) -> Mapping[str, Anchor]:
+    def anchors(self) -> Mapping[str, Anchor]:
         """Returns the anchors by the names of their fields."""
         return {name: each for name, each in vars(self).items() if isinstance(each, Anchor)}
 
     def indices(self, posture: Posture) -> list[int]:
         """Returns those that move its points with respect to each other."""
-        moving = [{*each.seen(posture).columns} for each in self._anchors().values()]
+        moving = [{*each.seen(posture).columns} for each in self.anchors().values()]
         return sorted(set[int]().union(*moving) - set[int].intersection(*moving))
 
     @property
@@ -65,7 +66,7 @@ class _Anchored(Path):
         """The coordinates of the anchors, such as `start_x`."""
         return {
             f"{name}_{axis}": value
-            for name, anchor in self._anchors().items()
+            for name, anchor in self.anchors().items()
             for axis, value in zip(AXES, anchor.at, strict=True)
         }
 
@@ -78,7 +79,7 @@ class _Anchored(Path):
         """Returns the path between other points."""
         moved = {
             name: unchecked(anchor, at=tuple(numbers.get(f"{name}_{axis}", own) for axis, own in _axes(anchor)))
-            for name, anchor in self._anchors().items()
+            for name, anchor in self.anchors().items()
         }
         return unchecked(self, **moved)
 
@@ -88,9 +89,13 @@ class _Anchored(Path):
             self,
             **{
                 name: replace(each, body=names.get(each.body, each.body), side=side * each.side)
-                for name, each in self._anchors().items()
+                for name, each in self.anchors().items()
             },
         )
+
+    def course(self, posture: Posture) -> list[Vector]:
+        """Returns the points through which the cable runs in the world, in m."""
+        return [each.seen(posture).position for each in self.anchors().values()]
 
     @property
     def turns(self) -> bool:
@@ -100,12 +105,12 @@ class _Anchored(Path):
     @property
     def frames(self) -> tuple[str, ...]:
         """Names of the frames that carry its points."""
-        return tuple(each.body for each in self._anchors().values())
+        return tuple(each.body for each in self.anchors().values())
 
 
 @typed
 @dataclass(frozen=True)
-class Between(_Anchored):
+class Between(Cabled):
     """The distance of two points of bodies.
 
     Attributes:
@@ -139,7 +144,7 @@ class Between(_Anchored):
 
 @typed
 @dataclass(frozen=True)
-class Over(_Anchored):
+class Over(Cabled):
     """A cable in the x-z plane from a point over a pulley to another point, free of the pulley where that is shorter.
 
     With a and b the distances of the points from the pulley's centre, which may not change, and φ the angle between
@@ -203,6 +208,24 @@ class Over(_Anchored):
             if max(lengths) - min(lengths) > ALIKE:
                 expected = "a point that keeps its distance from the pulley's centre as joints move"
                 raise BadValue(f"Over.{name}", getattr(self, name), expected)
+
+    def course(self, posture: Posture) -> list[Vector]:
+        """Returns the points through which the cable runs in the world, in m: its ends, and between them on the pulley.
+
+        Where it is free of the pulley, the points between are on the straight line.
+        """
+        start, centre, end = (each.seen(posture).position for each in self.anchors().values())
+        shares = [i / CHORDS for i in range(CHORDS + 1)]
+        ((x, z), _), _ = self._arms(posture)
+        a, _, _, wrapped = self._seen(posture)
+        if not wrapped:
+            between = [tuple(p + share * (q - p) for p, q in zip(start, end, strict=True)) for share in shares]
+        else:
+            begins = math.atan2(z, x) + self.side * math.acos(self.radius / a)
+            turned = [begins + self.side * share * wrapped for share in shares]
+            x, y, z = centre
+            between = [(x + self.radius * math.cos(at), y, z + self.radius * math.sin(at)) for at in turned]
+        return [start, *between, end]
 
     def on(self, names: Mapping[str, str], side: float = 1.0) -> Self:
         """Returns the path over a pulley of another body."""

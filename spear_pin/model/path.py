@@ -131,6 +131,11 @@ class Path(ABC):
         """Names of the frames that carry its points."""
         return ()
 
+    @property
+    def members(self) -> tuple[Path, ...]:
+        """The paths of which it is the sum: itself alone, if it is none."""
+        return (self,)
+
 
 @typed
 @dataclass(frozen=True)
@@ -266,6 +271,11 @@ class Sum(Path):
     def on(self, names: Mapping[str, str], side: float = 1.0) -> Self:
         """Returns the sum of the paths on other joints and frames."""
         return unchecked(self, parts=tuple((weight, path.on(names, side)) for weight, path in self.parts))
+
+    @property
+    def members(self) -> tuple[Path, ...]:
+        """The paths of its parts, and of theirs."""
+        return tuple(each for _, path in self.parts for each in path.members)
 
     @property
     def turns(self) -> bool:

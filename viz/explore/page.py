@@ -22,10 +22,10 @@ from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.explore.series import plots, series
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.frames import Frames, resample
-from spear_pin.viz.playback.overlays import ARROW_COLOR, COIL_COLOR, TRAIL_COLOR
+from spear_pin.viz.playback.overlays import ARROW_COLOR, TRAIL_COLOR
 from spear_pin.viz.playback.scene import Scene, moving
 from spear_pin.viz.playback.stage import HORIZON, WORLD
-from spear_pin.viz.player import SPEEDS, encoded, in_words
+from spear_pin.viz.player import SPEEDS, encoded, in_words, springs_legend
 from spear_pin.viz.template import css, environment
 
 CLIENT = "Spear-Client"  # header by which a page tells itself from others; what comes without is one client
@@ -148,7 +148,7 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
     """Returns data for the page's start: its knobs, the stage, the default motion for comparison."""
     views = views_of(subject)
     hops = next(iter(views.values()))(subject.at(), engine)
-    _, scene = _scene(hops)
+    frames, scene = _scene(hops)
     known, own = figures(hops), [each for each in CATALOGUE if each.kind in SHOWN[STANDARD:]]
     effects = (*EFFECTS[subject.kind], *(each.kind for each in own))
     readouts = READOUTS[subject.kind] | {each.kind: (in_words(each.kind), each.unit, 3) for each in own}
@@ -168,7 +168,7 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
         "default": {"series": series(hops), "figures": known, "knobs": hops.knobs.values}
         | {"multipliers": _multipliers(hops), "view": next(iter(views)), "verdict": hops.verdict, "kind": hops.kind},
         "legend": [
-            ["spring engaged", css(COIL_COLOR)],
+            *springs_legend(frames),
             ["ground force", css(ARROW_COLOR)],
             ["toe path", css(TRAIL_COLOR)],
         ],

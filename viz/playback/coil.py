@@ -67,7 +67,7 @@ def fit_coil(robot: Robot, joint: str, q: Array, shapes: tuple[Shape, ...]) -> C
     index = int(model.getJointId(joint))
     pose = np.asarray(local_poses(model, q[None])[0, index])
     axis = _axis(model, index, pose)
-    origin, behind = np.array(model.jointPlacements[index].translation), _behind(robot, index)
+    origin, behind = np.array(model.jointPlacements[index].translation), link_end(robot, index)
     if axis is None:
         reach = np.asarray(pose[:3, :3] @ behind + pose[:3, 3] - origin)
         length = max(float(np.linalg.norm(reach)), 1e-3)
@@ -132,7 +132,7 @@ def _axis(model: pin.Model, index: int, pose: Array) -> Array | None:
     return np.asarray(pose[:3, :3] @ column) if np.linalg.norm(column) > 0.5 else None
 
 
-def _behind(robot: Robot, index: int) -> Array:
+def link_end(robot: Robot, index: int) -> Array:
     """Returns the end of the link behind a joint: its toe, else its next joint, else past its centre of mass."""
     model = robot.model
     toes = [model.frames[robot.toe_id(toe)] for toe in robot.toes]

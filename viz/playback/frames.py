@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -12,7 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.trajectory_tables import paths_of
+from spear_pin.model.cable import Cabled
+from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
+from spear_pin.model.robot_posture import spanned
 from spear_pin.viz.playback.trajectory import EventLike, TrajectoryLike, in_world, read_times
 
 LARGEST = 1e15  # rad, m or N, that can be drawn
@@ -36,6 +41,23 @@ class Switch:
 
 
 @dataclass(frozen=True)
+class Cable:
+    """A spring that is drawn where its path runs.
+
+    Attributes:
+        name: name of the spring.
+        path: a cable between points of bodies.
+        pull: force of the spring over the largest of the motion, (m,).
+        acts: whether the spring is engaged, (m,).
+    """
+
+    name: str
+    path: Cabled
+    pull: Array
+    acts: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
 class Frames:
     """A trajectory as frames at a steady rate.
 
@@ -46,8 +68,9 @@ class Frames:
         force: ground forces, (m, toes, 3), in N.
         spans: the domains, one after the other.
         events: name and time from the start, in s.
-        springs: joint that each spring spans, and when it is engaged.
+        springs: joint that each spring spans, and when it is engaged; without those that are cables.
         ground: ground of the motion.
+        cables: springs that are cables.
     """
 
     start: float
@@ -58,6 +81,7 @@ class Frames:
     events: tuple[tuple[str, float], ...]
     springs: tuple[tuple[str, Switch], ...]
     ground: Ground
+    cables: tuple[Cable, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -76,7 +100,7 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float, name: str = 
 
     Raises:
         BadValue: the trajectory has the wrong shape, is not finite, runs backward or lasts no time.
-        UnknownName: a spring's joint is not one of the robot's.
+        UnknownName: a spring's joint, or a frame of its path, is not one of the robot's.
     """
     t = read_times(trajectory, name)
     n, toes = len(t), len(robot.toes)
@@ -89,6 +113,7 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float, name: str = 
         raise BadValue(f"{name}.domain", trajectory.domain, f"{n} names, one for each time")
     local = t - t[0]
     row, weight, times = _steady(local, rate)
+    springs = _by_path(robot, trajectory)
     return Frames(
         start=float(t[0]),
         t=times,
@@ -96,8 +121,9 @@ def resample(robot: Robot, trajectory: TrajectoryLike, rate: float, name: str = 
         force=force[row] + weight[:, None, None] * (force[np.minimum(row + 1, n - 1)] - force[row]),
         spans=_spans(local, domain),
         events=tuple((str(event.name), _event_time(event, name) - float(t[0])) for event in trajectory.events),
-        springs=_springs(robot, trajectory, local, name),
+        springs=_springs(robot, trajectory, local, name, springs),
         ground=ground,
+        cables=_cables(springs, row, weight),
     )
 
 
@@ -153,7 +179,9 @@ def _spans(t: Array, domain: NDArray[np.str_]) -> tuple[Span, ...]:
     return tuple(span for span in spans if span.end > span.begin)
 
 
-def _springs(robot: Robot, trajectory: TrajectoryLike, t: Array, name: str) -> tuple[tuple[str, Switch], ...]:
+def _springs(
+    robot: Robot, trajectory: TrajectoryLike, t: Array, name: str, springs: Sequence[_Sprung]
+) -> tuple[tuple[str, Switch], ...]:
     joints = tuple(trajectory.spring_joints)
     for joint in joints:
         robot.index(joint)
@@ -164,7 +192,59 @@ def _springs(robot: Robot, trajectory: TrajectoryLike, t: Array, name: str) -> t
         engaged = engaged[:, None]
     if engaged.shape != (len(t), len(joints)):
         raise BadValue(f"{name}.engaged", engaged.shape, f"the shape {(len(t), len(joints))}")
-    return tuple((joint, _switch(t, engaged[:, column])) for column, joint in enumerate(joints))
+    told = {**dict(zip(joints, engaged.T, strict=True)), **_beside_cables(springs)}
+    return tuple((joint, _switch(t, acts)) for joint in joints if (acts := told[joint]) is not None)
+
+
+class _Sprung(NamedTuple):
+    """A spring on a known path, with its pull and whether it is engaged, (n,), and the joints that it spans."""
+
+    name: str
+    path: Path
+    pull: Array
+    acts: NDArray[np.bool_]
+    joints: tuple[str, ...]
+
+    @property
+    def cables(self) -> list[Cabled]:
+        """The parts of its path that have a place in the world."""
+        return [each for each in self.path.members if isinstance(each, Cabled)]
+
+
+def _by_path(robot: Robot, trajectory: TrajectoryLike) -> list[_Sprung]:
+    """Returns the springs whose paths are known.
+
+    Raises:
+        BadValue: a path does not fit the robot.
+        UnknownName: the robot has no such joint or frame.
+    """
+    springs = paths_of(trajectory)
+    if springs is None:
+        return []
+    rows = zip(springs.names, springs.paths, springs.pull.T, springs.acts.T, strict=True)
+    known = [(name, path, pull, acts) for name, path, pull, acts in rows if path is not None]
+    return [_Sprung(name, path, pull, acts, spanned(path, robot)) for name, path, pull, acts in known]
+
+
+def _cables(springs: Sequence[_Sprung], row: NDArray[np.intp], weight: Array) -> tuple[Cable, ...]:
+    """Returns the springs that are cables, those of a sum one after the other."""
+    found = []
+    for each in springs:
+        pull, after = each.pull[row], each.pull[np.minimum(row + 1, len(each.pull) - 1)]
+        shares = (pull + weight * (after - pull)) / max(float(np.abs(each.pull).max()), 1e-12)
+        for i, cable in enumerate(each.cables):
+            found.append(Cable(f"{each.name} {i}" if i else each.name, cable, shares, each.acts[row]))
+    return tuple(found)
+
+
+def _beside_cables(springs: Sequence[_Sprung]) -> dict[str, NDArray[np.bool_] | None]:
+    """Returns for each joint on a path whether a spring that is no cable is engaged, (n,); None if all are cables."""
+    found: dict[str, NDArray[np.bool_] | None] = {}
+    for each in springs:
+        for joint in each.joints:
+            before = found.get(joint)
+            found[joint] = before if each.cables else each.acts if before is None else before | each.acts
+    return found
 
 
 def _switch(t: Array, values: NDArray[np.bool_]) -> Switch:

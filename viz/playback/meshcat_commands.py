@@ -33,7 +33,7 @@ class Track:
     """
 
     name: str
-    kind: Literal["vector3", "quaternion", "number", "bool"]
+    kind: Literal["vector3", "quaternion", "number", "color", "bool"]
     times: Array
     values: ArrayLike
 

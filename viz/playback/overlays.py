@@ -89,11 +89,11 @@ def arrow_overlay(toe: str, t: Array, position: Array, force: Array, scale: floa
             c.set_property(path, "visible", False),
         ),
         {
-            path: (*_moves(t[shown], position[shown], rotations), _visibility(Switch(t, tuple(visible.tolist())))),
-            f"{path}/shaft": _stretch(t[shown], np.ones(len(shown)), shaft),
+            path: (*moves(t[shown], position[shown], rotations), _visibility(Switch(t, tuple(visible.tolist())))),
+            f"{path}/shaft": stretch(t[shown], np.ones(len(shown)), shaft),
             f"{path}/head": (
-                *_moves(t[shown], shaft[:, None] * [0.0, 0.0, 1.0]),
-                *_stretch(t[shown], head, head),
+                *moves(t[shown], shaft[:, None] * [0.0, 0.0, 1.0]),
+                *stretch(t[shown], head, head),
             ),
         },
     )
@@ -134,8 +134,8 @@ def _spring(path: str, coil: Coil, switch: Switch, t: Array, local: Array) -> Ov
         ),
         {
             path: (
-                *_moves(t[shown], None, coil.rotations(local[shown])),
-                *_stretch(t[shown], np.ones(len(shown)), length[shown]),
+                *moves(t[shown], None, coil.rotations(local[shown])),
+                *stretch(t[shown], np.ones(len(shown)), length[shown]),
                 _visibility(switch),
             )
         },
@@ -152,7 +152,7 @@ def _brackets(coil: Coil, parent: int, local: Array) -> list[Shape]:
     return found
 
 
-def _moves(t: Array, position: Array | None, rotations: Array | None = None) -> tuple[c.Track, ...]:
+def moves(t: Array, position: Array | None, rotations: Array | None = None) -> tuple[c.Track, ...]:
     """Returns tracks of a pose; nothing moves while nothing is shown."""
     tracks = []
     if len(t) and position is not None:
@@ -162,7 +162,7 @@ def _moves(t: Array, position: Array | None, rotations: Array | None = None) -> 
     return tuple(tracks)
 
 
-def _stretch(t: Array, across: Array, along: Array) -> tuple[c.Track, ...]:
+def stretch(t: Array, across: Array, along: Array) -> tuple[c.Track, ...]:
     """Returns the track of a scale across and along z; the scale is never zero, which has no inverse."""
     scale = np.maximum(np.column_stack((across, across, along)), 1e-6)
     return (c.Track("scale", "vector3", t, scale),) if len(t) else ()

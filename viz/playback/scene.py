@@ -12,6 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback import meshcat_commands as c
+from spear_pin.viz.playback.cables import cable_overlays, fittings
 from spear_pin.viz.playback.coil import places_across
 from spear_pin.viz.playback.following import base_joint, follow
 from spear_pin.viz.playback.frames import Frames
@@ -113,13 +114,15 @@ def moving(robot: Robot, frames: Frames, ghost: Frames | None = None, newtons: f
     feet = _feet(robot, frames, world, looks.shapes)
     peak = max((float(np.linalg.norm(foot.force, axis=1).max(initial=0.0)) for foot in feet), default=0.0)
     size = max(float(center[:, 2].max()), 0.1)
+    cables = cable_overlays(robot, frames, looks.shapes, size)
+    brackets = [*brackets, *fittings(robot, frames, looks.shapes, size)]
     per_metre = peak / (0.6 * size) if newtons is None else newtons
     trails = [_trail(foot, frames.t, size, len(feet)) for foot in feet]
     arrows = [_arrow(foot, frames.t, size, 1.0 / per_metre) for foot in feet] if peak > 0 else []
     toes = {foot.toe: foot.position for foot in feet}
     tracks = track_overlays(robot, frames, world, toes, size)
     landed = landings(robot, frames, toes) if tracks else {}
-    overlays = [*springs, *trails, *arrows, *tracks.values()]
+    overlays = [*springs, *cables, *trails, *arrows, *tracks.values()]
     double, ghost_clips, reach = _ghost(robot.model, ghost) if ghost is not None else ([], {}, following.place)
     reach = np.concatenate((following.place, reach))
     commands = [

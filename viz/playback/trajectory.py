@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.path_springs import PathSprings
+from spear_pin.hybrid.trajectory_tables import paths_of
 from spear_pin.model.robot import Robot
 
 LONGEST = 1e10  # s: of clocks that count from 1970, too
@@ -40,8 +42,8 @@ class TrajectoryLike(Protocol):
         spring_joints: names of the joints that a spring spans.
         engaged: (n, springs) or, for one spring, (n,): whether each spring is engaged.
 
-    `ground` is what it stands on; forces with two components are in the ground's axes. Without it the ground is level
-    at height zero.
+    `springs`, see `PathSprings`, are drawn where they run. `ground` is what it stands on; forces with two components
+    are in the ground's axes. Without it the ground is level at height zero.
     """
 
     @property
@@ -81,6 +83,7 @@ class Part:
     whole: tuple[float, float]
     table: Table | None = None
     phase: NDArray[np.str_] | None = None
+    springs: PathSprings | None = None
 
     @property
     def said(self) -> str:
@@ -110,7 +113,7 @@ def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
     """
     t = read_times(trajectory)
     rows = slice(*np.searchsorted(t, [begin, np.nextafter(end, np.inf)]))
-    table, phase = table_of(trajectory), getattr(trajectory, "phase", None)
+    table, phase, springs = table_of(trajectory), getattr(trajectory, "phase", None), paths_of(trajectory)
     return Part(
         t=t[rows],
         q=np.asarray(trajectory.q)[rows],
@@ -123,6 +126,7 @@ def between(trajectory: TrajectoryLike, begin: float, end: float) -> Part:
         whole=(float(t[0]), float(t[-1])),
         table=table and (table[0], table[1][rows]),
         phase=None if phase is None else np.asarray(phase)[rows],
+        springs=springs and springs.part(rows),
     )
 
 
