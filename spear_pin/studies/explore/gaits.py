@@ -9,10 +9,9 @@ from spear_pin.gaits.feedback import without_feedback
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.parameters import nonzero, number, numbers_of_law, unit
 from spear_pin.kinds import typed
+from spear_pin.model.springs import numbers_of_springs
 from spear_pin.studies.explore.carried import Carried
 from spear_pin.studies.explore.knobs import Knob, about
-
-USUAL = ("stiffness", "damping", "friction")
 
 
 @typed
@@ -22,8 +21,8 @@ def gait_to_explore(gait: Gait, title: str, over: Sequence[str] = (), source: st
     Args:
         gait: a gait; its event feedback is left out.
         title: title of the page.
-        over: numbers to change, by the names that `Gait.sensitivity` takes; by default those of springs, ground and
-            law.
+        over: numbers to change, by the names that `Gait.sensitivity` takes; by default those of springs with their
+            switches and paths, ground and law.
         source: name or path of the gait, from which a saved program loads it.
 
     Raises:
@@ -31,7 +30,9 @@ def gait_to_explore(gait: Gait, title: str, over: Sequence[str] = (), source: st
         BadValue: a number is zero, which has no range about it.
     """
     system = (gait := without_feedback(gait)).system
-    names = over or nonzero(system, dict.fromkeys((*USUAL, *numbers_of_law(system))))
+    names = over or nonzero(
+        system, dict.fromkeys((*numbers_of_springs(system.springs), "friction", *numbers_of_law(system)))
+    )
     return Carried("gait", gait, {name: _knob(gait, name) for name in names}, title, source=source)
 
 

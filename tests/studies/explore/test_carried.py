@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spear_pin import Gait, find_gait, hopping, load
+from spear_pin import Clutch, Gait, Spring, find_gait, hopping, load
 from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.parameters import number, with_numbers
@@ -167,3 +167,14 @@ class TestAnyGait:
             for key, knob in subject.knobs.items():
                 for end in (knob.low, knob.high):
                     assert subject.read({key: f"{end:.{knob.digits}f}"}).values[key] == end
+
+    def test_and_of_switches_that_are_not_ideal(self):
+        late = Spring(clutch=Clutch(0.004, 0.004, pitch=0.05, damper="joint"))
+        hop = find_gait(hopping(load("spear_ii", locked=["boom_x"]), spring=late))
+        subject = gait_to_explore(hop, "a late hop")
+        assert list(subject.knobs)[:6] == ["stiffness", "damping", "on_delay", "off_delay", "pitch", "friction"]
+        assert subject.knobs["on_delay"].unit == "s" and subject.knobs["pitch"].unit == "rad"
+        h, at = 1e-5, subject.at(pitch=0.04)
+        slopes = tangents(carried(at)).slopes["pitch"]
+        a, b = (carried(at.turned(pitch=0.04 + d)).gait.period for d in (h, -h))
+        assert slopes["period"] == pytest.approx((a - b) / (2 * h), rel=1e-3) and abs(slopes["period"]) > 1e-4
