@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +20,7 @@ from spear_pin.errors import BadFile, BadValue, SpearError
 if TYPE_CHECKING:
     from spear_pin.hybrid.trajectory import Trajectory
     from spear_pin.model.robot import Robot
+    from spear_pin.model.spring import Spring
 
 ROBOT = {"mjcf": "xml", "srdf": "srdf"}  # formats of a robot, and how their files end
 URDF = (".urdf", ".xml", ".toml")  # how its files mostly end
@@ -98,11 +101,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:
     from spear_pin.files import write_text
     from spear_pin.model.mjcf import to_mjcf
+    from spear_pin.model.mjcf_springs import left_out
     from spear_pin.model.srdf import to_srdf
 
-    robot = _whose(arguments)
+    robot, springs = _whose(arguments)
     postures = _postures(robot)
-    writers = {"mjcf": to_mjcf, "srdf": to_srdf}
+    writers: dict[str, Callable[..., str]] = {"mjcf": partial(to_mjcf, springs=springs), "srdf": to_srdf}
     texts = {path: writers[form](robot, postures) for form, path in paths.items()}  # what cannot be said is refused
     names = ["home", *postures]
     rows = [("robot", f"{robot.name}, {robot.mass:.4g} kg"), ("postures", ", ".join(names))]
@@ -112,28 +116,36 @@ def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str
 
         path = paths["mjcf"]
         written, notes = write_meshes(robot, path.with_name(f"{path.stem}_meshes"))
-        texts[path] = to_mjcf(robot, postures, written)
+        texts[path] = to_mjcf(robot, postures, written, springs)
         if not robot.toes:
             rows.append(("toes", "none: --toes names frames that meet the ground; the trunk does, legs do not"))
         meshes = [str(path.parent / mesh.file) for mesh in written]
         if meshes:
             rows.append(("meshes", f"{len(meshes)}, in {path.with_name(f'{path.stem}_meshes')}"))
         rows += [("shapes", note) for note in notes]
+    missing = left_out(robot, springs) if "mjcf" in paths else []
+    rows += [("left out", line) for line in missing]
     for path, text in texts.items():
         write_text(path, text)
-    return {"robot": robot.name, "mass": robot.mass, "postures": names, "meshes": meshes, "rows": rows}
+    found = {"robot": robot.name, "mass": robot.mass, "postures": names, "meshes": meshes, "left_out": missing}
+    return found | {"rows": rows}
 
 
-def _whose(arguments: argparse.Namespace) -> Robot:
-    """The robot of a name, of a file or of a saved gait, or the part of it that is asked for."""
+def _whose(arguments: argparse.Namespace) -> tuple[Robot, dict[str, Spring]]:
+    """The robot of a name, of a file or of a saved gait, or the part of it that is asked for, and its springs."""
     if Path(arguments.what).suffix != GAIT:
-        return cut_out(arguments.what, arguments, loading(arguments))
+        from spear_pin.model.mjcf_springs import springs_of
+
+        robot = cut_out(arguments.what, arguments, loading(arguments))
+        return robot, springs_of(robot)
     from spear_pin.gaits.gait import Gait
 
     for option in LOADED:
         if (value := getattr(arguments, option)) is not None:
             raise BadValue(f"--{option}", value, "only with a robot: a saved gait already has these options")
-    return Gait.load(arguments.what).system.robot
+    system = Gait.load(arguments.what).system
+    mounts = [mount for domain in system.domains for mount in domain.mounts if mount.spring.pulls]
+    return system.robot, {mount.name: replace(mount.spring, path=mount.along) for mount in mounts}
 
 
 def _postures(robot: Robot) -> dict[str, Any]:

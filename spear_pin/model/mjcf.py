@@ -22,15 +22,17 @@ from spear_pin.kinds import typed
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.document import document
 from spear_pin.model.inertial import fault_of
+from spear_pin.model.mjcf_adding import UNTOUCHED, add, numbers, place
+from spear_pin.model.mjcf_springs import add_springs, springs_of
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
+from spear_pin.model.spring import Spring
 from spear_pin.printable import printable
 
 FRICTION = 0.8  # of toes and ground, the package's assumption
 LEAST = 1e-14  # kg and kg·m² that a link without inertia is given: MuJoCo wants more than 1e-15
 CONTACT_RADIUS = 1e-3  # m, of the sphere that stands for a toe, a point
 SLIDING = (FRICTION, 0.005, 0.0001)  # the other two are MuJoCo's own, of turning and rolling; points do neither
-UNTOUCHED = {"contype": "0", "conaffinity": "0", "group": "2"}
 ON_GROUND = {"contype": "0", "conaffinity": "1", "group": "3"}
 FREE = 6  # velocities of a floating joint
 NOTE = """
@@ -38,8 +40,8 @@ NOTE = """
   Joints have the names and signs of the URDF. armature is the inertia N^2 J of a rotor behind its gears.
   ctrl is the torque of a rotor, in N m; gear is N; the joint's torque is N ctrl, its limit the URDF's effort.
   A free joint: qpos has the scalar of the quaternion first, and the linear velocity is in world axes.
-  The switchable spring of a knee is not in this file: no spring of MJCF can latch its rest angle at touchdown.
-  Apply its torque from outside, for instance through qfrc_applied.
+  A switchable spring of a knee is not in this file: no spring of MJCF can latch its rest angle at touchdown.
+  Apply its torque from outside, for instance through qfrc_applied. Springs that never release are tendons.
   Contact with the ground is MuJoCo's, compliant, with a friction of {friction} (an assumption); spear_pin's is rigid.
 """
 
@@ -61,7 +63,10 @@ class MeshFile:
 
 @typed
 def to_mjcf(
-    robot: Robot, postures: Mapping[str, ArrayLike] | None = None, meshes: Sequence[MeshFile] | None = None
+    robot: Robot,
+    postures: Mapping[str, ArrayLike] | None = None,
+    meshes: Sequence[MeshFile] | None = None,
+    springs: Mapping[str, Spring] | None = None,
 ) -> str:
     """Writes a robot as the text of an MJCF file, which has the robot's mass matrix and bias in MuJoCo.
 
@@ -73,6 +78,8 @@ def to_mjcf(
         robot: the robot, as loaded, varied or with joints locked.
         postures: configurations, (nq,) each, by name, in addition to "home" (see `postures.home`).
         meshes: files of the meshes that the URDF shows; None to leave them out.
+        springs: springs by name, each with its path on the robot; None for those of its file. A spring that never
+            releases and has a linear law is a tendon; comments say which are left out, see `mjcf_springs.left_out`.
 
     Raises:
         BadValue: the robot has a joint that neither turns nor slides about one axis nor floats from the origin, an
@@ -85,23 +92,24 @@ def to_mjcf(
     root = etree.Element("mujoco", model=printable(robot.name))
     root.append(etree.Comment(NOTE.format(friction=FRICTION)))
     bounds = {"boundmass": LEAST, "boundinertia": LEAST}
-    _add(root, "compiler", angle="radian", autolimits="true", inertiafromgeom="false", **bounds)
-    _add(root, "option", gravity=robot.model.gravity.linear, timestep=0.001, integrator="implicitfast", cone="elliptic")
-    assets = _add(root, "asset")
+    add(root, "compiler", angle="radian", autolimits="true", inertiafromgeom="false", **bounds)
+    add(root, "option", gravity=robot.model.gravity.linear, timestep=0.001, integrator="implicitfast", cone="elliptic")
+    assets = add(root, "asset")
     light, dark, side = (0.80, 0.84, 0.88), (0.72, 0.77, 0.82), "256"
-    _add(assets, "texture", type="skybox", builtin="gradient", width=side, height=side, rgb1=light, rgb2=dark)
-    _add(assets, "texture", name="ground", type="2d", builtin="checker", width=side, height=side, rgb1=light, rgb2=dark)
-    _add(assets, "material", name="ground", texture="ground", texrepeat=(1, 1), texuniform="true")
-    world = _add(root, "worldbody")
-    _add(world, "light", directional="true", castshadow="false", pos=(0, 0, 4), dir=(0.3, 0.4, -1))
-    _add(world, "geom", name="ground", type="plane", size=(0, 0, 1), material="ground", friction=SLIDING)
+    add(assets, "texture", type="skybox", builtin="gradient", width=side, height=side, rgb1=light, rgb2=dark)
+    add(assets, "texture", name="ground", type="2d", builtin="checker", width=side, height=side, rgb1=light, rgb2=dark)
+    add(assets, "material", name="ground", texture="ground", texrepeat=(1, 1), texuniform="true")
+    world = add(root, "worldbody")
+    add(world, "light", directional="true", castshadow="false", pos=(0, 0, 4), dir=(0.3, 0.4, -1))
+    add(world, "geom", name="ground", type="plane", size=(0, 0, 1), material="ground", friction=SLIDING)
     elements = _add_bodies(robot.model, world)
     _add_shapes(robot, elements, assets, meshes)
     _add_toes(robot, elements)
     _add_motors(robot, root)
-    keys = _add(root, "keyframe")
+    add_springs(robot, springs_of(robot) if springs is None else springs, root, elements)
+    keys = add(root, "keyframe")
     for name, q in {"home": home(robot), **(postures or {})}.items():
-        _add(keys, "key", name=name, qpos=qpos(robot, checked(robot, name, q)))
+        add(keys, "key", name=name, qpos=qpos(robot, checked(robot, name, q)))
     return str(etree.tostring(root, encoding="unicode", pretty_print=True))
 
 
@@ -131,10 +139,10 @@ def _add_bodies(model: pin.Model, world: Any) -> list[Any]:
     elements = [world]
     for joint in range(1, model.njoints):
         parent, placement, kind = elements[model.parents[joint]], model.jointPlacements[joint], model.joints[joint]
-        body = _add(parent, "body", name=_link(model, joint), **_place(placement))
+        body = add(parent, "body", name=_link(model, joint), **place(placement))
         _add_inertial(model, joint, body)
         if kind.nv == FREE and parent is world and placement.isIdentity():
-            _add(body, "freejoint", name=model.names[joint])
+            add(body, "freejoint", name=model.names[joint])
         elif kind.nv == 1:
             _add_joint(model, joint, body)
         else:
@@ -157,7 +165,7 @@ def _add_inertial(model: pin.Model, joint: int, body: Any) -> None:
         name, found = f"inertia of link {_link(model, joint)!r}", tuple(map(float, np.linalg.eigvalsh(matrix)))
         raise BadValue(name, found, "principal moments of which none exceeds the sum of the others, for MuJoCo")
     moments = [matrix[row, column] for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
-    _add(body, "inertial", pos=inertia.lever, mass=max(inertia.mass, LEAST), fullinertia=moments)
+    add(body, "inertial", pos=inertia.lever, mass=max(inertia.mass, LEAST), fullinertia=moments)
 
 
 def _add_joint(model: pin.Model, joint: int, body: Any) -> None:
@@ -166,14 +174,14 @@ def _add_joint(model: pin.Model, joint: int, body: Any) -> None:
     kind.calc(data, pin.neutral(model))
     motion = np.ravel(data.S)
     name, axis = ("slide", motion[:3]) if motion[:3].any() else ("hinge", motion[3:])
-    element = _add(body, "joint", name=model.names[joint], type=name, axis=axis)
+    element = add(body, "joint", name=model.names[joint], type=name, axis=axis)
     low, high = model.lowerPositionLimit[kind.idx_q], model.upperPositionLimit[kind.idx_q]
     if kind.nq == 1 and -np.inf < low < high < np.inf:
-        element.set("range", _numbers((low, high)))
+        element.set("range", numbers((low, high)))
     parts = {"armature": model.armature, "damping": model.damping, "frictionloss": model.upperDryFrictionLimit}
     for name, values in parts.items():
         if values[row]:
-            element.set(name, _numbers(values[row]))
+            element.set(name, numbers(values[row]))
 
 
 def _add_shapes(robot: Robot, elements: list[Any], assets: Any, meshes: Sequence[MeshFile] | None) -> None:
@@ -203,17 +211,17 @@ def _add_shapes(robot: Robot, elements: list[Any], assets: Any, meshes: Sequence
     for shape in shown:
         _add_geom(shape, elements, **UNTOUCHED, rgba=" ".join(f"{part:.4g}" for part in shape.meshColor))
     for i, mesh in enumerate(meshes or ()):
-        _add(assets, "mesh", name=f"mesh_{i}", file=mesh.file, inertia="shell")
+        add(assets, "mesh", name=f"mesh_{i}", file=mesh.file, inertia="shell")
         color = " ".join(f"{part:.4g}" for part in mesh.color)
-        _add(elements[mesh.joint], "geom", type="mesh", mesh=f"mesh_{i}", rgba=color, **UNTOUCHED)
+        add(elements[mesh.joint], "geom", type="mesh", mesh=f"mesh_{i}", rgba=color, **UNTOUCHED)
     trunk = trunk_of(robot)
     firm = [shape for shape in solid if shape.parentJoint in trunk]
     hulls = [] if firm else [i for i, mesh in enumerate(meshes or ()) if mesh.joint in trunk]
     for shape in firm or [shape for shape in shown if shape.parentJoint in trunk]:
-        _add_geom(shape, elements, **ON_GROUND, friction=_numbers(SLIDING))
+        _add_geom(shape, elements, **ON_GROUND, friction=numbers(SLIDING))
     for i in hulls:
         joint = (meshes or ())[i].joint
-        _add(elements[joint], "geom", type="mesh", mesh=f"mesh_{i}", friction=SLIDING, **ON_GROUND)
+        add(elements[joint], "geom", type="mesh", mesh=f"mesh_{i}", friction=SLIDING, **ON_GROUND)
     if trunk and not (firm or hulls or any(shape.parentJoint in trunk for shape in shown)):
         elements[0].addprevious(etree.Comment(" the trunk has no shape here: it does not meet the ground "))
 
@@ -230,8 +238,8 @@ def trunk_of(robot: Robot) -> set[int]:
 
 def _add_geom(shape: Any, elements: list[Any], **attributes: str) -> None:
     kind = shape.meshPath
-    geom = _add(elements[shape.parentJoint], "geom", type=kind.lower(), size=_size(kind, shape.geometry))
-    geom.attrib.update({**_place(shape.placement), **attributes})
+    geom = add(elements[shape.parentJoint], "geom", type=kind.lower(), size=_size(kind, shape.geometry))
+    geom.attrib.update({**place(shape.placement), **attributes})
 
 
 def _size(kind: str, solid: Any) -> ArrayLike:
@@ -244,32 +252,16 @@ def _add_toes(robot: Robot, elements: list[Any]) -> None:
     for toe in robot.toes:
         frame = robot.model.frames[robot.toe_id(toe)]
         at, parent = frame.placement.translation, elements[frame.parentJoint]
-        _add(parent, "site", name=toe, pos=at, size=0.005)
-        sphere = _add(parent, "geom", name=toe, type="sphere", size=CONTACT_RADIUS, pos=at, friction=SLIDING)
+        add(parent, "site", name=toe, pos=at, size=0.005)
+        sphere = add(parent, "geom", name=toe, type="sphere", size=CONTACT_RADIUS, pos=at, friction=SLIDING)
         sphere.attrib.update(ON_GROUND)
 
 
 def _add_motors(robot: Robot, root: Any) -> None:
-    motors = _add(root, "actuator")
+    motors = add(root, "actuator")
     for joint in robot.actuated:
         ratio = robot.gear_ratio(joint)
-        motor = _add(motors, "motor", name=joint, joint=joint, **({} if ratio == 1.0 else {"gear": ratio}))
+        motor = add(motors, "motor", name=joint, joint=joint, **({} if ratio == 1.0 else {"gear": ratio}))
         effort = float(robot.model.upperEffortLimit[robot.index(joint)])
         if 0.0 < effort < np.inf:
-            motor.set("ctrlrange", _numbers((-effort / abs(ratio), effort / abs(ratio))))
-
-
-def _place(placement: pin.SE3) -> dict[str, str]:
-    x, y, z, w = pin.Quaternion(placement.rotation).coeffs()
-    found = {"pos": _numbers(placement.translation)} if np.any(placement.translation) else {}
-    return found | ({"quat": _numbers((w, x, y, z))} if any((x, y, z)) else {})
-
-
-def _add(parent: Any, tag: str, **attributes: str | ArrayLike) -> Any:
-    """Adds a new element, with numbers written in full."""
-    texts = {name: value if isinstance(value, str) else _numbers(value) for name, value in attributes.items()}
-    return etree.SubElement(parent, tag, texts)
-
-
-def _numbers(values: ArrayLike) -> str:
-    return " ".join(repr(float(value)) for value in np.ravel(np.asarray(values)))
+            motor.set("ctrlrange", numbers((-effort / abs(ratio), effort / abs(ratio))))

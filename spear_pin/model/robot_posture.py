@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
+from spear_pin.model.cable import Anchor
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
 from spear_pin.model.path import Path, Point
@@ -70,6 +71,20 @@ class RobotPosture:
         if frame not in self._frames:
             self._frames[frame] = 0 if frame == WORLD else frame_id(self._robot.model, frame)
         return self._frames[frame]
+
+
+def carried(robot: Robot, anchor: Anchor) -> tuple[int, Array]:
+    """Returns the joint that carries an anchor, 0 for the world, and its place in the joint's frame, (3,), in m.
+
+    Raises:
+        UnknownName: there is no such frame.
+    """
+    x, y, z = anchor.at
+    at = np.array([anchor.side * x, y, z])
+    if anchor.body == WORLD:
+        return 0, at
+    frame = robot.model.frames[frame_id(robot.model, anchor.body)]
+    return int(frame.parentJoint), np.asarray(frame.placement.act(at))
 
 
 @lru_cache(maxsize=256)

@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.dynamics import FLOATS
-from spear_pin.model.cable import Anchor, Over
+from spear_pin.model.cable import Over
 from spear_pin.model.robot import Robot
-from spear_pin.model.robot_posture import WORLD as UNIVERSE
-from spear_pin.model.robot_posture import RobotPosture
+from spear_pin.model.robot_posture import RobotPosture, carried
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.coil import link_end, places_across
 from spear_pin.viz.playback.frames import Cable, Frames
@@ -57,7 +56,7 @@ def fittings(robot: Robot, frames: Frames, shapes: tuple[Shape, ...], size: floa
     for cable in frames.cables:
         for place in _places(robot, cable, shapes).values():
             for name, anchor in cable.path.anchors().items():
-                joint, at = _carried(robot, anchor)
+                joint, at = carried(robot, anchor)
                 at = at + place * SIDEWAYS
                 if isinstance(cable.path, Over) and name == "centre":
                     half = HALF * size * SIDEWAYS
@@ -123,21 +122,11 @@ def _places(robot: Robot, cable: Cable, shapes: tuple[Shape, ...]) -> dict[str, 
 
     In the plane that is the middle of its last link, of both of a pair; in space it is the cable's own place.
     """
-    joints = [joint for each in cable.path.anchors().values() if (joint := _carried(robot, each)[0])]
+    joints = [joint for each in cable.path.anchors().values() if (joint := carried(robot, each)[0])]
     if not robot.planar:
         return {"": 0.0}
     places = places_across(shapes, joints[-1], SIDEWAYS)
     return dict(zip(("",) if len(places) == 1 else (" right", " left"), places, strict=True))
-
-
-def _carried(robot: Robot, anchor: Anchor) -> tuple[int, Array]:
-    """Returns the joint that carries an anchor, and its place there, (3,), in m."""
-    x, y, z = anchor.at
-    at = np.array([anchor.side * x, y, z])
-    if anchor.body == UNIVERSE:
-        return 0, at
-    frame = robot.model.frames[robot.model.getFrameId(anchor.body)]
-    return int(frame.parentJoint), np.asarray(frame.placement.act(at))
 
 
 def _root(robot: Robot, joint: int, at: Array) -> Array:
