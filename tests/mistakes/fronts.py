@@ -73,6 +73,14 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "viz/playback/cables",
+        ["viz/playback/test_cables"],
+        {
+            "a cable that is not engaged seems taut": ("acts[:, None] & (share > PULLS)", "share > PULLS"),
+            "a cable has no length": ("swapaxes(0, 1)[1:]", "swapaxes(0, 1)[:-1]"),
+        },
+    ),
+    *mistakes_in(
         "viz/playback/grafting",
         ["viz/playback/test_grafting"],
         {

@@ -266,6 +266,19 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/path_springs",
+        ["hybrid/test_path_springs"],
+        {
+            "springs that pull push": ("0.0 - force, acts", "force, acts"),
+            "springs are stretched while not engaged": ("stretch if acts else 0.0", "stretch"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/flow_names",
+        ["hybrid/test_path_springs"],
+        {"all energies are those of the first spring": ("{spring_of(mount, system)}", "{next(iter(system.springs))}")},
+    ),
+    *mistakes_in(
         "hybrid/integration",
         [
             *(

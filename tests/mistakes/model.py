@@ -84,6 +84,18 @@ MUTATIONS = [
         {"an actuator's armature times its gear": ("None else gear * gear", "None else abs(gear)")},
     ),
     *mistakes_in(
+        "model/mjcf_springs",
+        ["crosscheck/test_exported_springs"],
+        {
+            "a tendon that only pulls pushes": (
+                "(LOOSE, spring.rest) if spring.unilateral else (spring.rest,)",
+                "spring.rest",
+            ),
+            "a tendon of the other side": ("coef=spring.path.side * weight", "coef=weight"),
+            "a point beside a pulley that leaves the tendon": ("turn = 0.5 * path.side * (low + high)", "turn = 0.0"),
+        },
+    ),
+    *mistakes_in(
         "model/mjcf_keyframes",
         ["cases/test_cases", "model/test_mjcf_keyframes"],
         {"a keyframe's zero is the joint's own": ("number - place.zero", "number")},
