@@ -13,7 +13,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Mount
 from spear_pin.hybrid.dynamics import FLOATS
-from spear_pin.hybrid.springs import Pull
+from spear_pin.hybrid.pull import Pull
 from spear_pin.model.path import Joints, Path
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import RobotPosture, spanned

@@ -127,7 +127,7 @@ class TestLongest:
         (off,) = run.named("switch:aid")
         stance = run.q[run.phase == "stance", 2]
         assert off.v[2] == pytest.approx(0.0, abs=1e-9) and off.q[2] == pytest.approx(stance.max(), abs=1e-9)
-        assert off.work["released"] == pytest.approx(-0.25 * (off.q[2] - gait.state[0][2]) ** 2, rel=1e-9)
+        assert off.work["released:aid"] == pytest.approx(-0.25 * (off.q[2] - gait.state[0][2]) ** 2, rel=1e-9)
         assert abs(run.ledger.residual[0]) < 1e-10
 
     @pytest.mark.extra("heyoka")
@@ -162,7 +162,7 @@ def test_a_switch_that_only_releases_early():
     run = simulate(gait.system, gait.state, cycles=1, rtol=1e-12)
     (off,), (leaves,) = run.named("switch:aid"), run.named("lift_off")
     left = off.q[2] - gait.state[0][2]
-    assert off.time < leaves.time and off.work["released"] == pytest.approx(-0.5 * 3.0 * left**2, rel=1e-9)
+    assert off.time < leaves.time and off.work["released:aid"] == pytest.approx(-0.5 * 3.0 * left**2, rel=1e-9)
     assert abs(run.ledger.residual[0]) < 1e-10
 
 

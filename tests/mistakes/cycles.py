@@ -8,8 +8,8 @@ MUTATIONS = [
         ["hybrid/test_section"],
         {
             "a direction of velocity missing from the chart": (
-                "v_bases = null_spaces(velocity_rows(jacobians, slides))",
-                "v_bases = null_spaces(velocity_rows(jacobians, slides))[:, :, 1:]",
+                "v_bases = null_spaces(np.concatenate([velocity_rows(jacobians, slides), closing], axis=1))",
+                "v_bases = null_spaces(np.concatenate([velocity_rows(jacobians, slides), closing], axis=1))[:, :, 1:]",
             ),
             "a sliding toe held along its path": ("np.column_stack([~slides,", "np.column_stack([slides | True,"),
             "charts on the ground of the first lanes": (

@@ -139,6 +139,44 @@ MUTATIONS = [
         {"a stretch at a fixed time": ("arc.end.slopes[:nv, None] * arc.tau)", "0.0)")},
     ),
     *mistakes_in(
+        "hybrid/engines/binding",
+        ["hybrid/test_equations_of_motion", "hybrid/test_loops", "gaits/test_hopping"],
+        {
+            "drift dropped in stance": (
+                "drifts.append(directions.accelerated(",
+                "drifts.append(0.0 * directions.accelerated(",
+            ),
+            "spatial acceleration in stance": (
+                "pin.getFrameClassicalAcceleration(model, data",
+                "pin.getFrameAcceleration(model, data",
+            ),
+            "rows x and y in stance": (
+                "rows.append(directions.along(model, data, index, jacobian))",
+                "rows.append(jacobian[0:2])",
+            ),
+            "loops without drift": (
+                "drifts.append(self._closure.drift(data))",
+                "drifts.append(0.0 * self._closure.drift(data))",
+            ),
+            "a guided toe held along the ground": ("if toe in robot.guided else 0", "if False else 0"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/strikes",
+        ["hybrid/test_loops"],
+        {"an impact opens loops": ("np.eye(robot.nv) if robot.closure is None", "np.eye(robot.nv) if True")},
+    ),
+    *mistakes_in(
+        "hybrid/lanes/impacts",
+        ["hybrid/test_loops"],
+        {"lanes: an impact opens loops": ("if terms.loop_rows else None", "if False else None")},
+    ),
+    *mistakes_in(
+        "hybrid/elimination",
+        ["hybrid/test_loops"],
+        {"a compiled impact opens loops": ("    if not loops:\n", "    if True:\n")},
+    ),
+    *mistakes_in(
         "hybrid/engines/pinocchio",
         [
             "hybrid/test_equations_of_motion",
@@ -151,15 +189,6 @@ MUTATIONS = [
         {
             "damping drives": ("lever * (pull.force + pull.drag)", "lever * (pull.force - pull.drag)"),
             "the last spring of a joint counts alone": ("_passive[index] += lever", "_passive[index] = lever"),
-            "drift dropped in stance": ("drifts.append(", "drifts.append(0.0 * "),
-            "spatial acceleration in stance": (
-                "pin.getFrameClassicalAcceleration(model, data",
-                "pin.getFrameAcceleration(model, data",
-            ),
-            "rows x and y in stance": (
-                "rows.append(directions.along(model, data, index, jacobian))",
-                "rows.append(jacobian[0:2])",
-            ),
             "work of slip with the wrong sign": ("slipped += force", "slipped -= force"),
             "joint friction left out": (
                 "applied + self.friction if self._has_friction else applied",
@@ -171,7 +200,7 @@ MUTATIONS = [
             ),
             "torque in the trajectory without the damper's": (
                 "return [float(self._applied[index]) for index in self._actuated]",
-                "drag = {i: -lever * pull.drag for pull in self._pulls for i, lever in pull.slope.items()}\n"
+                "drag = {i: -lever * pull.drag for pull in self.pulls for i, lever in pull.slope.items()}\n"
                 "        return [float(self._applied[index]) + drag.get(index, 0.0) for index in self._actuated]",
             ),
         },

@@ -4,6 +4,36 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
+        "model/loops",
+        ["model/test_loops"],
+        {
+            "a loop's ends added": (
+                "parts.append(each[1] - each[0] if ends else tie[None])",
+                "parts.append(each[1] + each[0] if ends else tie[None])",
+            ),
+            "a loop's drift of one end": ("(each[1] - each[0])[PLANE]", "each[1][PLANE]"),
+            "loops that stay as they are": ("q[moving] -= np.linalg.lstsq", "q[moving] -= 0.0 * np.linalg.lstsq"),
+        },
+    ),
+    *mistakes_in(
+        "model/robot",
+        ["model/test_loops"],
+        {
+            "no acceleration of dependent joints": ("T.T @ (self.bias(whole, v) + D @ c)", "T.T @ self.bias(whole, v)"),
+            "dependent joints that turn the other way": ("T[~free] = -np.linalg", "T[~free] = np.linalg"),
+        },
+    ),
+    *mistakes_in(
+        "model/planar",
+        ["hybrid/test_loops"],
+        {"a loop's drift of one end, compiled": ("drifts += [b - a for", "drifts += [b for")},
+    ),
+    *mistakes_in(
+        "model/reach",
+        ["gaits/test_reaching"],
+        {"a hip that folds the leg": ("((self.hip, hip), (self.knee, knee))", "((self.knee, hip), (self.knee, knee))")},
+    ),
+    *mistakes_in(
         "model/cable",
         ["model/test_path"],
         {

@@ -63,7 +63,7 @@ MUTATIONS = [
         ["gaits/sensitivity/test_sensitivity", "hybrid/tangent/test_in_space", "gaits/test_linear"],
         {
             "derivatives: a toe that a longer leg moves along the ground": ("@ drift\n", "@ (0.0 * drift)\n"),
-            "derivatives: a toe that a longer leg lifts": ("@ slopes.heights\n", "@ (0.0 * slopes.heights)\n"),
+            "derivatives: a toe that a longer leg lifts": ("([slopes.heights, ", "([0.0 * slopes.heights, "),
             "derivatives in space: the lowest foot leaves the ground": ("dy[Z] -= slopes", "dy[Z] -= 0.0 * slopes"),
             "derivatives in space: an input tells left from right": ("else (xi, -xi):", "else (xi, xi):"),
             "derivatives in space: both feet land at once": ("    if xi is not None:\n", "    if False:\n"),
