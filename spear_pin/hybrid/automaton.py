@@ -21,7 +21,7 @@ from spear_pin.hybrid.domain import Guard as Guard
 from spear_pin.hybrid.domain import Mount as Mount
 from spear_pin.hybrid.domain import Reset as Reset
 from spear_pin.hybrid.domain import Switch as Switch
-from spear_pin.hybrid.ground import Ground, as_ground
+from spear_pin.hybrid.ground import Ground, as_ground, refuse_slopes
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.hybrid.soundness import check
 from spear_pin.model.robot import Robot
@@ -108,6 +108,7 @@ class HybridSystem:
         require("HybridSystem.overlap", self.overlap, lambda seconds: seconds >= 0, "a number >= 0, in s")
         if self.impact_law not in (MOREAU, KELLER):
             raise BadValue("HybridSystem.impact_law", self.impact_law, f"{MOREAU!r} or {KELLER!r}")
+        refuse_slopes(self.robot, self.ground)
         if self.robot.post is not None and not self.ground.level:
             raise BadValue("ground", self.contact, "level ground, for a robot that goes round a post")
         gravity = tuple(self.robot.model.gravity.linear.tolist())

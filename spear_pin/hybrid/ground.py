@@ -144,6 +144,19 @@ def _reporting(function: Callable[..., Any]) -> Callable[..., Any]:
     return reporting
 
 
+def refuse_slopes(robot: Robot, ground: Ground) -> None:
+    """Refuses ground that is not level for a robot with round feet, or with toes that move up and down only.
+
+    Raises:
+        BadValue: the ground has a slope or a shape.
+    """
+    if ground.level and ground.plane:
+        return
+    for what, toes in (("round feet", robot.radii), ("toes on a vertical guide", robot.guided)):
+        if toes:
+            raise BadValue("ground", ground, f"level ground, as the robot has {what}: {', '.join(toes)}")
+
+
 def as_ground(contact: Contact) -> Ground:
     """Returns a ground as it is, and for a contact the level ground at height zero with its friction."""
     return contact if isinstance(contact, Ground) else Ground(contact.friction)

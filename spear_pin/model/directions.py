@@ -8,13 +8,16 @@ azimuth ψ about the post they are s = (-sin ψ, cos ψ, 0) and z. s turns with 
 
 A sticking toe keeps the ψ at which it landed.
 
+A round foot of radius r rolls on level ground: what touches is r below the toe, its centre, and with the foot's rate ω
+about y it moves along x at v_x - r ω. Where the foot rolls that is zero.
+
 Arguments `data` have the kinematics at a state, including velocities if a toe's acceleration is needed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from math import hypot
 from typing import Any
 
@@ -33,17 +36,22 @@ class Axes:
 
     Attributes:
         dimension: 2 or 3.
+        radii: radius of each round foot in the plane, in m, by the number of its frame.
     """
 
     dimension: int
+    radii: Mapping[int, float] = field(default_factory=dict)
 
-    def along(self, model: pin.Model, data: pin.Data, frame: int, vectors: Array) -> Array:
-        """Returns the components at a frame of vectors in the world, (3, ...)."""
-        return vectors[0 : 3 : 4 - self.dimension]
+    def along(self, model: pin.Model, data: pin.Data, frame: int, motions: Array) -> Array:
+        """Returns the components where a frame touches of motions in the world, (6, ...), linear and angular."""
+        found = motions[0 : 3 : 4 - self.dimension]
+        if frame in self.radii:
+            found = np.array([found[0] - self.radii[frame] * motions[4], found[1]])
+        return found
 
     def accelerated(self, model: pin.Model, data: pin.Data, frame: int, acceleration: Array) -> Array:
-        """Returns the rate of a frame's velocity components from its acceleration in the world, (3,), in m/s²."""
-        return acceleration[0 : 3 : 4 - self.dimension]
+        """Returns the rate of velocity components where a frame touches, from its acceleration in the world, (6,)."""
+        return self.along(model, data, frame, acceleration)
 
     def world(self, components: Array, places: Callable[[], Array]) -> Array:
         """Returns vectors in the world, (..., 3), from components; `places`, (..., 3), is called only if needed."""
@@ -65,10 +73,10 @@ class Round:
         """Number of directions, 2."""
         return 2
 
-    def along(self, model: pin.Model, data: pin.Data, frame: int, vectors: Array) -> Array:
+    def along(self, model: pin.Model, data: pin.Data, frame: int, motions: Array) -> Array:
         """Returns the components along the circle on which the frame is, and vertically."""
         x, y, radius = self._arm(model, data, frame)
-        return np.array([(x * vectors[1] - y * vectors[0]) / radius, vectors[2]])
+        return np.array([(x * motions[1] - y * motions[0]) / radius, motions[2]])
 
     def accelerated(self, model: pin.Model, data: pin.Data, frame: int, acceleration: Array) -> Array:
         """Returns the acceleration's components, minus the effect of the rotation of the circle's direction."""

@@ -79,6 +79,7 @@ def equipped(
         loops=loops,
         independent=tuple(said.independent),
         reach=_reach(said, path, model),
+        radii=_radii(said, path, own),
     )
     driven = tuple(gears) if isinstance(said.motors, Mapping) else said.motors
     return settings, driven, {**known, **{joint: geared for joint, (geared, _) in drives.items()}}
@@ -115,6 +116,20 @@ def _reach(said: Sidecar, path: Path, model: pin.Model) -> Reach | None:
         return Reach(
             **{name: tuple((joint, float(weight)) for joint, weight in table.items()) for name, table in tables.items()}
         )
+
+
+def _radii(said: Sidecar, path: Path, robot: Robot) -> dict[str, float]:
+    """Returns the radii of round feet."""
+    found = {}
+    for toe, table in said.feet.items():
+        with blaming(path, f"feet.{toe}"):
+            robot.toe_id(toe)
+            if not table.get("radius", 0.0) > 0.0:
+                raise BadValue("radius", table.get("radius"), "a number > 0, in m")
+            if not robot.planar:
+                raise BadValue("radius", table["radius"], "none for a robot in space, whose toes are points")
+        found[toe] = float(table["radius"])
+    return found
 
 
 def _own(table: Mapping[str, Any]) -> Gear:

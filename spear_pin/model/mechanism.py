@@ -119,6 +119,7 @@ class Mechanism(ABC):
         lift: acceleration of the ground, which does what gravity does, in m/s²; a vector of two or three.
         circle: directions of contact, if it goes round a post.
         loops: the loops that it closes.
+        radii: radius of each round foot, in m, by its toe.
     """
 
     circle: Round | None = None
@@ -133,6 +134,7 @@ class Mechanism(ABC):
             self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, place))
             self.axes.setdefault(frame.name, axes)
         self.toes, self.loops = {toe: self.frames[toe] for toe in robot.toes}, robot.loops
+        self.radii: Mapping[str, float] = robot.radii
 
     @abstractmethod
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
@@ -266,4 +268,5 @@ class Mechanism(ABC):
             self.lift,
             self.circle,
             self.loops,
+            tuple(self.radii.items()),
         )

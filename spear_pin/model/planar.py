@@ -137,6 +137,13 @@ class Planar(Mechanism):
         positions, jacobians, drifts = {}, {}, {}
         for toe, place in self.toes.items():
             positions[toe], jacobians[toe], drifts[toe] = self._moving(joints, *place)
+        for toe, radius in self.radii.items():  # which touches below its centre, and rolls
+            x, z = positions[toe]
+            positions[toe], i = (x, z - radius), self.toes[toe][0]
+            while i >= 0:
+                body, along = self.bodies[i], jacobians[toe][0]
+                along[i] = plus(along[i], radius * body.turns)
+                i = body.parent
         return Feet(positions, jacobians, drifts)
 
     def _moving(self, joints: Sequence[_Joint], i: int, offset: Vector) -> tuple[Vector, list[list[Any]], Vector]:

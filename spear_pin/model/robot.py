@@ -54,6 +54,7 @@ class Robot(Shown):
         directions: directions in which the ground acts on its toes: x and z in the plane, x, y and z in space; round a
             post along a circle about it and vertically.
         dimension: number of these directions, 2 or 3.
+        radii: radius of each round foot, in m, by its toe, the centre.
         loops: closed loops, if its settings give any; `model` is the tree without them.
         closure: the constraints that close the loops, None without loops.
         reach: what a law calls hip and knee on a leg with loops, if its settings say so.
@@ -108,7 +109,10 @@ class Robot(Shown):
         self.loops: tuple[Loop, ...] = () if settings is None else settings.loops
         self.reach = None if settings is None else settings.reach
         self.closure = Closure(model, self.coordinates, self.loops) if self.loops else None
-        self.directions: Directions = Axes(len(self._rows)) if post is None else Round(post)
+        round_feet = {} if settings is None else settings.radii
+        self.radii = {toe: round_feet[toe] for toe in self.toes if toe in round_feet}
+        radii = {self._toe_ids[toe]: radius for toe, radius in self.radii.items()}
+        self.directions: Directions = Axes(len(self._rows), radii) if post is None else Round(post)
         self.dimension = self.directions.dimension
 
     def __repr__(self) -> str:
@@ -276,8 +280,13 @@ class Robot(Shown):
         return self._place(q, frame_id(self.model, frame))
 
     def toe_position(self, q: ArrayLike, toe: str) -> Array:
-        """Returns the position of a toe in the world, in m: (2,) x, z for planar robots, else (3,)."""
-        return self._place(q, self.toe_id(toe))
+        """Returns the position of a toe in the world, in m: (2,) x, z for planar robots, else (3,).
+
+        Of a round foot it is the position of its lowest point.
+        """
+        place = self._place(q, self.toe_id(toe))
+        place[-1] -= self.radii.get(toe, 0.0)
+        return place
 
     def _place(self, q: ArrayLike, index: int) -> Array:
         pin.forwardKinematics(self.model, self._data, self._q(q))
@@ -287,7 +296,7 @@ class Robot(Shown):
         """Returns J(q) of (3.16), (2, nv) or (3, nv); the toe's velocity along the contact's `directions` is J v."""
         index = self.toe_id(toe)
         jacobian = pin.computeFrameJacobian(self.model, self._data, self._q(q), index, WORLD_ALIGNED)
-        rows = jacobian.reshape(6, self.nv)[:3]  # of one joint it is a vector
+        rows = jacobian.reshape(6, self.nv)  # of one joint it is a vector
         return np.array(self.directions.along(self.model, self._data, index, rows))
 
     def toe_drift(self, q: ArrayLike, v: ArrayLike, toe: str) -> Array:
@@ -295,7 +304,7 @@ class Robot(Shown):
         index = self.toe_id(toe)
         pin.forwardKinematics(self.model, self._data, self._q(q), self._v(v), np.zeros(self.nv))
         acceleration = pin.getFrameClassicalAcceleration(self.model, self._data, index, WORLD_ALIGNED)
-        return np.array(self.directions.accelerated(self.model, self._data, index, acceleration.linear))
+        return np.array(self.directions.accelerated(self.model, self._data, index, acceleration.vector))
 
     @cached_property
     def guided(self) -> tuple[str, ...]:

@@ -33,6 +33,7 @@ class Settings:
         loops: closed loops, between frames of the model or among its joints.
         independent: names of tied joints that determine the others; by default those with a motor.
         reach: hip's and knee's angle of a leg with loops.
+        radii: radius of each round foot, in m, by its toe.
     """
 
     path: str
@@ -47,6 +48,7 @@ class Settings:
     loops: tuple[Loop, ...] = ()
     independent: tuple[str, ...] = ()
     reach: Reach | None = None
+    radii: Mapping[str, float] = field(default_factory=dict)
 
     def of_cut(self, angles: Mapping[str, Sequence[Turn]]) -> Settings:
         """Returns the settings of a robot that is cut out of this one, by the cut's joints.

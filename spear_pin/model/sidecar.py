@@ -51,6 +51,7 @@ class Sidecar:
         post: joint by which the robot turns about a post, round which its toes go.
         loops: tables of closed loops by name, see `spear_pin.model.loops`.
         independent: names of joints in loops that determine the others.
+        feet: tables of round feet by their toes.
         reach: tables of motors and weights, for the angles of hip and knee of a leg with loops.
     """
 
@@ -67,6 +68,7 @@ class Sidecar:
     loops: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     independent: Sequence[str] = ()
     reach: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    feet: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def own_toes(self) -> Sequence[str] | None:
@@ -115,6 +117,7 @@ KEYS = {
     "loops": TABLES,
     "independent": NAMES,
     "reach": TABLES,
+    "feet": TABLES,
 }
 LEG = {
     "side": Kind(lambda value: type(value) is int and value in (-1, 1), "1 or -1"),
@@ -125,6 +128,7 @@ MOTOR = {
     **{name: _number(MOTOR_UNITS[name]) for name in ("ratio", "rotor_inertia", "efficiency")},
 }
 TABLE = Kind(lambda value: isinstance(value, dict), "a table")
+FOOT = {"radius": _number("m")}
 LOOP = dict.fromkeys(("a", "b", "joints"), TABLE)
 SPRING = {
     **{name: _number(unit) for name, unit in SPRING_UNITS.items()},
@@ -150,7 +154,7 @@ def read(path: Path) -> Sidecar:
     except (ValueError, RecursionError) as error:
         raise BadFile(path, f"is not TOML: {error}") from None
     _check(path, said, KEYS, "")
-    tables = {"legs": LEG, "springs": SPRING, "motors": MOTOR, "loops": LOOP}
+    tables = {"legs": LEG, "springs": SPRING, "motors": MOTOR, "loops": LOOP, "feet": FOOT}
     for key, kinds in tables.items():
         for name, table in said[key].items() if isinstance(said.get(key), dict) else ():
             _check(path, table, kinds, f"{key}.{name}.")

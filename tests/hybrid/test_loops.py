@@ -11,6 +11,7 @@ from spear_pin.gaits.reaching import posed
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.lanes.runner import FEW
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
 from spear_pin.hybrid.strikes import struck_by
@@ -128,10 +129,11 @@ class TestGait:
     def test_lanes_are_those_of_the_reference_engine(self, legs, name):
         system = looped_hopping(legs[name])
         q, v = system.guess()
-        many = simulate_many(system, np.array([q, q]), np.array([v, v]), cycles=3)
         one = simulate(system, (q, v), cycles=3)
-        assert not many.repeated.any()
-        np.testing.assert_allclose(many.q, [one.q[-1]] * 2, rtol=0, atol=1e-9)
+        for n in (2, 2 * FEW):  # one by one, and together
+            many = simulate_many(system, np.array([q] * n), np.array([v] * n), cycles=3)
+            assert not many.repeated.any()
+            np.testing.assert_allclose(many.q, [one.q[-1]] * n, rtol=0, atol=1e-9)
 
     def test_multipliers_are_those_of_differences(self, legs, name):
         system = looped_hopping(legs[name])

@@ -24,6 +24,21 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "model/directions",
+        ["hybrid/test_round_feet"],
+        {
+            "a round foot that slides as it rolls": (
+                "- self.radii[frame] * motions[4]",
+                "+ self.radii[frame] * motions[4]",
+            )
+        },
+    ),
+    *mistakes_in(
+        "model/planar",
+        ["hybrid/test_round_feet"],
+        {"a round foot that slides as it rolls, compiled": ("radius * body.turns", "-radius * body.turns")},
+    ),
+    *mistakes_in(
         "model/planar",
         ["hybrid/test_loops"],
         {"a loop's drift of one end, compiled": ("drifts += [b - a for", "drifts += [b for")},

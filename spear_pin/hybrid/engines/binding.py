@@ -71,8 +71,8 @@ class Binding:
         rows, drifts = [], []
         for toe in toes:
             index = self._ids[toe]
-            jacobian = pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)[:3]
-            drift = pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).linear
+            jacobian = pin.getFrameJacobian(model, data, index, WORLD_ALIGNED)
+            drift = pin.getFrameClassicalAcceleration(model, data, index, WORLD_ALIGNED).vector
             rows.append(directions.along(model, data, index, jacobian))
             drifts.append(directions.accelerated(model, data, index, drift))
         if not self._level:

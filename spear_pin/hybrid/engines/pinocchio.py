@@ -74,6 +74,7 @@ class Flow:
         self._level, self._plain = self._ground.level, self._ground.plain
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
         self._frame_ids: dict[str, int] = {}
+        self._radii = robot.radii
         self._closed = closed_toes(robot.toes, domain)
         self._slips = [(toe, mode) for toe, mode in self._closed if mode in SLIPS]
         self._k, self._directions = robot.dimension, robot.directions
@@ -261,7 +262,7 @@ class Flow:
     def jacobian(self, toe: str) -> Array:
         """Returns J of a toe, with rows along the ground and normal to it, (2, nv) or (3, nv)."""
         index = self._toe_ids[toe]
-        whole = pin.getFrameJacobian(self._model, self._data, index, WORLD_ALIGNED)[:3]
+        whole = pin.getFrameJacobian(self._model, self._data, index, WORLD_ALIGNED)
         jacobian = self._directions.along(self._model, self._data, index, whole)
         return np.array(jacobian if self._level else self._ground.seen_in(jacobian))
 
@@ -273,16 +274,16 @@ class Flow:
     def toe_velocity(self, toe: str) -> tuple[float, ...]:
         """Returns the velocity of a toe, along the ground and normal to it, in m/s."""
         index = self._toe_ids[toe]
-        linear = pin.getFrameVelocity(self._model, self._data, index, WORLD_ALIGNED).linear
-        velocity = self._directions.along(self._model, self._data, index, linear).tolist()
+        motion = pin.getFrameVelocity(self._model, self._data, index, WORLD_ALIGNED).vector
+        velocity = self._directions.along(self._model, self._data, index, motion).tolist()
         return tuple(velocity) if self._level else self._ground.seen_in(velocity)
 
     def toe_acceleration(self, toe: str) -> tuple[float, ...]:
         """Returns the acceleration of a toe under the last call's `a`, along the ground and normal to it, in m/s²."""
         pin.forwardKinematics(self._model, self._data, self.q, self.v, self.a)
         index = self._toe_ids[toe]
-        linear = pin.getFrameClassicalAcceleration(self._model, self._data, index, WORLD_ALIGNED).linear
-        acceleration = self._directions.accelerated(self._model, self._data, index, linear).tolist()
+        motion = pin.getFrameClassicalAcceleration(self._model, self._data, index, WORLD_ALIGNED).vector
+        acceleration = self._directions.accelerated(self._model, self._data, index, motion).tolist()
         return tuple(acceleration) if self._level else self._ground.seen_in(acceleration)
 
     def direction(self, toe: str) -> tuple[float, ...]:
@@ -290,11 +291,12 @@ class Flow:
         return self._ways.get(toe, (math.nan,) * (self._k - 1))
 
     def height(self, frame: str) -> float:
-        """Returns the distance of a frame from the ground, along its normal, in m."""
+        """Returns the distance of a frame, or of a round foot about it, from the ground, along its normal, in m."""
         place = pin.updateFramePlacement(self._model, self._data, self.frame(frame)).translation
-        if self._plain:
+        if self._plain and not self._radii:
             return float(place[2])
         x, _, z = place.tolist()
+        z -= self._radii.get(frame, 0.0)
         return float(self._ground.above(x, z, FLOATS)) if self._ground.plane else self.own.above(self._ground, x, z)
 
     def frame(self, frame: str) -> int:

@@ -21,6 +21,7 @@ from spear_pin.hybrid.elimination import Matrix, factorize, solve, substitute
 from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.trial import mistaken
 from spear_pin.hybrid.fields import adjusted
+from spear_pin.hybrid.ground import refuse_slopes
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
 from spear_pin.hybrid.pull import Pull
 from spear_pin.hybrid.rules.footing import closed_toes, size
@@ -80,6 +81,7 @@ class Motion:
         self._index = {name: i for i, name in enumerate(robot.coordinates)}
         self._terms = mechanism.terms(q, v, ops)
         ground = numbers.ground
+        refuse_slopes(robot, ground)
         self._feet: Feet = self._asked("the ground", ground.above, ground.seen, (self._terms, ops))
         self._closed = closed_toes(robot.toes, domain)
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}

@@ -33,12 +33,8 @@ class ArrayMechanism(Mechanism):
         self._plain, self._code = mechanism, _shared(_Code(mechanism.shape, mechanism))
         self.coordinates, self.nv = mechanism.coordinates, mechanism.nv
         self.bodies, self.frames, self.toes = mechanism.bodies, mechanism.frames, mechanism.toes
-        self.axes, self.lift, self.circle, self.loops = (
-            mechanism.axes,
-            mechanism.lift,
-            mechanism.circle,
-            mechanism.loops,
-        )
+        self.axes, self.lift, self.circle = mechanism.axes, mechanism.lift, mechanism.circle
+        self.loops, self.radii = mechanism.loops, mechanism.radii
         self._numbers: list[Any] = [number for number in mechanism.numbers if number != 0.0]
 
     def with_numbers(self, numbers: Sequence[Any]) -> Self:
