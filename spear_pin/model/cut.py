@@ -145,7 +145,7 @@ class Source:
         robot: a `Robot`.
 
     Raises:
-        BadValue: the robot has inertia in addition to its model's, closed loops, or round feet.
+        BadValue: the robot has inertia in addition to its model's, or closed loops.
     """
 
     def __init__(self, robot: Any) -> None:
@@ -153,8 +153,6 @@ class Source:
             raise BadValue("robot", robot, "one without a rotary boom, whose inertia a leg cannot take over")
         if robot.loops:
             raise BadValue("robot", robot, WITHOUT_LOOPS)
-        if robot.radii:
-            raise BadValue("robot", robot, "one without round feet, which a cut does not keep")
         self.robot, self.model = robot, robot.model
         self.tree = Tree(self.model)
         self.data = self.tree.data

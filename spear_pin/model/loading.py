@@ -97,7 +97,7 @@ ROBOTS = {
         "mups_v2.urdf",
         ("toe",),
         "monoped MUPS v2 in the sagittal plane, with its knee spring and motors",
-        "arXiv 2606.21866 and its repository; the point toe is an assumption",
+        "arXiv 2606.21866 and its repository; that its round foot is fixed is an assumption",
     ),
     "crank_hopper": Shipped(
         "crank_hopper.urdf",

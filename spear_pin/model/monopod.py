@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
-from spear_pin.model.cut import AHEAD, UP, Amount, Assembly, Cut, Limb, Source, products
+from spear_pin.model.cut import AHEAD, UP, Amount, Assembly, Cut, Limb, Source, Turn, products
 from spear_pin.model.fitting import hold
 from spear_pin.model.legs import Leg, lacking_legs, named_leg, sided, simple
 from spear_pin.model.robot import Robot
+from spear_pin.model.settings import Settings
 
 SHARE = "share"
 
@@ -60,7 +62,7 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         actuated=[name for name, (turn,) in angles.items() if turn.joint in robot.actuated and name not in locked],
         locked=locked,
         source=f"monopod({robot.source!r}, {of.name!r})",
-        settings=None if robot.settings is None else robot.settings.of_cut(angles),
+        settings=None if robot.settings is None else _settings(robot.settings, angles, of),
         cut=Cut(
             kind="monopod",
             of=robot.name,
@@ -75,6 +77,11 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
             neglected=_neglected(of, limb),
         ),
     )
+
+
+def _settings(own: Settings, angles: Mapping[str, Sequence[Turn]], leg: Leg) -> Settings:
+    """Returns what a robot's settings say of a leg."""
+    return replace(own.of_cut(angles), radii={"toe": own.radii[leg.toe]} if leg.toe in own.radii else {})
 
 
 def _body(source: Source, leg: Leg, body: str | float) -> float:

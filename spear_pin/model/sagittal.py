@@ -52,6 +52,8 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
         ('posterior_hip', 'posterior_knee', 'anterior_hip', 'anterior_knee')
     """
     source = Source(robot)
+    if robot.radii:
+        raise BadValue("robot", robot, "one without round feet, which its plane does not keep")
     found = _pairs(source, pairs)
     origin = _origin(source)
     trunk = pin.SE3(np.eye(3), -origin).act(source.lump(source.rest(leg for pair in found for leg in pair.legs)))

@@ -127,6 +127,9 @@ class TestRefused:
         with pytest.raises(BadValue, match="level ground, as the robot has round feet: toe"):
             hopping(leg, ground=Ground(slope=0.1))
 
-    def test_a_cut(self, leg):
-        with pytest.raises(BadValue, match="one without round feet"):
-            monopod(leg, leg.legs[0])
+
+def test_a_leg_that_is_cut_out_keeps_its_round_foot(leg):
+    cut = monopod(leg, leg.legs[0], locked=["boom_x"])
+    assert cut.radii == {"toe": 0.02}
+    q = [0.6, 0.5, 1.1]
+    np.testing.assert_allclose(cut.toe_jacobian(q, "toe"), leg.toe_jacobian(q, "toe"), atol=1e-12)
