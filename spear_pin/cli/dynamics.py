@@ -63,6 +63,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "J_dot_v": {toe: robot.toe_drift(q, v, toe) for toe in robot.toes},
         "toe_position": {toe: robot.toe_position(q, toe) for toe in robot.toes},
     }
+    if robot.loops:
+        loops = {"gap": robot.loop_gap(q), "A": robot.loop_jacobian(q), "A_dot_v": robot.loop_drift(q, v)}
+        result |= {f"loops_{name}": value for name, value in loops.items()}
     if robot.cut is not None:
         result["cut"] = str(robot.cut)
     lines = [f"{robot.name}: {', '.join(robot.coordinates)}  (SI units, radians)"]

@@ -186,6 +186,10 @@ def load(
         },
         settings=settings,
     )
+    if robot.closure is not None and settings is not None and not settings.independent:  # whatever motors are asked for
+        known = draft.motors if driven is None else () if driven == "all" else driven
+        own = tuple(name for name in robot.closure.tied if name in known)
+        robot = robot.with_model(model, settings=replace(settings, independent=own))
     with blaming(said.path, "loops"):
         check_loops(robot)
     return robot

@@ -320,12 +320,11 @@ class Robot(Shown):
     def independent(self) -> tuple[str, ...]:
         """Names of coordinates that determine all others; those that the loops do not tie are among them.
 
-        Of the tied ones these are the ones that the settings name, else those with a motor.
+        Of the tied ones these are the ones that the file names, else those that have a motor by the file.
         """
         if self.closure is None:
             return self.coordinates
-        said = () if self.settings is None else self.settings.independent
-        own = said or self.actuated
+        own = () if self.settings is None else self.settings.independent
         return tuple(name for name in self.coordinates if name not in self.closure.tied or name in own)
 
     def closed(self, q: ArrayLike) -> Array:

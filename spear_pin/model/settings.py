@@ -31,7 +31,7 @@ class Settings:
         gears: ratios and rotors that the file itself gives, by joint.
         post: position, x and y in m, of the post about which the robot goes, if any.
         loops: closed loops, between frames of the model or among its joints.
-        independent: names of tied joints that determine the others; by default those with a motor.
+        independent: names of tied joints that determine the others; by default those with a motor in the file.
         reach: hip's and knee's angle of a leg with loops.
         radii: radius of each round foot, in m, by its toe.
     """

@@ -27,6 +27,15 @@ class TestDynamics:
         assert result["B"] == [[0, 0], [0, 0], [1, 0], [0, 1]]
         assert (result["q"], result["v"]) == STATE
 
+    def test_loops(self, capsys):
+        leg = load("crank_hopper")
+        q = leg.closed([0.2, -0.35, -0.1, 0.16]).tolist()
+        result = printed(capsys, "dynamics", "crank_hopper", "--q", *q, "--v", *[1.0] * 4)
+        np.testing.assert_allclose(result["loops_gap"], [0.0, 0.0], atol=1e-12)
+        np.testing.assert_allclose(result["loops_A"], leg.loop_jacobian(q), rtol=0, atol=1e-12)
+        np.testing.assert_allclose(result["loops_A_dot_v"], leg.loop_drift(q, [1.0] * 4), rtol=0, atol=1e-12)
+        assert "loops_A" not in printed(capsys, "dynamics", "spear_ii")
+
     def test_text(self, capsys):
         status, out, err = run(capsys, "dynamics", "spear_ii", "--q", *STATE[0])
         assert status == 0 and err == ""

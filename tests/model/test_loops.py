@@ -213,6 +213,12 @@ def test_a_wrong_file_is_refused_in_one_line(tmp_path, what):
     assert "\n" not in message and "crank_leg.toml" in message and said in message
 
 
+def test_motors_that_are_asked_for_do_not_change_which_joints_are_independent(tmp_path):
+    path = write(tmp_path, "crank_leg", CRANK_LEG, CRANK_LOOP)
+    assert load(path, base="fixed", motors="all").independent == ("boom_z", "crank")
+    assert load(path, base="fixed", motors=["rod"]).independent == ("boom_z", "crank")
+
+
 def test_loops_in_space_are_refused(tmp_path):
     tilted = FIVE_BAR.replace('<axis xyz="0 0 1"/>', '<axis xyz="0 1 0"/>', 1)
     with pytest.raises(BadFile, match="x-z plane alone"):
