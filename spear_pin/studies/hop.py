@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from spear_pin.errors import UnknownName
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.measures.curves import Curves
 from spear_pin.gaits.measures.of_samples import Sampled
@@ -28,7 +29,12 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         peak_compression of the spring, spring_share (see there), energy by flow, all measures by name; of all of them
         energy_residual, the largest, and retouches, how often the toe left the ground too briefly for a flight.
         Without an apex, or a whole cycle, what needs one is None, and energy is empty.
+
+    Raises:
+        UnknownName: the robot has no joint "knee", as one with closed loops.
     """
+    if "knee" not in trajectory.coordinates:
+        raise UnknownName("joint", "knee", trajectory.coordinates)
     law, ledger, whole = gait.system.law, trajectory.ledger, trajectory.cycles > 0
     first = trajectory.cycle == 1
     apexes = [event.q for event in trajectory.named("apex") if event.time >= trajectory.t[first][0]]

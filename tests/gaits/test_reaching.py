@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, simulate
-from spear_pin.errors import BadFile, BadValue
+from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.gaits.reaching import landing, posed
 from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
@@ -12,6 +12,8 @@ from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart
 from spear_pin.model.path import Joints
+from spear_pin.studies.hop import summarize
+from spear_pin.viz.plots import hop_summary
 from tests.model.looped import CRANK_LEG, CRANK_LOOP, FIVE_BAR, crank_leg, five_bar, write
 from tests.slow import slow_but
 
@@ -120,6 +122,14 @@ def test_a_guess_hangs_below_its_motors_with_its_toe_at_rest(systems, name):
     assert robot.toe_position(q, "toe")[1] < -0.15
     assert np.abs(robot.toe_jacobian(q, "toe") @ v).max() < 1e-12 and v[0] == pytest.approx(-0.5)
     assert np.abs(robot.loop_gap(q)).max() < 1e-12 and np.abs(robot.loop_jacobian(q) @ v).max() < 1e-12
+
+
+def test_what_needs_a_knee_says_so(gaits):
+    gait = gaits["crank_hopper"]
+    hops = simulate(gait.system, gait.state, cycles=1)
+    for ask in (lambda: hop_summary(hops), lambda: summarize(gait, hops)):
+        with pytest.raises(UnknownName, match=r"unknown joint '(hip|knee)'; valid: boom_z, crank, rod, slide"):
+            ask()
 
 
 class TestRefused:

@@ -9,7 +9,7 @@ from matplotlib.container import Container
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.hybrid.column_names import PAIR, of_a_pair
@@ -35,7 +35,7 @@ NEGLIGIBLE = 1e-3  # of the largest flow: too little to be seen
 
 def draw_angle(axes: Axes, trajectory: Trajectory, joint: str, gait: Gait | None) -> None:
     """Draws the angle of a joint over time, with the angles commanded in flight and latched in stance."""
-    index = trajectory.coordinates.index(joint)
+    index = _row(trajectory, joint)
     over(axes, trajectory, f"{_words(joint)} angle (rad)")
     axes.plot(trajectory.t, trajectory.q[:, index], color=BLUE, label="simulated")
     if gait is not None:
@@ -61,8 +61,20 @@ def draw_force(axes: Axes, trajectory: Trajectory) -> None:
     legend_above(axes, 4 if len(trajectory.toes) == 1 else 2)
 
 
+def _row(trajectory: Trajectory, joint: str) -> int:
+    """Returns the row of a joint in q.
+
+    Raises:
+        UnknownName: the robot has no such joint.
+    """
+    if joint not in trajectory.coordinates:
+        raise UnknownName("joint", joint, trajectory.coordinates)
+    return trajectory.coordinates.index(joint)
+
+
 def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None:
     """Draws the torques on a knee over time."""
+    _row(trajectory, joint)
     motor = trajectory.u[:, trajectory.actuated.index(joint)]
     spring = trajectory.spring[:, trajectory.spring_joints.index(joint)]
     total = trajectory.tau[:, trajectory.actuated.index(joint)]
