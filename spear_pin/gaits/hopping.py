@@ -216,13 +216,13 @@ def hopping(
     to zero, releases the spring and latches the forward speed.
 
     Args:
-        robot: SPEAR-II, with boom_x locked or free, another leg as `spear_pin.monopod` cuts it, or a leg with closed
-            loops whose file has `[reach]`, the angles that the law calls hip and knee.
-        law: parameters of the controller; for another leg those of `HoppingLaw.scaled`. On a leg with loops the hip
-            lands at 0 unless the law gives its angle.
+        robot: SPEAR-II, with boom_x locked or free, another leg as `spear_pin.monopod` cuts it, or a leg on a slider
+            whose file has `[reach]`, the angles that the law calls hip and knee: with closed loops, or with an ankle.
+        law: parameters of the controller; for another leg those of `HoppingLaw.scaled`. With
+            `[reach]` the hip lands at 0 unless the law gives its angle.
         spring: the knee spring, or several by name, each on the joint of its name or on its own path; for another leg
-            that of `Spring.scaled`; with loops by default the springs of its file. If one of them is fixed, the
-            motors balance in flight all that are engaged, but not on a leg with loops.
+            that of `Spring.scaled`; with `[reach]` by default the springs of its file. If one of them is fixed, the
+            motors balance in flight all that are engaged, but not with `[reach]`.
         contact: friction of level ground.
         ground: the ground, instead of `contact`.
 

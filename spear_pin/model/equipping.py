@@ -105,8 +105,6 @@ def _reach(said: Sidecar, path: Path, model: pin.Model) -> Reach | None:
     if not said.reach:
         return None
     with blaming(path, "reach"):
-        if not said.loops:
-            raise BadValue("reach", dict(said.reach), "no reach without loops: a leg's hip and knee are joints")
         tables = keys_of("reach", said.reach, ("knee",), ("hip",))
         for joint, weight in (pair for table in tables.values() for pair in table.items()):
             if joint not in drivable(model):

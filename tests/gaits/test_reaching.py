@@ -14,7 +14,7 @@ from spear_pin.hybrid.section import chart
 from spear_pin.model.path import Joints
 from spear_pin.studies.hop import summarize
 from spear_pin.viz.plots import hop_summary
-from tests.model.looped import CRANK_LEG, CRANK_LOOP, FIVE_BAR, crank_leg, five_bar, write
+from tests.model.looped import CRANK_LEG, CRANK_LOOP, crank_leg, five_bar, write
 from tests.slow import slow_but
 
 CRANK = HoppingLaw(-0.35, stance_torque=0.7, frequency=5.0, knee_gain=6.0, knee_damping=0.15, hold_extension=True)
@@ -157,7 +157,3 @@ class TestRefused:
         with pytest.raises(BadFile) as caught:
             load(write(tmp_path, "crank_leg", CRANK_LEG, text), base="fixed")
         assert said in str(caught.value) and "\n" not in str(caught.value)
-
-    def test_a_reach_without_loops(self, tmp_path):
-        with pytest.raises(BadFile, match="no reach without loops"):
-            load(write(tmp_path, "five_bar", FIVE_BAR, "[reach]\nknee = { front_knee = 1.0 }\n"), base="fixed")
