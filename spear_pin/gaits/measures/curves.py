@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from math import comb
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ Mask = NDArray[np.bool_]
 
 DEGREE = 5
 INSTANT = 1e-12  # s: an event's two samples may differ by rounding
+ROUNDING = 1e-12  # of Bernstein coefficients, of the largest
 GAUSS = np.polynomial.legendre.leggauss(6)
 
 
@@ -157,9 +159,24 @@ class Curves:
 
 
 def _roots(spline: Any, level: float = 0.0) -> Array:
-    """Finds where a spline crosses a level, in order of time."""
-    found = scipy.interpolate.PPoly.from_spline(spline).solve(level, discontinuity=False, extrapolate=False)
+    """Finds where a spline crosses a level, in order of time.
+
+    Few of its pieces do. The others have Bernstein coefficients of one sign, and become constants, which solve at once.
+    """
+    pieces = scipy.interpolate.PPoly.from_spline(spline)
+    powers = np.arange(len(pieces.c))[:, None]  # of the time in a piece, from its begin
+    bernstein = _bernstein(len(pieces.c) - 1) @ (pieces.c[::-1] * np.diff(pieces.x) ** powers) - level
+    rounding = ROUNDING * (np.abs(bernstein).max(axis=0) + abs(level))
+    away = (bernstein.min(axis=0) > rounding) | (bernstein.max(axis=0) < -rounding)
+    pieces.c[:, away], pieces.c[-1, away] = 0.0, level + 1.0
+    found = pieces.solve(level, discontinuity=False, extrapolate=False)
     return np.asarray(np.sort(found[np.isfinite(found)]), np.float64)
+
+
+@cache
+def _bernstein(n: int) -> Array:
+    """Returns the matrix from coefficients of powers 0 to n to those of Bernstein polynomials, (n + 1, n + 1)."""
+    return np.array([[comb(k, j) / comb(n, j) for j in range(n + 1)] for k in range(n + 1)])
 
 
 def _resolved(times: Array, values: Array, t: Array, samples: Array) -> Mask:
