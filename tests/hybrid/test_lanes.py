@@ -21,7 +21,7 @@ from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from tests.hybrid.lanes import FINE, around, assert_agree, assert_same, compiles
 
-pytestmark = pytest.mark.optimised
+AS_SHIPPED = taylor.LEVEL  # tests compile with less, see `soon_compiled`
 
 
 @compiles
@@ -141,13 +141,13 @@ class TestLanes:
         assert (found.reason[0], found.cycles[0], found.repeated[0]) == ("not_finite", 2, True)
         np.testing.assert_allclose(found.observed["apex"][0][:3], seen[1], rtol=0, atol=1e-7)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("unroll", [False, True])
     def test_however_it_is_compiled(self, hop, unroll, monkeypatch):
         """It computes the same, with loops or without, optimised or not; one lane alone, too."""
         q, v = around(hop, 0.02, 20)
-        with monkeypatch.context() as patch:
-            patch.setattr(taylor, "LEVEL", 0)
-            plain = simulate_many(hop.system, q, v, 2, unroll=unroll)
+        plain = simulate_many(hop.system, q, v, 2, unroll=unroll)
+        monkeypatch.setattr(taylor, "LEVEL", AS_SHIPPED)
         assert_same(simulate_many(hop.system, q, v, 2), plain, 1e-9)
         monkeypatch.setattr(runner, "FEW", 20)
         assert_same(simulate_many(hop.system, q, v, 2), plain, 1e-9)

@@ -19,7 +19,7 @@ from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from tests.hybrid.lanes import FINE
 
-pytestmark = [pytest.mark.extra("heyoka"), pytest.mark.optimised]
+pytestmark = pytest.mark.extra("heyoka")
 
 
 def also(system, phase, *guards, **changes):

@@ -16,7 +16,7 @@ from spear_pin.hybrid.modes import choose as choose_one
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.rules.footing import STARTS_TO_SLIDE
 
-pytestmark = [pytest.mark.extra("heyoka"), pytest.mark.optimised]
+pytestmark = pytest.mark.extra("heyoka")
 BARELY = 1e-6  # N: too little for the toe to be said to stick
 
 
