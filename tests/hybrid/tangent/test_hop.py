@@ -7,7 +7,7 @@ from spear_pin import find_gait, hopping, load
 from spear_pin.hybrid.tangent.record import Recorder
 from tests.hybrid.tangent.oracle import by_coordinate, by_parameter, derivative, found
 
-pytest.importorskip("heyoka")
+pytestmark = pytest.mark.extra("heyoka")
 NAMES = ("stance_torque", "stiffness", "damping", "knee_touchdown", "frequency", "hip_gain", "friction", "knee_gain")
 
 
