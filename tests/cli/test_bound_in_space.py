@@ -37,8 +37,8 @@ def test_a_push_is_recovered_from(capsys, tmp_path):
 @pytest.mark.slow
 def test_a_kept_gait_is_pushed(capsys, tmp_path):
     asked = ("bound", "--space", "--gait", FOLDER / "long_stride_upright.json", "--out", tmp_path)
-    result = printed(capsys, *asked, "--push", 0.1, "--cycles", 4)
-    assert result["reason"] == "complete" and result["cycles"] == 4 and result["lost"] is None
+    result = printed(capsys, *asked, "--push", 0.1, "--cycles", 2)
+    assert result["reason"] == "complete" and result["cycles"] == 2 and result["lost"] is None
     assert max(abs(complex(*each)) for each in result["multipliers"]) == pytest.approx(1.0674, abs=1e-4)
     assert result["residual"] <= 1e-9 and result["energy_residual"] <= 1e-8 and result["beyond_limits"] == []
     motion = Trajectory.load(tmp_path / "bound_in_space.npz")

@@ -242,8 +242,26 @@ class TestMistakes:
         assert not list(tmp_path.iterdir())
 
 
+@pytest.fixture(scope="module")
+def solved():
+    """Gaits that were found."""
+    return []
+
+
+@pytest.fixture
+def solved_once(solved, monkeypatch):
+    """Hops with the same hardware are solved without noise and losses, and so need it once."""
+
+    def find(*asked, **options):
+        solved.extend([] if solved else [find_gait(*asked, **options)])
+        return solved[0]
+
+    monkeypatch.setattr("spear_pin.find_gait", find)
+
+
 class TestHardware:
     @pytest.mark.slow
+    @pytest.mark.usefixtures("solved_once")
     def test_costs_more_than_its_motors_work(self, capsys, tmp_path):
         shown = printed(capsys, "hop", "--hardware", "--stance-torque", "9.43", "--cycles", "1", "--out", tmp_path)
         energy = shown["electrical"]
@@ -264,16 +282,9 @@ class TestHardware:
         assert "begun at 7.00 N·m" in given
 
     @pytest.mark.slow
-    def test_noise_and_losses_reach_the_run(self, capsys, tmp_path, monkeypatch):
-        """Though all of them are solved without, and so need it once."""
-        solved = []
-
-        def find(*asked, **options):
-            solved.extend([] if solved else [find_gait(*asked, **options)])
-            return solved[0]
-
-        monkeypatch.setattr("spear_pin.find_gait", find)
-        common = ["hop", "--hardware", "--stance-torque", "9.43", "--cycles", "2", "--rtol", "1e-7", "--out", tmp_path]
+    @pytest.mark.usefixtures("solved_once")
+    def test_noise_and_losses_reach_the_run(self, capsys, tmp_path):
+        common = ["hop", "--hardware", "--stance-torque", "9.43", "--cycles", "1", "--rtol", "1e-7", "--out", tmp_path]
         runs = [
             printed(capsys, *common, *options)["electrical"]["battery_knee"]
             for options in ([], ["--noise", "0.01"], ["--noise", "0.01", "--seed", "1"], ["--losses", "20"])

@@ -26,7 +26,7 @@ LAW = HoppingLaw(hip_touchdown=0.5, stance_torque=8.0)
 @compiles
 class TestLanes:
     @pytest.mark.parametrize("locked", [[], ["boom_x"]])
-    @pytest.mark.parametrize("n", [1, 5, 64])
+    @pytest.mark.parametrize("n", [1, 64])
     def test_agree_with_the_reference(self, n, locked):
         """Slope, height and friction differ, among them level and slippery ground; begun on it, and above it."""
         rng = np.random.default_rng(n)

@@ -210,8 +210,10 @@ class TestWishes:
 
     def test_what_is_out_of_reach_is_named(self, robot, trot):
         with pytest.raises(Infeasible, match="mean speed.*m/s.*try speed=") as caught:
-            self.wished(robot, trot, speed=14.0)
+            self.wished(robot, trot, speed=20.0)
         assert caught.value.violation > 1.0 and caught.value.unit == "m/s"
+
+    def test_a_wish_that_asks_for_another_is_named(self, robot, trot):
         with pytest.raises(Infeasible, match="duration of the stride.*longest_stride="):
             self.wished(robot, trot, clearance=0.8)
 

@@ -6,6 +6,7 @@ import pytest
 from spear_pin import Spring, load
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.footfalls.limbs import hip_heights, legs_of, reaching
+from spear_pin.gaits.footfalls.obstacles import remedy
 from spear_pin.gaits.footfalls.plan import Plan
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS, Footfalls
@@ -64,6 +65,10 @@ class TestRequest:
     def test_refused(self, values, named):
         with pytest.raises(BadValue, match=named):
             FootfallRequest(**values)
+
+    def test_a_stride_that_is_too_short_may_be_longer(self):
+        asked = FootfallRequest(longest_stride=0.8)
+        assert remedy(asked, "duration of the stride", 0.2) == "longest_stride=1"
 
     def test_law_refused(self):
         with pytest.raises(BadValue, match="knee_rest"):

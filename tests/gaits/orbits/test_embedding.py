@@ -16,6 +16,7 @@ from spear_pin.hybrid.periodic import chart, residual, return_map
 from spear_pin.hybrid.symmetry import mirror_of, turned
 
 ACROSS = [1, 3, 5]  # y, yaw, roll
+FEW = 3, 9  # seeds of the gate; the nightly has more
 KNEE = [name for name in library.names() if name != "force_lift_off"]
 each_gait = pytest.mark.parametrize(
     "name", [name if name == "long_stride" else pytest.param(name, marks=pytest.mark.slow) for name in KNEE]
@@ -75,9 +76,14 @@ def perturbed_stride(seed):
     return return_map(*perturbed(seed), 1e-12)
 
 
+each_seed = pytest.mark.parametrize(
+    "seed", [pytest.param(seed, id=str(seed) if seed in FEW else f"more-{seed}") for seed in range(11)]
+)
+
+
 class TestSymmetry:
     @pytest.mark.slow
-    @pytest.mark.parametrize("seed", range(11))
+    @each_seed
     def test_mirror(self, seed):
         system, state = perturbed(seed)
         mirror = mirror_of(system.robot)
@@ -86,7 +92,7 @@ class TestSymmetry:
             np.testing.assert_allclose(mirror(one), other, rtol=0, atol=1e-11)
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("seed", range(11))
+    @each_seed
     def test_turned_and_moved(self, seed):
         system, state = perturbed(seed)
         here, there = perturbed_stride(seed), return_map(system, turned(*state, 1.1, (3.0, -2.0)), 1e-12)
@@ -95,7 +101,7 @@ class TestSymmetry:
 
     @pytest.mark.slow
     def test_energy_of_a_perturbed_stride(self):
-        run = return_map(*perturbed(7))
+        run = perturbed_stride(FEW[0])
         assert abs(run.change[0] - run.work[0].sum()) <= 1e-9
 
     @pytest.mark.slow
@@ -104,7 +110,7 @@ class TestSymmetry:
         system, (q, v) = spatial("long_stride")
         whole = stride("long_stride").state[1]
         ratios = []
-        for roll in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7):
+        for roll in (1e-3, 1e-5, 1e-7):
             local = q.copy()
             local[5] = roll
             local[2] -= min(system.ground.foot(system.robot, local, toe)[0] for toe in system.section_toes)

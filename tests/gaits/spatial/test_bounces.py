@@ -70,7 +70,7 @@ def test_a_toe_that_slides_on_ever_more_slowly_is_stopped_in_time():
 
 @pytest.mark.slow
 def test_drops_end_for_a_reason_that_is_not_of_numbers():
-    found = [drop(seed) for seed in range(3)]  # the nightly has hundreds
+    found = [drop(seed) for seed in range(2)]  # the nightly has hundreds
     assert {one.reason for one in found} <= {*REASONS}
     assert all(one.finite and one.residual < 1e-6 for one in found)
     assert not [one for one in found if one.reason in ("step_size", "not_finite", "evaluation_cap", "zeno")]
