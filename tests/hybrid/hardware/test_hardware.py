@@ -73,10 +73,9 @@ class TestIdealLimit:
     @pytest.mark.slow
     def test_the_loop_converges_to_it_with_its_bandwidth(self, run):
         ideal = landings(run(IDEAL))
-        errors = [np.abs(landings(run(replace(IDEAL, bandwidth=f))) - ideal).max() for f in (200.0, 400.0, 800.0)]
-        assert errors[-1] < 0.1
-        for coarse, fine in zip(errors, errors[1:], strict=False):
-            assert coarse / fine == pytest.approx(2.0, abs=0.25)
+        errors = [np.abs(landings(run(replace(IDEAL, bandwidth=f))) - ideal).max() for f in (200.0, 400.0)]
+        assert errors[1] < 0.2
+        assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.25)
 
     @pytest.mark.slow
     def test_it_converges_to_the_quasi_static_limit_where_the_voltage_runs_out(self, run):

@@ -8,19 +8,8 @@ from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.tangent.record import Recorder
-from tests.hybrid.tangent.oracle import derivative
 
 pytestmark = pytest.mark.extra("heyoka")
-
-
-@pytest.mark.parametrize("name", ["long_stride", "least_effort", "force_lift_off"])
-def test_multipliers_are_those_of_the_gait(name):
-    gait = Gait.load(name)
-    result, around, _ = derivative(gait.system, np.concatenate(gait.state))
-    nv = gait.system.robot.nv
-    M = np.concatenate([around.q_basis.T @ result.dy[:nv], around.v_basis.T @ result.dy[nv:]])
-    moduli = np.sort(np.abs(np.linalg.eigvals(M)))
-    assert moduli == pytest.approx(np.sort(np.abs(gait.multipliers)), abs=1e-5)
 
 
 def test_events_that_all_but_meet_are_told_apart():
