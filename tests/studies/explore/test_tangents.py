@@ -17,7 +17,7 @@ from spear_pin.studies.explore.tangents import LONE, MULTIPLIER, SOLVED, tangent
 
 pytestmark = pytest.mark.extra("heyoka")
 SHARE = 1e-3  # of a range, that a knob is turned either way
-FINE = {"hop": 20_000, "bound": 2000}  # samples of a phase: figures are of samples
+FINE = {"hop": 4000, "bound": 2000}  # samples of a phase: figures are of samples
 CLOSE = 1e-4
 
 
