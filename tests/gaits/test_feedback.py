@@ -21,6 +21,7 @@ from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.periodic import chart, differentiate_return_map, displacement, eigenvalues, return_map
 from tests.gaits.feeding import idle
 from tests.gaits.orbits.test_embedding import planar, spatial
+from tests.slow import slow_but
 from tests.solve.gaits import fastest_upright, least_effort_upright
 
 RADIUS = {"least_effort": 0.9, "force_lift_off": 0.9}  # beside long_stride
@@ -148,7 +149,7 @@ def test_a_hop_has_no_feedback_of_its_speed(hop: Gait) -> None:
 class TestAnyGait:
     """A hop in place and with boom_x free, a hop with a series spring, HOPPY's, a law of one's own."""
 
-    @pytest.mark.parametrize("name", ["hop", "free_hop", "series_hop", "hoppy"])
+    @pytest.mark.parametrize("name", slow_but(["hop", "free_hop", "series_hop", "hoppy"], "hop"))
     def test_multipliers_are_those_of_the_closed_loop(self, request, name):
         """They follow from A and B; the derivatives of the closed loop itself share nothing with K."""
         gait = request.getfixturevalue(name)

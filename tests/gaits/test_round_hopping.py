@@ -17,6 +17,7 @@ from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.tangent.section import exact_jacobian
 from spear_pin.studies.round_hop import summarize_round
 from spear_pin.studies.sweep import sweep, table
+from tests.slow import slow_but
 
 THEIRS = np.array([1.0, 1.0, 1.0, -1.0])  # signs of their q1 to q4
 START = np.array([0.0, 0.0, np.pi / 3, np.pi / 2]), np.zeros(4)
@@ -225,7 +226,7 @@ class TestGait:
 class TestDerivatives:
     """They are exact, in the directions round the post as in the plane."""
 
-    @pytest.mark.parametrize("limited", [False, True])
+    @pytest.mark.parametrize("limited", slow_but([False, True], False))
     def test_multipliers_against_differences_of_cycles(self, hoppy, gait, limited):
         if limited:
             law = replace(RoundHoppingLaw.driven(hoppy), unlimited_friction=False)
@@ -240,6 +241,7 @@ class TestDerivatives:
             one, two = (after(k * step * row) - after(-k * step * row) for k in (1.0, 2.0))
             np.testing.assert_allclose(found[:, i], (8.0 * one - two) / (12.0 * step), rtol=0, atol=2e-8)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("name", ["stiffness", "toe_damping", "knee_mass", "boom_yaw_inertia_zz"])
     def test_measures_against_gaits_found_again(self, gait, name):
         value, table = number(gait.system, name), gait.sensitivity([name])

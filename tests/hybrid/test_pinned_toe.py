@@ -97,6 +97,7 @@ class Pinned:
         return replace(system, domains=(replace(stance, contacts=(PINNED,), guards=kept), flight))
 
 
+@pytest.mark.slow
 def test_a_hop_with_a_pinned_toe_is_found_and_differentiated():
     """In the plane too: the compiled engine leaves it to the reference engine."""
     gait = find_gait(changed(hopping(ROBOT), Pinned()))
