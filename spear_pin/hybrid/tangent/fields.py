@@ -255,7 +255,7 @@ def compiled(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, n
     duals = [Dual(x, d) for x, d in zip(variables[:count], variables[count:], strict=True)]
     outputs, zero = of(duals, operations(taylor.operations([]), hy.relup)), hy.expression(0.0)
     rows = [zero + part(each) for part in (value_of, derivative_of) for each in outputs]
-    return hy.cfunc(rows, variables, compact_mode=nv > taylor.UNROLLED)
+    return hy.cfunc(rows, variables, compact_mode=nv > taylor.UNROLLED, opt_level=taylor.LEVEL)
 
 
 def compiles(structure: Structure) -> bool:
