@@ -18,10 +18,13 @@ def children(pid):
     return [int(word) for path in Path(f"/proc/{pid}/task").glob("*/children") for word in path.read_text().split()]
 
 
+SOON = "import sys; sys.modules['heyoka'] = None; from spear_pin.__main__ import main; main()"  # nothing is compiled
+
+
 def start(*arguments):
     """The command in a process of its own, and the line that it prints."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "spear_pin", "explore", *arguments],
+        [sys.executable, "-c", SOON, "explore", *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -46,7 +49,7 @@ def test_it_answers_and_ends_cleanly(number):
         connection.request("GET", "/hop?friction=0.5")
         response = connection.getresponse()
         assert response.status == 200 and json.load(response)["knobs"]["friction"] == 0.5
-        assert told["url"] == f"http://127.0.0.1:{told['port']}/" and told["engine"] in ("Taylor", "reference")
+        assert told["url"] == f"http://127.0.0.1:{told['port']}/" and told["engine"] == "reference"
         assert children(process.pid) == []
         process.send_signal(number)
         assert process.communicate(timeout=30) == ("", "")
