@@ -246,6 +246,7 @@ class TestInSpace:
 
 
 class TestRefusedInSpace:
+    @pytest.mark.slow
     def test_feedback_of_the_speed_in_the_law_of_the_plane(self):
         law = in_space().system.law
         gait = in_space().with_law(plane=replace(law.plane, speed_gain=(5.0, 0.0)))

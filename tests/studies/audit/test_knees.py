@@ -29,6 +29,7 @@ def test_each_is_a_gait_with_that_knee(gait, kind):
     assert (spring.stiffness == 0.0) == (kind == NONE) and (spring.rest is not None) == (kind == FIXED)
 
 
+@pytest.mark.slow
 def test_what_they_cost():
     assert knees.costs(HOP) == pytest.approx((16.98, 2.381, 5.477), rel=1e-3)
     assert knees.costs(BOUND) == pytest.approx((0.4171, 0.2169, 0.2263), rel=1e-3)

@@ -17,6 +17,7 @@ from spear_pin.studies.explore.carried import LATE, Underway, carried
 from spear_pin.studies.explore.figures import figures, script
 from spear_pin.studies.explore.gaits import gait_to_explore
 from spear_pin.studies.explore.tangents import tangents
+from tests.slow import slow_but
 
 pytestmark = pytest.mark.extra  # heyoka runs the cycles where it is installed
 
@@ -109,7 +110,7 @@ class TestAnyGait:
         assert figures(motion)["period"] == pytest.approx(expected.period, rel=1e-8)
         assert abs(expected.period - free.gait.period) > 1e-5
 
-    @pytest.mark.parametrize("name", ["knee_mass", "stance_torque"])
+    @pytest.mark.parametrize("name", slow_but(["knee_mass", "stance_torque"], "stance_torque"))
     def test_slopes_are_differences_of_figures(self, free, name):
         knob, at = free.knobs[name], {"knee_mass": 1.01 * free.knobs["knee_mass"].default}
         h = 1e-3 * knob.default
@@ -120,6 +121,7 @@ class TestAnyGait:
         for figure in ("period", "peak_force", "peak_torque"):  # integrals of so few samples are too coarse
             assert slopes[figure] == pytest.approx((a[figure] - b[figure]) / (2 * h), rel=1e-3), figure
 
+    @pytest.mark.slow
     def test_the_saved_program_carries_it_too(self, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         free = find_gait(hopping(load("spear_ii")))

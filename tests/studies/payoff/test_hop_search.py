@@ -129,6 +129,7 @@ class TestWay:
 
 
 class TestStarts:
+    @pytest.mark.slow
     def test_the_same_seed_has_the_same_starts_within_ranges(self, start):
         chosen = ranges(start.system.robot, free=False)
         found = [list(starts(task(start.system.robot, count=3), [start])) for _ in range(2)]
