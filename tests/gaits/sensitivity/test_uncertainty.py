@@ -224,7 +224,7 @@ class TestMonteCarlo:
 
     @pytest.mark.slow
     def test_standard_deviations_agree_within_chance(self, spread):
-        drawn = spread.monte_carlo(800, seed=5)
+        drawn = spread.monte_carlo(200, seed=5)
         assert drawn.samples.alike.all()
         for name in spread.outputs:
             if spread.moves(name):
@@ -236,14 +236,14 @@ class TestMonteCarlo:
         covariance = np.diag([0.25, 0.0007, 4e-6])
         covariance[0, 1] = covariance[1, 0] = -0.9 * np.sqrt(0.25 * 0.0007)
         spread = table.uncertainty(covariance)
-        drawn = spread.monte_carlo(800, seed=6)
+        drawn = spread.monte_carlo(200, seed=6)
         for name in ("stance_torque", "positive_work", "multiplier_1"):
             assert abs(drawn.deviation(name) - spread.deviation(name)) < 4.0 * drawn.error(name), name
         # what knowing takes away, from the samples: what is left about a straight line over the parameter
         values, given = drawn.drawn("positive_work"), drawn.samples.parameters
         for i in range(3):
             share = np.corrcoef(given[:, i], values)[0, 1] ** 2
-            assert share == pytest.approx(spread.gains("positive_work")[i], abs=0.08)
+            assert share == pytest.approx(spread.gains("positive_work")[i], abs=0.16)
 
 
 def test_guesses_of_lanes(hop):
