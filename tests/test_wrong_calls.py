@@ -4,7 +4,7 @@ import pytest
 
 from tests.wrong_calls.run import answered_badly, everything
 
-PART = 48  # of as many
+PART = 96  # of as many
 TURNS = 2  # in which they are made
 
 
