@@ -140,12 +140,8 @@ class TestAnyGait:
         motion = carried(subject.at(hip_spacing=1.01 * subject.knobs["hip_spacing"].default))
         assert motion.verdict == "periodic" and abs(motion.gait.multipliers[0]) == pytest.approx(3.7, abs=0.1)
         assert f"cycles={motion.trajectory.cycles}" in script(motion) and motion.trajectory.cycles == 2
-
-    @pytest.mark.slow
-    def test_a_trot_shows_a_whole_stride(self):
-        motion = carried(gait_to_explore(Gait.load("trot"), "a trot", ["roll_inertia_xx"]).at())
-        shown, slopes = figures(motion), tangents(motion).slopes["roll_inertia_xx"]
-        assert motion.trajectory.cycles == 2 and set(slopes) == {name for name, x in shown.items() if x is not None}
+        shown, slopes = figures(motion), tangents(motion).slopes["hip_spacing"]
+        assert set(slopes) == {name for name, x in shown.items() if x is not None}
 
     def test_numbers_without_a_name_or_a_range_are_refused(self):
         gait = Gait.load("trot")
