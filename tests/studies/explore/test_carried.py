@@ -102,6 +102,7 @@ class TestAnyGait:
     def free():
         return gait_to_explore(find_gait(hopping(load("spear_ii"))), "a hop", ["knee_mass", "stance_torque"])
 
+    @pytest.mark.slow
     def test_it_is_the_gait_that_is_found_with_the_number(self, free):
         value = 1.02 * free.knobs["knee_mass"].default
         motion = carried(free.at(knee_mass=value))
