@@ -149,12 +149,11 @@ MUTATIONS = [
         "model/directions",
         ["model/test_directions", "model/test_spatial", "model/test_dynamics", "hybrid/test_equations_of_motion"],
         {
-            "rows x and y of a toe": ("return vectors[0 : 3 : 4 - self.dimension]", "return vectors[: self.dimension]"),
-            "drift along x and y": (
-                "return acceleration[0 : 3 : 4 - self.dimension]",
-                "return acceleration[: self.dimension]",
+            "rows x and y of a toe": (
+                "found = motions[0 : 3 : 4 - self.dimension]",
+                "found = motions[: self.dimension]",
             ),
-            "round a post the other way": ("(x * vectors[1] - y * vectors[0])", "(y * vectors[0] - x * vectors[1])"),
+            "round a post the other way": ("(x * motions[1] - y * motions[0])", "(y * motions[0] - x * motions[1])"),
             "a circle's direction that does not turn": (" - (x * vy - y * vx) * (x * vx + y * vy) / radius**3", ""),
             "for any scalars it does not turn": ("- y * drift[0] - turning)", "- y * drift[0])"),
             "a circle about the origin": ("float(place[0]) - self.post[0]", "float(place[0])"),
