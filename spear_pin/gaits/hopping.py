@@ -9,7 +9,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from spear_pin.errors import BadValue, require
+from spear_pin.arrays import Array
+from spear_pin.errors import BadValue, listed, require
 from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.gaits.reaching import angles, driving, landing, posed, seeing
 from spear_pin.gaits.springing import springing
@@ -243,7 +244,8 @@ def hopping(
     _check(robot)
     if robot.reach is not None and law.hip_touchdown is None:
         law = replace(law, hip_touchdown=0.0)
-    rise, time = robot.index("boom_z"), _scale(robot, law).time
+    lands = posed(robot, *_landing(law))
+    rise, scale = robot.index("boom_z"), _scale(robot, lands)
     forward = robot.index("boom_x") if "boom_x" in robot.coordinates else None
     if forward is None and law.foot_placement != 0.0:
         raise BadValue("HoppingLaw.foot_placement", law.foot_placement, "0 while boom_x is locked")
@@ -267,7 +269,8 @@ def hopping(
     flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"], "compressing": 0.0, "limited": 0.0})
     fallen = fall(["hip", "knee"])
     if robot.reach is not None:
-        fallen = (*fall(robot.actuated), *toggle(robot, posed(robot, *_landing(law))))
+        turning = [joint for joint, unit in zip(robot.coordinates, robot.units, strict=True) if unit == "rad"]
+        fallen = (*fall(turning), *toggle(robot, lands))
     stance = Domain(
         "stance",
         "stance",
@@ -300,10 +303,10 @@ def hopping(
         section="touchdown",
         cyclic=() if forward is None else ("boom_x",),
         build=hopping,
-        guess=lambda: _guess(robot, law, as_ground(contact)),
+        guess=lambda: _guess(robot, lands, FALLING * scale.speed, as_ground(contact)),
         measures=_measures(robot),
-        phase_limit=LONGEST * time,
-        shortest_flight=SHORTEST_FLIGHT * time,
+        phase_limit=LONGEST * scale.time,
+        shortest_flight=SHORTEST_FLIGHT * scale.time,
         sprung=True,
     )
 
@@ -324,19 +327,26 @@ def _limit_guards(robot: Robot, law: HoppingLaw) -> tuple[Guard, ...]:
         spare = (1.0 - 2.0 * held["limited"]) * ops.maximum(excess, per_torque)
         return held["compressing"] * spare + (1.0 - held["compressing"])
 
-    toggle = Reset(latch=lambda q, v, held, p: {"limited": 1.0 - held["limited"]})
-    return (Guard("force_limit", seeing(robot, margin), toggle, tolerance=1e-6),)
+    turn = Reset(latch=lambda q, v, held, p: {"limited": 1.0 - held["limited"]})
+    return (Guard("force_limit", seeing(robot, margin), turn, tolerance=1e-6),)
 
 
 def _check(robot: Robot) -> None:
     """Refuses a robot that the law cannot drive."""
+    if robot.reach is not None:
+        if not robot.planar or robot.toes != ("toe",) or "boom_z" not in robot.independent:
+            raise BadValue("robot", robot, "a planar robot with the toe 'toe' on a slider 'boom_z'")
+        robot.reach.check(robot.actuated)
+        if tied := [motor for motor in robot.actuated if motor not in robot.independent]:
+            expected = f"motors on joints that determine the others: {listed(robot.independent)}"
+            raise BadValue("motors", tied, expected)
+        return
     if not robot.planar or robot.toes != ("toe",) or "boom_z" not in robot.coordinates:
         raise BadValue("robot", robot, ROBOTS)
-    if robot.reach is None:
-        if robot.loops or robot.coordinates[-2:] != ("hip", "knee"):
-            raise BadValue("robot", robot, "one with [reach] in its file" if robot.loops else ROBOTS)
-        if robot.actuated != ("hip", "knee"):
-            raise BadValue("robot.actuated", robot.actuated, "motors on 'hip' and 'knee'")
+    if robot.loops or robot.coordinates[-2:] != ("hip", "knee"):
+        raise BadValue("robot", robot, "one with [reach] in its file" if robot.loops else ROBOTS)
+    if robot.actuated != ("hip", "knee"):
+        raise BadValue("robot.actuated", robot.actuated, "motors on 'hip' and 'knee'")
 
 
 def _usual(robot: Robot) -> Spring | Mapping[str, Spring]:
@@ -354,19 +364,17 @@ def _landing(law: HoppingLaw) -> tuple[float, float]:
     return 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown, law.knee_touchdown
 
 
-def _scale(robot: Robot, law: HoppingLaw) -> Scale:
-    """Returns a robot's size; a leg with loops is as long as its toe is deep at touchdown."""
-    if robot.reach is None:
-        return scale_of(robot)
-    return scale_of(robot, -float(robot.toe_position(posed(robot, *_landing(law)), "toe")[1]))
+def _scale(robot: Robot, q: Array) -> Scale:
+    """Returns a robot's size; with `[reach]` its leg is as long as its toe is deep at touchdown, at q."""
+    return scale_of(robot) if robot.reach is None else scale_of(robot, -float(robot.toe_position(q, "toe")[1]))
 
 
-def _guess(robot: Robot, law: HoppingLaw, ground: Ground) -> tuple[Any, Any]:
+def _guess(robot: Robot, lands: Array, speed: float, ground: Ground) -> tuple[Any, Any]:
     """Returns a state just after touchdown at the commanded angles, falling as from a few centimetres."""
-    q = posed(robot, *_landing(law))
+    q = lands.copy()
     x, z = robot.toe_position(q, "toe")
     q[robot.index("boom_z")] = ground.under(x) - z
-    return q, landing(robot, q, FALLING * _scale(robot, law).speed)
+    return q, landing(robot, q, speed)
 
 
 def _measures(robot: Robot) -> Mapping[str, Callable[[Run], float]]:

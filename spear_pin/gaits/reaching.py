@@ -64,7 +64,9 @@ def angles(robot: Robot, values: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def posed(robot: Robot, hip: float, knee: float) -> Array:
-    """Returns the configuration, (nv,), with these angles of hip and knee; of several, the one whose toe is lowest.
+    """Returns the configuration, (nv,), with these angles of hip and knee.
+
+    Of several it is the one whose toe is lowest, within the limits of the joints if there is one.
 
     Raises:
         BadValue: the loops cannot be closed with these angles.
@@ -78,16 +80,24 @@ def posed(robot: Robot, hip: float, knee: float) -> Array:
     )
     q[[robot.index(motor) for motor in robot.actuated]] = np.linalg.lstsq(rows, [hip, knee], rcond=None)[0]
     tied = [i for i, name in enumerate(robot.coordinates) if name not in robot.independent]
-    closed = []
+    turning, closed = [i for i in tied if robot.units[i] == "rad"], []
     for start in np.random.default_rng(0).uniform(-2.0, 2.0, (TRIES, len(tied))):
         q[tied] = start
         try:
-            closed.append(robot.closed(q))
+            found = robot.closed(q)
         except BadValue:
             continue
+        found[turning] = np.remainder(found[turning] + np.pi, 2.0 * np.pi) - np.pi
+        closed.append(robot.closed(found))
     if not closed:
         raise BadValue("knee_touchdown", knee, "an angle at which the leg's loops can be closed")
-    return min(closed, key=lambda each: float(robot.toe_position(each, robot.toes[0])[-1]))
+    return min(closed, key=lambda each: (_beyond(robot, each), float(robot.toe_position(each, robot.toes[0])[-1])))
+
+
+def _beyond(robot: Robot, q: Array) -> int:
+    """Returns how many joints are beyond their limits."""
+    limits = [(robot.limits[name].position, value) for name, value in zip(robot.coordinates, q, strict=True)]
+    return sum(not low <= value <= high for (low, high), value in limits)
 
 
 def landing(robot: Robot, q: Array, fall: float) -> Array:

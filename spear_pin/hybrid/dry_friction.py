@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 
-from spear_pin.errors import BadValue, require
+from spear_pin.errors import BadValue, listed, require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, SLIPS
 from spear_pin.hybrid.domain import Domain, Rub
@@ -58,11 +58,15 @@ class DryFriction:
         forces = self.forces
         for joint, force in forces.items():
             system.robot.index(joint)
+            if joint not in system.robot.independent:
+                raise BadValue(
+                    "forces", dict(forces), f"joints that loops do not tie, or {listed(system.robot.independent)}"
+                )
             require(f"dry friction of {joint}", force, lambda value: value >= 0, "a number >= 0, in N or N·m")
             if any(rub.joint == joint for domain in system.domains for rub in domain.rubs):
                 raise BadValue("forces", dict(forces), f"joints without dry friction, which {joint} has already")
         rubbing = len(forces) + max((len(domain.rubs) for domain in system.domains), default=0)
-        free = min(system.robot.nv - _constraints(domain, system.robot.dimension) for domain in system.domains)
+        free = min(len(system.robot.independent) - _constraints(domain, system.robot) for domain in system.domains)
         if rubbing > free:
             joints = f"at most {free} joint{'s' * (free != 1)}, as many as move freely with toes on the ground"
             raise BadValue("forces", dict(forces), f"{joints}: with more, friction is not unique")
@@ -83,6 +87,9 @@ def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Do
     return modes
 
 
-def _constraints(domain: Domain, dimension: int) -> int:
+def _constraints(domain: Domain, robot: Robot) -> int:
     """Returns the number of constraints of a domain's contacts, in the plane or in space."""
-    return sum(0 if mode == OPEN else 1 if mode in SLIPS else dimension for mode in domain.contacts)
+    modes = zip(robot.toes, domain.contacts, strict=True)
+    return sum(
+        0 if mode == OPEN else 1 if mode in SLIPS or toe in robot.guided else robot.dimension for toe, mode in modes
+    )

@@ -48,9 +48,9 @@ def eliminated(matrix: Matrix, rights: Matrix) -> Matrix:
 
 
 def responses(terms: Terms, rows: Matrix, solved: Callable[[Matrix, Matrix], Matrix] = eliminated) -> Matrix:
-    """Returns the change of velocity for a unit impulse along each row, with closed loops: of r = D⁻¹ Jᵀ the part W Jᵀ.
+    """Returns the change of velocity for a unit impulse along each row, D⁻¹ Jᵀ.
 
-    With the loops' rows A it solves D r + Aᵀ μ = Jᵀ, A r = 0.
+    With closed loops, whose rows are A, it solves D r + Aᵀ μ = Jᵀ, A r = 0 instead.
     """
     nv, loops = len(terms.mass_matrix), terms.loop_rows
     if not loops:

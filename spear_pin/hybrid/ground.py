@@ -123,7 +123,10 @@ class Ground(Contact):
     def foot(self, robot: Robot, q: ArrayLike, toe: str) -> tuple[float, Array]:
         """Returns a toe's distance from the ground, in m, and its Jacobian in the ground's axes, (2 or 3, nv)."""
         (x, *_, z), jacobian = robot.toe_position(q, toe), robot.toe_jacobian(q, toe)
-        return float(self.above(x, z, FLOATS)), np.array(self.seen_in(jacobian))
+        seen = np.array(self.seen_in(jacobian))
+        if toe in robot.guided:
+            seen[0] = 0.0  # whatever loops leave of it by rounding
+        return float(self.above(x, z, FLOATS)), seen
 
 
 def _reporting(function: Callable[..., Any]) -> Callable[..., Any]:

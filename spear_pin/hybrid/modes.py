@@ -30,7 +30,6 @@ from spear_pin.hybrid.rules.footing import (
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import STATE_AT_REST, aloft, below_ground, rests, start
-from spear_pin.model.loops import CLOSED
 
 F = TypeVar("F", bound=Flow)
 
@@ -170,8 +169,10 @@ def _feet(system: HybridSystem, q: Any, v: Any) -> dict[str, tuple[float, Array]
     for toe, (height, _) in feet.items():
         if below_ground(height):
             raise BadValue(f"height of {toe}", height, "at or above the ground")
-    for what, gap in ((q, system.robot.loop_gap(q)), (v, system.robot.loop_jacobian(q) @ v)):
-        if np.abs(gap).max(initial=0.0) > CLOSED:
-            names = listed([loop.name for loop in system.robot.loops])
-            raise BadValue("q" if what is q else "v", what, f"one that keeps {names} closed, as robot.closed(q) does")
+    closure, names = system.robot.closure, listed([loop.name for loop in system.robot.loops])
+    held = (True, True) if closure is None else closure.holds(np.asarray(q, float), np.asarray(v, float))
+    for name, value, holds in zip("qv", (q, v), held, strict=True):
+        if not holds:
+            how = "robot.closed(q)" if name == "q" else "robot.reduced(q, rates).v"
+            raise BadValue(name, value, f"one that keeps {names} closed, as {how} does")
     return feet

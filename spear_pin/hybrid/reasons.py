@@ -3,6 +3,7 @@
 REASONS = {
     "complete": "all cycles were run",
     "below_ground": "a toe was below the ground at the beginning",
+    "open_loop": "a closed loop was open at the beginning, or its ends parted",
     "fall": "a part other than a toe reached the ground",
     "toggle": "a closed loop reached a toggle, where its motors do not determine its joints any more",
     "limit": "a joint reached the end of its range",

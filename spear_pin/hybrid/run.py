@@ -216,6 +216,8 @@ class _Runner:
         q, v = self.y[:nq], self.y[nq : nq + nv]
         if self.robot.closure is not None:
             q, v = self.robot.closure.projected(q, v)
+            if not np.isfinite(q).all():
+                raise ArithmeticError("loops cannot be closed")
         before, impulse = v.copy(), np.zeros((len(self.robot.toes), self.robot.dimension))
         work: dict[str, float] = {}
         system, domain = self.system, self.flow.domain

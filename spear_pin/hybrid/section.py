@@ -125,8 +125,10 @@ class AfterImpact(Section):
         closure = self.robot.closure
         if closure is None:
             return np.empty((len(q), 0)), np.empty((len(q), 0, q.shape[1]))
-        gaps, rows = zip(*map(closure.at, q), strict=True)
-        return np.array(gaps), np.array(rows)
+        gaps, rows = np.empty((len(q), closure.size)), np.empty((len(q), closure.size, q.shape[1]))
+        for lane, configuration in enumerate(q):
+            gaps[lane], rows[lane] = closure.at(configuration)
+        return gaps, rows
 
     def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
         """Tells which closed toes slide, (n, k)."""

@@ -109,8 +109,8 @@ def _reach(said: Sidecar, path: Path, model: pin.Model) -> Reach | None:
         for joint, weight in (pair for table in tables.values() for pair in table.items()):
             if joint not in drivable(model):
                 raise UnknownName("joint", joint, drivable(model))
-            if type(weight) not in (int, float) or not weight:
-                raise BadValue(joint, weight, "a weight, a number other than 0")
+            if type(weight) not in (int, float) or not weight or not math.isfinite(weight):
+                raise BadValue(joint, weight, "a weight, a finite number other than 0")
         return Reach(
             **{name: tuple((joint, float(weight)) for joint, weight in table.items()) for name, table in tables.items()}
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -56,8 +57,8 @@ def _tied(given: Any, model: pin.Model) -> tuple[tuple[str, float], ...]:
     for joint, weight in given.items():
         if joint not in single:
             raise UnknownName("joint", joint, single)
-        if type(weight) not in (int, float) or not weight:
-            raise BadValue(f"joints.{joint}", weight, "a weight, a number other than 0")
+        if type(weight) not in (int, float) or not weight or not math.isfinite(weight):
+            raise BadValue(f"joints.{joint}", weight, "a weight, a finite number other than 0")
     if len(given) < 2:
         raise BadValue("joints", given, "at least two joints with their weights")
     return tuple((joint, float(weight)) for joint, weight in given.items())

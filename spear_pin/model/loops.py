@@ -13,13 +13,15 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.arrays import Array
+from spear_pin.errors import UnknownName
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
 
 PLANE = [0, 2]  # x and z
-CLOSED = 1e-6  # m or rad: a state with a larger gap does not close its loops
-SETTLED, STEPS = 1e-13, 30  # of Newton's method: a gap that counts as zero, and most steps
+CLOSED = 1e-8  # m or rad, and per s: a state with a larger gap, or whose gap grows faster, does not close its loops
+SETTLED, STEPS, LONGEST = 1e-13, 50, 0.5  # of Newton's method: a gap that counts as zero, steps, and the longest step
 TOGGLE = 1e10  # condition number of the dependent columns at which a loop is at a toggle
+FAR = 1e-2  # smallest singular value of the dependent columns, relative to the largest, far from a toggle
 TIED = 1e-9  # m or rad per unit of a coordinate: it does not move a loop's ends apart
 DEPENDENT = 1e-9  # singular value, relative to the largest, up to which rows depend on each other
 
@@ -52,6 +54,9 @@ class Closure:
         coordinates: names of its coordinates.
         loops: the loops.
 
+    Raises:
+        UnknownName: the robot does not have a joint of a loop, or it is locked.
+
     Attributes:
         size: number of rows, m.
         tied: names of the coordinates that the loops tie to others.
@@ -63,6 +68,8 @@ class Closure:
         self._ties = [np.zeros(model.nv) for _ in loops]
         for loop, tie in zip(loops, self._ties, strict=True):
             for joint, weight in loop.joints:
+                if joint not in coordinates:
+                    raise UnknownName(f"joint of the loop {loop.name!r}", joint, coordinates)
                 tie[coordinates.index(joint)] += weight
         some = np.random.default_rng(0).uniform(-0.5, 0.5, model.nv)
         most = np.abs(self.at(some)[1]).max(axis=0)
@@ -109,10 +116,22 @@ class Closure:
             gap, rows = self.at(q)
             if np.abs(gap).max() < SETTLED:
                 return q
-            q[moving] -= np.linalg.lstsq(rows[:, moving], gap, rcond=None)[0]
-            if not np.isfinite(q).all():
+            if not np.isfinite(rows).all():
                 break
+            step = np.linalg.lstsq(rows[:, moving], gap, rcond=None)[0]
+            q[moving] -= step * min(1.0, LONGEST / (np.abs(step).max() + SETTLED))
         return q if np.abs(self.at(q)[0]).max() < CLOSED else np.full_like(q, np.nan)
+
+    def assembled(self, starts: Sequence[Array], dependent: Sequence[int]) -> list[Array]:
+        """Returns configurations with closed loops near some others, (nv,) each, without those at a toggle."""
+        found = [q for q in map(self.closed, starts) if np.isfinite(q).all()]
+        sizes = [np.linalg.svd(self.at(q)[1][:, dependent], compute_uv=False) for q in found]
+        return [q for q, each in zip(found, sizes, strict=True) if each[-1] > FAR * each[0]]
+
+    def holds(self, q: Array, v: Array) -> tuple[bool, bool]:
+        """Tells whether a configuration closes the loops, and whether rates keep them closed."""
+        gap, rows = self.at(q)
+        return bool(np.abs(gap).max() <= CLOSED), bool(np.abs(rows @ v).max() <= CLOSED)
 
     def projected(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Returns the state with closed loops that is nearest to a state, NaN where there is none nearby."""

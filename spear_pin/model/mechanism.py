@@ -120,6 +120,7 @@ class Mechanism(ABC):
         circle: directions of contact, if it goes round a post.
         loops: the loops that it closes.
         radii: radius of each round foot, in m, by its toe.
+        guided: toes that move up and down only.
     """
 
     circle: Round | None = None
@@ -135,6 +136,7 @@ class Mechanism(ABC):
             self.axes.setdefault(frame.name, axes)
         self.toes, self.loops = {toe: self.frames[toe] for toe in robot.toes}, robot.loops
         self.radii: Mapping[str, float] = robot.radii
+        self.guided = robot.guided
 
     @abstractmethod
     def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
@@ -269,4 +271,5 @@ class Mechanism(ABC):
             self.circle,
             self.loops,
             tuple(self.radii.items()),
+            self.guided,
         )

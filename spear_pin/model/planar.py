@@ -144,6 +144,8 @@ class Planar(Mechanism):
                 body, along = self.bodies[i], jacobians[toe][0]
                 along[i] = plus(along[i], radius * body.turns)
                 i = body.parent
+        for toe in self.guided:
+            jacobians[toe][0], drifts[toe] = [0.0] * self.nv, (0.0, drifts[toe][1])
         return Feet(positions, jacobians, drifts)
 
     def _moving(self, joints: Sequence[_Joint], i: int, offset: Vector) -> tuple[Vector, list[list[Any]], Vector]:

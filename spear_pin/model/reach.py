@@ -6,6 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from spear_pin.errors import BadValue, UnknownName
+
 Weights = tuple[tuple[str, float], ...]
 
 
@@ -20,6 +24,20 @@ class Reach:
 
     knee: Weights
     hip: Weights = ()
+
+    def check(self, motors: Sequence[str]) -> None:
+        """Checks that it is of motors alone, and that they can swing the leg without folding it.
+
+        Raises:
+            UnknownName: another joint is in it.
+            BadValue: the hip's angle is a multiple of the knee's.
+        """
+        for joint, _ in (*self.knee, *self.hip):
+            if joint not in motors:
+                raise UnknownName("motor in [reach]", joint, motors)
+        rows = [[dict(weights).get(motor, 0.0) for motor in motors] for weights in (self.knee, self.hip) if weights]
+        if np.linalg.matrix_rank(rows) < len(rows):
+            raise BadValue("reach", self, "a hip whose angle is no multiple of the knee's")
 
     def angles(self, values: Sequence[Any], coordinates: Sequence[str]) -> tuple[Any, Any]:
         """Returns the angles of hip and knee, or their rates, from those of all coordinates."""

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+import scipy
 from numpy.typing import ArrayLike
 
 from spear_pin.arrays import Array
@@ -30,7 +31,7 @@ UNCHANGED: Mapping[str, Any] = MappingProxyType({})
 Added = Callable[[Array], tuple[int, float, float]]
 """Inertia μ(q) on one coordinate that no body of the model has: its row, μ, and dμ/dq along that coordinate."""
 UNIT = 1e-4  # largest difference from 1 of the length of a quaternion in q
-GUIDED, STILL = 3, 1e-12  # configurations at which a toe is seen to move along the ground, or not, and how little
+GUIDED, STILL = 8, 1e-9  # configurations at which a toe is seen to move along the ground, or not, and how little
 
 
 class Robot(Shown):
@@ -312,9 +313,18 @@ class Robot(Shown):
         if not self.planar:
             return ()
         rng, neutral = np.random.default_rng(0), pin.neutral(self.model)
-        some = [pin.integrate(self.model, neutral, rng.uniform(-0.5, 0.5, self.nv)) for _ in range(GUIDED)]
-        moves = {toe: max(np.abs(self.toe_jacobian(q, toe)[0]).max() for q in some) for toe in self.toes}
-        return tuple(toe for toe, most in moves.items() if most < STILL)
+        some = [pin.integrate(self.model, neutral, rng.uniform(-1.0, 1.0, self.nv)) for _ in range(GUIDED)]
+        free = [np.eye(self.nv)] * len(some)
+        if self.closure is not None:
+            dependent = [i for i, name in enumerate(self.coordinates) if name not in self.independent]
+            some = self.closure.assembled(some, dependent)
+            free = [scipy.linalg.null_space(self.loop_jacobian(q)) for q in some]
+        found = []
+        for toe in self.toes:
+            along = [np.abs(self.toe_jacobian(q, toe)[0] @ moves).max() for q, moves in zip(some, free, strict=True)]
+            if max(along, default=1.0) < STILL:
+                found.append(toe)
+        return tuple(found)
 
     @cached_property
     def independent(self) -> tuple[str, ...]:

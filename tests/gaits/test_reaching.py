@@ -5,7 +5,9 @@ import pytest
 
 from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, simulate
 from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.gaits.many import find_many
 from spear_pin.gaits.reaching import landing, posed
+from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
 from spear_pin.hybrid.result import Options
@@ -14,7 +16,7 @@ from spear_pin.hybrid.section import chart
 from spear_pin.model.path import Joints
 from spear_pin.studies.hop import summarize
 from spear_pin.viz.plots import hop_summary
-from tests.model.looped import CRANK_LEG, CRANK_LOOP, crank_leg, five_bar, write
+from tests.model.looped import CRANK_LEG, CRANK_LOOP, FIVE_BAR, FIVE_BAR_LOOP, crank_leg, five_bar, write
 from tests.slow import slow_but
 
 CRANK = HoppingLaw(-0.35, stance_torque=0.7, frequency=5.0, knee_gain=6.0, knee_damping=0.15, hold_extension=True)
@@ -132,7 +134,70 @@ def test_what_needs_a_knee_says_so(gaits):
             ask()
 
 
+GEARED = """[loops.gears]
+joints = { front_hip = 1.0, back_hip = 1.0 }
+[reach]
+knee = { front_hip = 2.0 }
+"""
+
+
+def geared(folder, more=GEARED):
+    """A five-bar whose hips are geared to each other, so that its toe stays below them."""
+    toml = FIVE_BAR_LOOP.split("[reach]")[0].replace(', "back_hip"]', "]") + more
+    return load(write(folder, "geared", FIVE_BAR, toml), base="fixed")
+
+
+def test_a_toe_that_loops_guide_bears_no_force_along_the_ground(tmp_path):
+    leg = geared(tmp_path)
+    assert leg.guided == ("toe",) and leg.independent == ("boom_z", "front_hip")
+    gait = find_gait(hopping(leg, FIVE, OPENING), vary=["stance_torque"], target={"flight_time": 0.12})
+    hops = simulate(gait.system, gait.state, cycles=2)
+    assert hops.force[:, 0, 0].max() == hops.force[:, 0, 0].min() == 0.0
+    assert hops.named("touchdown")[-1].impulse[0, 0] == 0.0
+    assert np.abs(hops.ledger.residual).max() < 1e-8 and len(gait.multipliers) == 2
+
+
+def test_passive_joints_are_within_one_turn(systems):
+    robot = systems["five_bar"].robot
+    for knee in (0.3, 0.6, 1.2, 2.0):
+        assert np.abs(posed(robot, 0.1, knee)[1:]).max() < np.pi
+
+
+def test_numbers_far_away_have_no_hop_and_no_traceback(systems):
+    assert not find_many(systems["crank_hopper"], {"stance_torque": [100.0, 1000.0]}).converged.any()
+
+
 class TestRefused:
+    def test_an_independent_joint_without_a_motor(self, tmp_path):
+        toml = 'independent = ["front_hip", "front_knee"]\n' + FIVE_BAR_LOOP
+        leg = load(write(tmp_path, "five_bar", FIVE_BAR, toml), base="fixed")
+        with pytest.raises(BadValue, match="motors on joints that determine the others: boom_z, front_hip"):
+            hopping(leg, FIVE, OPENING)
+
+    @pytest.mark.parametrize(
+        ("reach", "error", "said"),
+        [
+            ("knee = { front_knee = 1.0 }", UnknownName, r"unknown motor in \[reach\] 'front_knee'"),
+            ("knee = { front_hip = 1.0 }\nhip = { front_hip = 2.0 }", BadValue, "no multiple of the knee's"),
+        ],
+    )
+    def test_a_reach_that_motors_do_not_have(self, tmp_path, reach, error, said):
+        toml = FIVE_BAR_LOOP.split("[reach]")[0] + "[reach]\n" + reach
+        leg = load(write(tmp_path, "five_bar", FIVE_BAR, toml), base="fixed")
+        with pytest.raises(error, match=said):
+            hopping(leg, FIVE, OPENING)
+
+    def test_a_locked_joint_of_a_belt(self, tmp_path):
+        geared(tmp_path)
+        with pytest.raises(UnknownName, match="unknown joint of the loop 'gears' 'back_hip'"):
+            load(tmp_path / "geared.urdf", base="fixed", locked=["back_hip"])
+
+    def test_dry_friction_where_a_loop_ties_the_joint_or_of_too_many(self, systems):
+        with pytest.raises(BadValue, match="joints that loops do not tie, or boom_z, crank"):
+            with_dry_friction(systems["crank_hopper"], {"slide": 1.7})
+        with pytest.raises(BadValue, match="at most 1 joint"):
+            with_dry_friction(systems["crank_hopper"], {"crank": 0.1, "boom_z": 1.0})
+
     def test_a_leg_with_loops_whose_knee_is_not_known(self, tmp_path):
         plain = "".join(CRANK_LOOP.split("[reach]")[:1])
         leg = load(write(tmp_path, "crank_leg", CRANK_LEG, plain), base="fixed")
@@ -147,7 +212,8 @@ class TestRefused:
         ("given", "said"),
         [
             ("knee = { elbow = 1.0 }", "unknown joint 'elbow'"),
-            ("knee = { crank = 0.0 }", "a number other than 0"),
+            ("knee = { crank = 0.0 }", "a finite number other than 0"),
+            ("knee = { crank = inf }", "a finite number other than 0"),
             ("hip = { crank = 1.0 }", "a table with knee"),
             ("knee = { crank = 1.0 }\nankle = { crank = 1.0 }", "unknown key of reach 'ankle'"),
         ],

@@ -179,3 +179,12 @@ def test_a_state_with_an_open_loop_is_refused(legs):
         simulate(system, (q + [0, 0, 1e-3, 0], v))
     with pytest.raises(BadValue, match="v is .* keeps pin closed"):
         simulate(system, (q, v + [0, 0, 1e-3, 0]))
+
+
+@pytest.mark.extra("heyoka")
+def test_lanes_with_an_open_loop_end_at_once(legs):
+    system = looped_hopping(legs["crank_leg"])
+    q, v = system.guess()
+    states = np.array([q, q + [0, 0, 0.05, 0], q]), np.array([v, v, v + [0, 0, 0.5, 0]])
+    many = simulate_many(system, *states, cycles=1)
+    assert many.reason.tolist() == ["complete", "open_loop", "open_loop"]

@@ -176,6 +176,11 @@ REFUSED = {
     ),
     "one joint": ("[loops.pin]", "[loops.belt]\njoints = { crank = 1 }\n[loops.pin]", "at least two joints"),
     "no weight": ("[loops.pin]", "[loops.belt]\njoints = { crank = 1, rod = 0 }\n[loops.pin]", "other than 0"),
+    "a weight that is no number": (
+        "[loops.pin]",
+        "[loops.belt]\njoints = { crank = 1, rod = nan }\n[loops.pin]",
+        "a finite number",
+    ),
     "one end": ("b = {", "# b = {", "a table with b"),
     "both ends on one body": ('body = "foot"', 'body = "rod"', "another body than rod"),
     "a place of two numbers": (f"[0, 0, {-ROD}]", "[0, 0]", "three numbers"),

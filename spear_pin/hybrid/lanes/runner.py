@@ -126,6 +126,12 @@ class Lanes:
         below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
             self.finish(np.array([lane]), "below_ground", f"at {heights[:, lane].min():.3g} m")
+        if system.robot.closure is not None:
+            for lane in np.flatnonzero(~below):
+                q, v = self.start[: self.nv, lane], self.start[self.nv :, lane]
+                if not all(system.robot.closure.holds(q, v)):
+                    self.finish(np.array([lane]), "open_loop", "")
+                    below[lane] = True
         toes = system.robot.toes
         if system.section_toes:
             standing = ~below & (heights[[toe in system.section_toes for toe in toes]] <= ON_GROUND).any(axis=0)

@@ -106,7 +106,7 @@ def toggle(robot: Robot, q: Array) -> tuple[Guard, ...]:
 
     Args:
         robot: the robot; without loops there is no guard.
-        q: a configuration with closed loops, on the side of the toggle on which the robot moves.
+        q: a configuration with closed loops, far from a toggle.
     """
     if robot.closure is None:
         return ()
@@ -114,7 +114,8 @@ def toggle(robot: Robot, q: Array) -> tuple[Guard, ...]:
     usual = float(np.linalg.det(robot.loop_jacobian(q)[:, dependent]))
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return determinant([[row[i] for i in dependent] for row in dyn.loop_jacobian]) / usual - AT_TOGGLE
+        found = determinant([[row[i] for i in dependent] for row in dyn.loop_jacobian]) / usual
+        return ops.sqrt(found * found) - AT_TOGGLE  # on either side, as the leg may be assembled either way
 
     return (Guard("toggle", value, ends="toggle"),)
 
@@ -130,8 +131,8 @@ def spring_switches(mount: Mount, name: str = "spring_switch") -> tuple[Guard, .
         found = (2.0 * held[taut] - 1.0) * dyn.stretch(spring)
         return found if on is None else held[on] * found + (1.0 - held[on])
 
-    toggle = Reset(latch=lambda q, v, held, p: {taut: 1.0 - held[taut]})
-    return (Guard(name, stretch, toggle, tolerance=ON_REST),)
+    flip = Reset(latch=lambda q, v, held, p: {taut: 1.0 - held[taut]})
+    return (Guard(name, stretch, flip, tolerance=ON_REST),)
 
 
 def to_spare(rub: Rub, side: float) -> GuardValue:

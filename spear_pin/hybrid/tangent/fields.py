@@ -225,8 +225,8 @@ class ToeNumbers(NamedTuple):
         friction: the coefficient of friction.
         heights: heights of the toes, in m, (m, ...).
         rows: rows of their Jacobians, along the ground and normal to it, (m, k, nv, ...).
-        responses: D⁻¹ times those rows, with closed loops W times them, (m, k, nv, ...).
-        inverse_inertia: J D⁻¹ Jᵀ, or J W Jᵀ, of all toes together, (k m, k m, ...).
+        responses: velocities for unit impulses along those rows, see `elimination.responses`, (m, k, nv, ...).
+        inverse_inertia: J times these, of all toes together, (k m, k m, ...).
         speeds: J v, (k m, ...).
         gaps: φ of the robot's loops, (l, ...).
         loops: A of these, (l, nv, ...).
