@@ -119,6 +119,7 @@ class Mechanism(ABC):
         lift: acceleration of the ground, which does what gravity does, in m/s²; a vector of two or three.
         circle: directions of contact, if it goes round a post.
         loops: the loops that it closes.
+        marks: body and place of each toe, and of each end of a loop.
         radii: radius of each round foot, in m, by its toe.
         guided: toes that move up and down only.
     """
@@ -135,6 +136,7 @@ class Mechanism(ABC):
             self.frames.setdefault(frame.name, (int(frame.parentJoint) - 1, place))
             self.axes.setdefault(frame.name, axes)
         self.toes, self.loops = {toe: self.frames[toe] for toe in robot.toes}, robot.loops
+        self.marks = self.toes | {end: self.frames[end] for loop in robot.loops for end in loop.ends}
         self.radii: Mapping[str, float] = robot.radii
         self.guided = robot.guided
 
@@ -247,16 +249,17 @@ class Mechanism(ABC):
 
     @property
     def numbers(self) -> tuple[Any, ...]:
-        """The numbers of each body, as its `numbers` lists them, then the places of toes."""
+        """The numbers of each body, as its `numbers` lists them, then the places of toes and of the ends of loops."""
         of_bodies = (number for body in self.bodies for number in body.numbers)
-        return *of_bodies, *(number for _, offset in self.toes.values() for number in offset)
+        return *of_bodies, *(number for _, offset in self.marks.values() for number in offset)
 
     def with_numbers(self, numbers: Sequence[Any]) -> Self:
         """Returns this mechanism with other numbers, in the order of `numbers`; they may be symbols."""
         left, other = iter(numbers), copy(self)
         other.bodies = tuple(body.with_numbers(left) for body in self.bodies)
-        other.toes = {toe: (i, tuple(islice(left, len(offset)))) for toe, (i, offset) in self.toes.items()}
-        other.frames = {**self.frames, **other.toes}
+        other.marks = {name: (i, tuple(islice(left, len(offset)))) for name, (i, offset) in self.marks.items()}
+        other.toes = {toe: other.marks[toe] for toe in self.toes}
+        other.frames = {**self.frames, **other.marks}
         return other
 
     @property

@@ -54,7 +54,8 @@ class Number:
 def body_numbers(robot: Robot) -> Mapping[str, Number]:
     """Returns the nonzero numbers of a robot's bodies, by name.
 
-    "knee_mass" is the mass of the body that the knee moves, "hip_to_knee" and "knee_to_toe" are lengths. In space
+    "knee_mass" is the mass of the body that the knee moves, "hip_to_knee", "knee_to_toe" and, to an end of the loop
+    "pin", "rod_to_pin_a" are lengths. In space
     "roll_inertia_xx" is the inertia of what turns with the joint "roll", the torso, about its x axis.
 
     Raises:
@@ -68,8 +69,9 @@ def body_numbers(robot: Robot) -> Mapping[str, Number]:
             found[f"{joint}_{what}"] = Number(float(value), _unit(what, body.turns))
         if body.parent >= 0:
             found[f"{robot.coordinates[body.parent]}_to_{joint}"] = Number(hypot(*body.placement), "m")
-    for toe, (i, offset) in mechanism.toes.items():
-        found[f"{robot.coordinates[i]}_to_{toe}"] = Number(hypot(*offset), "m")
+    for mark, (i, offset) in mechanism.marks.items():
+        if i >= 0:
+            found[f"{robot.coordinates[i]}_to_{mark}"] = Number(hypot(*offset), "m")
     return MappingProxyType({name: number for name, number in found.items() if number.value != 0.0})
 
 
@@ -152,8 +154,8 @@ def _turns(model: pin.Model) -> list[Any]:
 
 
 def _stretch(robot: Robot, model: pin.Model, name: str, factor: float) -> None:
-    """Scales the distance of a joint or a toe from the joint on which it hangs."""
-    end = next(end for end in (*robot.coordinates, *robot.toes) if name.endswith(f"_to_{end}"))
+    """Scales the distance of a joint, a toe or an end of a loop from the joint on which it hangs."""
+    end = next(end for end in (*robot.coordinates, *mechanism_of(robot).marks) if name.endswith(f"_to_{end}"))
     if end in robot.coordinates:
         place = model.jointPlacements[int(model.getJointId(end))]
         place.translation = place.translation * factor

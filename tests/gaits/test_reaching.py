@@ -76,7 +76,15 @@ def test_multipliers_are_those_of_differences(gaits, name):
 
 
 OVER = {
-    "crank_hopper": ("stiffness", "leg.start_z", "slide_mass", "crank_armature", "crank_to_rod", "knee_gain"),
+    "crank_hopper": (
+        "stiffness",
+        "leg.start_z",
+        "slide_mass",
+        "crank_armature",
+        "crank_to_rod",
+        "rod_to_pin_a",
+        "knee_gain",
+    ),
     "five_bar": ("stiffness", "knee_gain", "boom_z_mass"),  # leaning, its toe slides for an instant before lift-off
 }
 

@@ -35,6 +35,7 @@ class ArrayMechanism(Mechanism):
         self.bodies, self.frames, self.toes = mechanism.bodies, mechanism.frames, mechanism.toes
         self.axes, self.lift, self.circle = mechanism.axes, mechanism.lift, mechanism.circle
         self.loops, self.radii, self.guided = mechanism.loops, mechanism.radii, mechanism.guided
+        self.marks = mechanism.marks
         self._numbers: list[Any] = [number for number in mechanism.numbers if number != 0.0]
 
     def with_numbers(self, numbers: Sequence[Any]) -> Self:
