@@ -31,7 +31,7 @@ from spear_pin.printable import printable
 
 FRICTION = 0.8  # of toes and ground, the package's assumption
 LEAST = 1e-14  # kg and kg·m² that a link without inertia is given: MuJoCo wants more than 1e-15
-CONTACT_RADIUS = 1e-3  # m, of the sphere that stands for a toe, a point
+CONTACT_RADIUS = 1e-3  # m, of the sphere that stands for a toe, unless its foot is round
 SLIDING = (FRICTION, 0.005, 0.0001)  # the other two are MuJoCo's own, of turning and rolling; points do neither
 ON_GROUND = {"contype": "0", "conaffinity": "1", "group": "3"}
 FREE = 6  # velocities of a floating joint
@@ -253,7 +253,8 @@ def _add_toes(robot: Robot, elements: list[Any]) -> None:
         frame = robot.model.frames[robot.toe_id(toe)]
         at, parent = frame.placement.translation, elements[frame.parentJoint]
         add(parent, "site", name=toe, pos=at, size=0.005)
-        sphere = add(parent, "geom", name=toe, type="sphere", size=CONTACT_RADIUS, pos=at, friction=SLIDING)
+        size = robot.radii.get(toe, CONTACT_RADIUS)
+        sphere = add(parent, "geom", name=toe, type="sphere", size=size, pos=at, friction=SLIDING)
         sphere.attrib.update(ON_GROUND)
 
 

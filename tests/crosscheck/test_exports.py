@@ -59,8 +59,8 @@ def test_mass_matrix_bias_and_toes(case):
         assert_close(robot.mass_matrix(q), change.T @ there @ change)
         assert_close(robot.bias(q, v), change.T @ (data.qfrc_bias[velocities] + there @ rate))
         for toe in robot.toes:
-            place = data.site(toe).xpos
-            assert_close(robot.frame_position(q, toe), place[[0, 2]] if robot.planar else place)
+            place = data.site(toe).xpos - [0.0, 0.0, robot.radii.get(toe, 0.0)]
+            assert_close(robot.toe_position(q, toe), place[[0, 2]] if robot.planar else place)
 
 
 @each_robot

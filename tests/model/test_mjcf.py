@@ -95,6 +95,10 @@ class TestContents:
         assert [geom.getparent().get("name") for geom in trunk] == ["torso"] * 2
         assert all((geom.get("contype"), geom.get("conaffinity")) == ("0", "1") for geom in trunk)  # the ground's only
 
+    def test_a_round_foot_is_a_sphere_of_its_radius(self):
+        (foot,) = etree.fromstring(to_mjcf(load("mups_v2"))).xpath("//geom[@name='toe']")
+        assert (foot.get("type"), foot.get("size")) == ("sphere", "0.02")
+
     @pytest.mark.parametrize(
         ("shapes", "meshes", "kinds"),
         [

@@ -163,11 +163,11 @@ def test_what_is_written_is_read_back(write_xml, name):
     """The robot comes back, but for its velocities' limits, which MJCF lacks, and what only its TOML file says."""
     robot = load(name)
     path = write_xml(to_mjcf(robot))
-    if robot.post is not None:
-        path.with_suffix(".toml").write_text('post = "boom_yaw"\n')
-    if robot.radii:
-        feet = "".join(f"[feet.{toe}]\nradius = {radius}\n" for toe, radius in robot.radii.items())
-        path.with_suffix(".toml").write_text(f'toes = ["{", ".join(robot.toes)}"]\n{feet}')
+    beside = "" if robot.post is None else 'post = "boom_yaw"\n'
+    beside += f"toes = {list(robot.toes)}\n" if robot.radii else ""
+    beside += "".join(f"[feet.{toe}]\nradius = {radius}\n" for toe, radius in robot.radii.items())
+    if beside:
+        path.with_suffix(".toml").write_text(beside)
     again = load(path, toes=robot.toes)
     q, v = state(robot)
     assert (again.coordinates, again.actuated, again.name) == (robot.coordinates, robot.actuated, robot.name)
