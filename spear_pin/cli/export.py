@@ -101,6 +101,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:
     from spear_pin.files import write_text
     from spear_pin.model.mjcf import to_mjcf
+    from spear_pin.model.mjcf_loops import left_out as loops_left_out
     from spear_pin.model.mjcf_springs import left_out
     from spear_pin.model.srdf import to_srdf
 
@@ -123,7 +124,7 @@ def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str
         if meshes:
             rows.append(("meshes", f"{len(meshes)}, in {path.with_name(f'{path.stem}_meshes')}"))
         rows += [("shapes", note) for note in notes]
-    missing = left_out(robot, springs) if "mjcf" in paths else []
+    missing = [*left_out(robot, springs), *loops_left_out(robot)] if "mjcf" in paths else []
     rows += [("left out", line) for line in missing]
     for path, text in texts.items():
         write_text(path, text)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -35,6 +36,7 @@ class Draft:
         gears: ratios and rotors that the file gives, by joint.
         motors: names of the joints with motors.
         notes: warnings, a line each.
+        loops: closed loops that the file gives, by name, as tables of a TOML file.
         source: name or path from which the robot can be loaded again.
     """
 
@@ -45,6 +47,7 @@ class Draft:
     motors: tuple[str, ...]
     notes: tuple[str, ...]
     source: str
+    loops: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 def of_urdf(urdf: Urdf, base: Base | None) -> Draft:
@@ -144,7 +147,7 @@ def of_mjcf(mjcf: Mjcf, base: Base | None) -> Draft:
         model.referenceConfigurations[name] = _configuration(model, posture)
     notes = (*mjcf.notes, *fixed_trunk(model, mjcf.root, base))
     motors = tuple(drive.joint for drive in mjcf.drives)
-    return Draft(model, mjcf.name, mjcf.path, gears, motors, notes, str(mjcf.path))
+    return Draft(model, mjcf.name, mjcf.path, gears, motors, notes, str(mjcf.path), mjcf.loops)
 
 
 def _configuration(model: pin.Model, posture: Mapping[str, tuple[float, ...]]) -> Array:

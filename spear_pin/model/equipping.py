@@ -38,22 +38,22 @@ def equipped(
     """Checks the contents of a TOML file against the robot.
 
     Args:
-        said: contents of the TOML file.
+        said: contents of the TOML file, and the loops of the robot's own file.
         model: model of the robot as its file describes it.
         known: ratios and rotors in the robot's file, by joint.
         name: name of the robot.
         toes: toes of the robot, whatever the arguments are.
 
     Returns:
-        the settings, None without a file; the joints with motors: names, "all", or None if the file has none; and
-        ratios and rotors from both files.
+        the settings, None without a file or loops; the joints with motors: names, "all", or None if the file has none;
+        and ratios and rotors from both files.
 
     Raises:
         BadFile: there is no such joint, frame or leg, or the model contradicts the file.
     """
-    path = said.path
-    if path is None:
+    if said.path is None and not said.loops:
         return None, None, known
+    path = said.path or Path(str(said.source))
     loops = _loops(said, path, model)
     with blaming(path, "locked"):
         held = hold(model, said.locked or ())

@@ -7,11 +7,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import pinocchio as pin
 
-from spear_pin.errors import BadFile, BadValue, RobotWarning, UnknownName
+from spear_pin.errors import BadFile, BadValue, RobotWarning, SpearError, UnknownName, listed
 from spear_pin.kinds import typed
 from spear_pin.model.chain import BASES, ONE_OF, on_chain
 from spear_pin.model.draft import Draft, of_mjcf, of_model, of_urdf
@@ -153,35 +153,76 @@ def load(
     said = sidecar_of(source)
     wanted_base = said.base if base is None else base
     draft = _draft(said.source, "free" if wanted_base == "chain" else wanted_base, repair)
+    asked = _Asked(
+        None if said.source is source else str(source),
+        None if toes is None else _names(toes),
+        None if locked is None else _names(locked),
+        base,
+        "all" if motors == "all" else None if motors is None else _names(motors),
+        repair,
+    )
+    robot, notes = _looped(draft, said, asked)
+    for note in notes:
+        warnings.warn(RobotWarning(f"{draft.name}: {note}"), stacklevel=3)
+    return robot
+
+
+class _Asked(NamedTuple):
+    """Arguments of `load`, and the path of a TOML file that is its source."""
+
+    file: str | None
+    toes: tuple[str, ...] | None
+    locked: tuple[str, ...] | None
+    base: str | None
+    motors: str | tuple[str, ...] | None
+    repair: bool
+
+
+def _looped(draft: Draft, said: Sidecar, asked: _Asked) -> tuple[Robot, list[str]]:
+    """Makes a robot with the loops of its own file if it can have them, else without; returns it, and warnings."""
+    if not draft.loops:
+        return _made(draft, said, asked)
+    whole = replace(said, loops={**draft.loops, **said.loops})
+    try:
+        return _made(replace(draft, model=draft.model.copy()), whole, asked)
+    except SpearError as error:
+        if said.loops or said.independent or said.reach:  # the TOML file counts on them
+            raise
+        reason = error.problem if isinstance(error, BadFile) else str(error)
+    robot, notes = _made(draft, said, asked)
+    lost = [f"<{'joint' if 'joints' in table else 'connect'}> {name!r}" for name, table in draft.loops.items()]
+    return robot, [*notes, f"not taken over: {listed(lost)} in <equality>: {reason}"]
+
+
+def _made(draft: Draft, said: Sidecar, asked: _Asked) -> tuple[Robot, list[str]]:
+    """Makes a robot from what its files and the arguments of `load` say; returns it, and warnings."""
+    wanted_base = said.base if asked.base is None else asked.base
     shipped = ROBOTS[str(said.source)].toes if str(said.source) in ROBOTS else ()
     own_toes = shipped if said.own_toes is None else said.own_toes
     notes = [*draft.notes, *order_limits(draft.model)]
     settings, driven, gears = equipped(said, draft.model, draft.gears, draft.name, own_toes)
     notes += set_gears(draft.model, gears)
-    locked = _names((said.locked or ()) if locked is None else locked)
+    locked = _names(said.locked or ()) if asked.locked is None else asked.locked
     model = hold(draft.model, locked)
     if wanted_base in ("free", "chain"):
         check_floating(draft.place, model)
-    model, mended = with_inertia(draft.place, model, repair)
-    asked = "all" if motors == "all" else None if motors is None else _names(motors)
-    wanted = driven if asked is None else asked
+    model, mended = with_inertia(draft.place, model, asked.repair)
+    wanted = driven if asked.motors is None else asked.motors
     model, actuated = with_motors(model, draft.motors if wanted is None else wanted, locked)
     notes += mended
     if wanted is None and not draft.motors and drivable(model):
         notes.append('no joint has a motor: motors="all" gives one to each, motors=[...] to those that it names')
-    for note in notes:
-        warnings.warn(RobotWarning(f"{draft.name}: {note}"), stacklevel=3)
     model = on_chain(model) if wanted_base == "chain" else model  # the chain's joints have no motors
     robot = Robot(
         model,
         name=draft.name,
-        toes=own_toes if toes is None else _names(toes),
+        toes=own_toes if asked.toes is None else asked.toes,
         actuated=actuated,
         locked=locked,
-        source=draft.source if said.source is source else str(source),
+        source=draft.source if asked.file is None else asked.file,
         options={
             name: value
-            for name, value in (("base", base), ("motors", asked), ("repair", repair or None))
+            for name, value in (("base", asked.base), ("motors", asked.motors), ("repair", asked.repair or None))
             if value is not None
         },
         settings=settings,
@@ -192,7 +233,7 @@ def load(
         robot = robot.with_model(model, settings=replace(settings, independent=own))
     with blaming(said.path, "loops"):
         check_loops(robot)
-    return robot
+    return robot, notes
 
 
 def sidecar_of(source: str | Path | pin.Model) -> Sidecar:

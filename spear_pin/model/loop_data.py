@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, listed
 from spear_pin.model.cable import Anchor
 from spear_pin.model.frames import POINT, frame_id
@@ -32,14 +33,22 @@ def loop_of(name: str, table: Mapping[str, Any], model: pin.Model) -> Loop:
         keys_of("a loop of joints", table, ("joints",), ())
         return Loop(name, joints=_tied(table["joints"], model))
     keys_of("a loop", table, ENDS, ())
-    ends = [Anchor(**keys_of(end, table[end], ("body", "at"), ())) for end in ENDS]
-    carriers = [0 if end.body == WORLD else frame_id(model, end.body) for end in ends]
+    start, other = Anchor(**keys_of("a", table["a"], ("body", "at"), ())), keys_of("b", table["b"], ("body",), ("at",))
+    carriers = [0 if body == WORLD else frame_id(model, body) for body in (start.body, other["body"])]
     if model.frames[carriers[0]].parentJoint == model.frames[carriers[1]].parentJoint:
-        raise BadValue("b", table["b"], f"a point of another body than {ends[0].body}, which moves against it")
+        raise BadValue("b", table["b"], f"a point of another body than {start.body}, which moves against it")
+    end = Anchor(**{"at": _met(model, carriers, start), **other})
     return Loop(
-        name,
-        ends=(_marked(model, f"{name}_a", carriers[0], ends[0]), _marked(model, f"{name}_b", carriers[1], ends[1])),
+        name, ends=(_marked(model, f"{name}_a", carriers[0], start), _marked(model, f"{name}_b", carriers[1], end))
     )
+
+
+def _met(model: pin.Model, carriers: Sequence[int], start: Anchor) -> Array:
+    """Returns the point of the second frame, (3,), that is at a point of the first where all coordinates are zero."""
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, pin.neutral(model))
+    first, second = (data.oMf[carrier] for carrier in carriers)
+    return np.asarray(second.actInv(first.act(np.array(start.at))))
 
 
 def _marked(model: pin.Model, name: str, carrier: int, end: Anchor) -> str:
@@ -72,10 +81,11 @@ def check_loops(robot: Robot) -> None:
         UnknownName: an independent coordinate is not tied by a loop.
     """
     closure, names = robot.closure, [loop.name for loop in robot.loops]
-    if closure is None:
+    if not names:
         return
-    if not robot.planar:
-        raise BadValue("loops", names, "loops of a robot that moves in the x-z plane alone")
+    if closure is None:
+        turns = "" if robot.nq == robot.nv else ", none of whose joints is continuous"
+        raise BadValue("loops", names, f"loops of a robot that moves in the x-z plane alone{turns}")
     starts = np.random.default_rng(0).uniform(-1.0, 1.0, (STARTS, robot.nv))
     starts[0] = 0.0
     found = [q for q in map(closure.closed, starts) if np.isfinite(q).all()]

@@ -60,6 +60,9 @@ class Closure:
     Attributes:
         size: number of rows, m.
         tied: names of the coordinates that the loops tie to others.
+
+    Raises:
+        UnknownName: a belt ties a joint that is not there, or locked.
     """
 
     def __init__(self, model: pin.Model, coordinates: Sequence[str], loops: Sequence[Loop]) -> None:

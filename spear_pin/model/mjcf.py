@@ -23,6 +23,7 @@ from spear_pin.model.chain import CHAIN
 from spear_pin.model.document import document
 from spear_pin.model.inertial import fault_of
 from spear_pin.model.mjcf_adding import UNTOUCHED, add, numbers, place
+from spear_pin.model.mjcf_loops import add_loops, left_out
 from spear_pin.model.mjcf_springs import add_springs, springs_of
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
@@ -70,9 +71,10 @@ def to_mjcf(
 ) -> str:
     """Writes a robot as the text of an MJCF file, which has the robot's mass matrix and bias in MuJoCo.
 
-    It has a body for each joint, a site for each toe, a motor for each transmission, the boxes, cylinders and spheres
-    that the URDF shows, the ground, and the postures as keyframes. The toes and the trunk meet the ground: the trunk by
-    the boxes, cylinders and spheres of its `<collision>`, where it has none by what it shows, of meshes their hulls.
+    It has a body for each joint, a site for each toe, a motor for each transmission, the closed loops, the boxes,
+    cylinders and spheres that the URDF shows, the ground, and the postures as keyframes. The toes and the trunk meet
+    the ground: the trunk by the boxes, cylinders and spheres of its `<collision>`, where it has none by what it shows,
+    of meshes their hulls.
 
     Args:
         robot: the robot, as loaded, varied or with joints locked.
@@ -107,6 +109,9 @@ def to_mjcf(
     _add_toes(robot, elements)
     _add_motors(robot, root)
     add_springs(robot, springs_of(robot) if springs is None else springs, root, elements)
+    for line in left_out(robot):
+        world.addprevious(etree.Comment(f" {line.replace('-', '_')} "))
+    add_loops(robot, root, elements)
     keys = add(root, "keyframe")
     for name, q in {"home": home(robot), **(postures or {})}.items():
         add(keys, "key", name=name, qpos=qpos(robot, checked(robot, name, q)))

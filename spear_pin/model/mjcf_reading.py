@@ -20,6 +20,7 @@ from spear_pin.errors import BadFile
 from spear_pin.model.elements import called, fault
 from spear_pin.model.inertial import notes_on
 from spear_pin.model.mjcf_keyframes import places_of, read_keyframes
+from spear_pin.model.mjcf_loops import read_loops
 from spear_pin.model.mjcf_mass import add_mass
 from spear_pin.model.mjcf_motors import LIMITED, MOVABLE, DrivenJoint, either_way, ends_of, is_limited, read_drives
 from spear_pin.model.mjcf_points import add_point
@@ -66,6 +67,7 @@ class Mjcf:
         text: one tree of bodies.
         gravity: gravity, in m/s², (3,).
         drives: the motors.
+        loops: closed loops, by name, as tables of a TOML file.
         rubbing: armature and damping of joints, by name; Pinocchio does not read all of them.
         postures: postures of keyframes, by name: MuJoCo's coordinates by joint, in rad or m, with the model's zeros.
         notes: differences from the file, a line each.
@@ -79,6 +81,7 @@ class Mjcf:
     text: str
     gravity: tuple[float, ...]
     drives: tuple[DrivenJoint, ...]
+    loops: Mapping[str, Mapping[str, Any]]
     rubbing: Mapping[str, Rubbing]
     postures: Mapping[str, Mapping[str, tuple[float, ...]]]
     notes: tuple[str, ...]
@@ -127,7 +130,8 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
     if any(flag.get("gravity") == "disable" for flag in section(root, "option")):
         gravity = (0.0, 0.0, 0.0)
     postures = read_keyframes(path, root, {name: places[at] for name, at in writing.elements.items() if at in places})
-    tell_unread(writing, others, drives)
+    loops, told = read_loops(writing)
+    tell_unread(writing, others, drives, told)
     notes = [*filter(None, [writing.unread.line]), *notes_on(writing.faults, "body", repair)]
     text = str(etree.tostring(written, encoding="unicode"))
     name, first = root.get("model") or path.stem, world.find("body").get("name")
@@ -139,6 +143,7 @@ def mjcf_of(path: Path, root: Any, base: Base | None = None, repair: bool = Fals
         text,
         gravity,
         drives.motors,
+        loops,
         writing.rubbing,
         postures,
         tuple(notes),

@@ -14,6 +14,7 @@ from spear_pin.errors import BadFile
 from spear_pin.model.elements import MAX_BYTES, SOURCE, fault, parse
 
 MAX_INCLUDES, MAX_DEPTH = 100, 256
+EQUALITY = "equality"
 MAIN = "main"  # the class of what names none
 ACTUATORS = (
     *("general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion"),
@@ -103,7 +104,9 @@ class Defaults:
     def of(self, element: Any) -> dict[str, str]:
         """Returns the attributes of an element, its own and those of its class."""
         templates = self.classes.get(element.get("class") or MAIN, {})
-        return {**templates.get(_kind(element.tag), NOTHING), **element.attrib}
+        parent = element.getparent()
+        tied = parent is not None and parent.tag == EQUALITY  # of which a <joint> is no joint
+        return {**templates.get(EQUALITY if tied else _kind(element.tag), NOTHING), **element.attrib}
 
 
 def read_defaults(path: Path, root: Any) -> Defaults:

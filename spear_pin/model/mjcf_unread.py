@@ -20,13 +20,14 @@ SERVO = "kp kv ki dampratio timeconst gaintype gainprm biastype biasprm dyntype 
 SMALL = 1e-9  # kg, kg·m²: bounds of inertias that only keep them from being zero
 
 
-def tell_unread(writing: Writing, others: list[Any], drives: Drives) -> None:
+def tell_unread(writing: Writing, others: list[Any], drives: Drives, told: list[Any]) -> None:
     """Adds unused data to `writing.unread`.
 
     Args:
         writing: state.
         others: bodies beside the robot.
         drives: its actuators.
+        told: elements that are noted already.
     """
     unread, root = writing.unread, writing.root
 
@@ -36,7 +37,7 @@ def tell_unread(writing: Writing, others: list[Any], drives: Drives) -> None:
         return _without_effect(element.tag, attributes)
 
     ground = [geom for geom in section(root, "worldbody") if geom.tag == "geom" and not _level(writing, said(geom))]
-    find_unread(root, MJCF, unread, said, (*others, *drives.elements, *ground))
+    find_unread(root, MJCF, unread, said, (*others, *drives.elements, *ground, *told))
     for what, name in (
         *(("the bodies beside it", other.get("name") or "nameless") for other in others),
         *(("the ground's shape", geom.get("name") or f"a {said(geom).get('type', 'sphere')}") for geom in ground),

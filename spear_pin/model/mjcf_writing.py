@@ -23,7 +23,7 @@ PLACE = ("pos", *TURNS)
 COUNTS = {
     **{"pos": 3, "quat": 4, "axisangle": 4, "xyaxes": 6, "zaxis": 3, "euler": 3, "axis": 3, "fromto": 6},
     **{"mass": 1, "density": 1, "diaginertia": 3, "fullinertia": 6, "range": 2, "actuatorfrcrange": 2, "ref": 1},
-    **{"inertiagrouprange": 2, "group": 1},
+    **{"inertiagrouprange": 2, "group": 1, "anchor": 3},
 }
 SHORTEST = 1e-14  # of directions and quaternions: MuJoCo refuses shorter ones
 

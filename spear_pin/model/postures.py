@@ -16,9 +16,11 @@ NEWTON = 20  # steps, of which a few are enough
 def home(robot: Robot) -> Array:
     """Returns the configuration, (nq,), with every joint at zero, and the lowest toe on the ground if possible.
 
-    That is possible if a joint can lift the robot.
+    That is possible if a joint can lift the robot. Closed loops move joints away from zero as little as they can.
     """
-    return grounded(robot, pin.neutral(robot.model))
+    q = pin.neutral(robot.model)
+    whole = q if robot.closure is None else robot.closure.closed(q)
+    return grounded(robot, whole if np.isfinite(whole).all() else q)
 
 
 def grounded(robot: Robot, q: Array) -> Array:

@@ -109,7 +109,8 @@ class Robot(Shown):
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
         self.loops: tuple[Loop, ...] = () if settings is None else settings.loops
         self.reach = None if settings is None else settings.reach
-        self.closure = Closure(model, self.coordinates, self.loops) if self.loops else None
+        flat = self.planar and self.nq == self.nv  # no joint has a cosine and a sine
+        self.closure = Closure(model, self.coordinates, self.loops) if self.loops and flat else None
         round_feet = {} if settings is None else settings.radii
         self.radii = {toe: round_feet[toe] for toe in self.toes if toe in round_feet}
         radii = {self._toe_ids[toe]: radius for toe, radius in self.radii.items()}

@@ -141,6 +141,21 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "model/mjcf_loops",
+        ["model/test_mjcf_loops"],
+        {
+            "a belt that turns the other way": ("joints[1]: -slope", "joints[1]: slope"),
+            "a written belt the other way round": ("-other / weight", "-weight / other"),
+            "a polynomial without its square": ("or not slope or any(higher)", "or not slope"),
+            "a pin that is off": ('elif off or said.get("active") == "false"', "elif off"),
+        },
+    ),
+    *mistakes_in(
+        "model/loop_data",
+        ["model/test_mjcf_loops"],
+        {"a pin that is not where its other end is": ("second.actInv(first.act(", "second.actInv(second.act(")},
+    ),
+    *mistakes_in(
         "model/mjcf_keyframes",
         ["cases/test_cases", "model/test_mjcf_keyframes"],
         {"a keyframe's zero is the joint's own": ("number - place.zero", "number")},
@@ -221,7 +236,7 @@ MUTATIONS = [
     *mistakes_in(
         "model/loading",
         ["model/test_sidecar"],
-        {"a file goes over the argument": ("own_toes if toes is None else _names(toes)", "own_toes or _names(toes)")},
+        {"a file goes over the argument": ("own_toes if asked.toes is None else asked.toes", "own_toes or asked.toes")},
     ),
     *mistakes_in(
         "model/settings",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spear_pin import load
-from spear_pin.errors import BadFile, BadValue
+from spear_pin.errors import BadFile, BadValue, UnknownName
 from tests.model.looped import (
     CRANK,
     CRANK_LEG,
@@ -222,6 +222,27 @@ def test_motors_that_are_asked_for_do_not_change_which_joints_are_independent(tm
     path = write(tmp_path, "crank_leg", CRANK_LEG, CRANK_LOOP)
     assert load(path, base="fixed", motors="all").independent == ("boom_z", "crank")
     assert load(path, base="fixed", motors=["rod"]).independent == ("boom_z", "crank")
+
+
+def test_a_continuous_joint_is_refused(tmp_path):
+    """Its cosine and sine are no coordinates of a loop."""
+    turning = CRANK_LEG.replace('"crank" type="revolute"', '"crank" type="continuous"')
+    with pytest.raises(BadFile, match="none of whose joints is continuous"):
+        load(write(tmp_path, "crank_leg", turning, CRANK_LOOP), base="fixed")
+
+
+def test_a_belt_of_a_locked_joint_is_refused(tmp_path):
+    named = CRANK_LEG.replace('joint name="rod"', 'joint name="elbow"')
+    toml = CRANK_LOOP.partition("[loops")[0] + "[loops.belt]\njoints = { crank = 1, elbow = -1 }\n"
+    with pytest.raises(UnknownName, match="unknown joint of the loop 'belt' 'elbow'; valid: boom_z, crank, slide"):
+        load(write(tmp_path, "crank_leg", named, toml), base="fixed", locked=["elbow"])
+
+
+def test_a_second_end_is_where_the_first_is_at_zero_angles(tmp_path):
+    toml = CRANK_LOOP.replace('{ body = "foot", at = [0, 0, 0] }', '{ body = "foot" }')
+    robot = load(write(tmp_path, "crank_leg", CRANK_LEG, toml), base="fixed")
+    assert np.abs(robot.loop_gap(np.zeros(4))).max() < 1e-15
+    np.testing.assert_allclose(robot.model.frames[-1].placement.translation, [CRANK, 0, -ROD], rtol=0, atol=1e-15)
 
 
 def test_loops_in_space_are_refused(tmp_path):
