@@ -157,7 +157,7 @@ def refuse_slopes(robot: Robot, ground: Ground) -> None:
         return
     for what, toes in (("round feet", robot.radii), ("toes on a vertical guide", robot.guided)):
         if toes:
-            raise BadValue("ground", ground, f"level ground, as the robot has {what}: {', '.join(toes)}")
+            raise BadValue("ground", ground, f"slope=0 and no shape of its own, as the robot has {what}")
 
 
 def as_ground(contact: Contact) -> Ground:

@@ -124,7 +124,7 @@ class TestRefused:
         assert said in str(caught.value) and "\n" not in str(caught.value)
 
     def test_a_slope(self, leg):
-        with pytest.raises(BadValue, match="level ground, as the robot has round feet: toe"):
+        with pytest.raises(BadValue, match="slope=0 and no shape of its own, as the robot has round feet"):
             hopping(leg, ground=Ground(slope=0.1))
 
 

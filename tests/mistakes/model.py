@@ -12,7 +12,7 @@ MUTATIONS = [
                 "parts.append(each[1] + each[0] if ends else tie[None])",
             ),
             "a loop's drift of one end": ("(each[1] - each[0])[PLANE]", "each[1][PLANE]"),
-            "loops that stay as they are": ("q[moving] -= np.linalg.lstsq", "q[moving] -= 0.0 * np.linalg.lstsq"),
+            "loops that stay as they are": ("q[moving] -= step * min", "q[moving] -= 0.0 * step * min"),
         },
     ),
     *mistakes_in(
