@@ -44,7 +44,7 @@ from spear_pin.model.spring import PAIR_STIFFNESS, Spring
 from spear_pin.model.springs import Springs, springs_by_name
 
 Guards = tuple[Guard, ...]
-Engage = Callable[[Leg, Sequence[float], Held], Held]
+Springings = Mapping[str, Springing]
 SPEED_BY = "posterior_hip_torque"  # the parameter to vary for a "mean_speed"
 LONGEST = 2.0  # s: a phase of Q-SPEAR
 
@@ -69,7 +69,8 @@ def bounding(
         spring: the knee springs of a pair of legs; by default 2 · 56 N·m/rad (source: Table 5.1), without damping (the
             source gives none for the quadruped), or `Spring.scaled` for another quadruped. A spring with a rest angle,
             in flexion, never releases. Several springs of each pair by name, on the leg's joint of that name or on a
-            path by the names of the leg's parts.
+            path by the names of the leg's parts. With a `Clutch` each leg's toe switches that leg's spring. A run
+            from a state begins with open switches, except the one of the leg that has just landed.
         contact: friction of level ground; by default 0.8 (assumption).
         ground: the ground, instead of `contact`.
 
@@ -113,17 +114,17 @@ def _domains(robot: Robot, law: BoundingLaw, springs: Springs) -> Iterator[Domai
     flights = {phase.lifted: phase for phase in phases if phase.lifted}
     overloaded = overload(OVERLOAD * 10.0 ** round(math.log10(scale_of(robot).torque)))  # compiled for each value
     springing = {leg.name: springing_of(robot, springs, leg) for leg in legs}
-    engage = _engagement(springing)
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
 
     def sprung(bearing: tuple[Leg, ...]) -> tuple[tuple[Mount, ...], tuple[Guard, ...]]:
-        """Returns the springs that act while some legs are on the ground, and where they go slack."""
+        """Returns the springs that act while some legs are on the ground, and where they go slack or switch."""
         mounts, switches = list[Mount](), list[Guard]()
         for leg in legs:
             own = springing[leg.name]
             acting = own.standing if leg in bearing else own.aloft
             mounts += acting
             switches += own.switches(acting)
+            switches += own.conditions(leg.toe) if leg in bearing else ()
         return tuple(mounts), tuple(switches)
 
     def grounded(name: str, bearing: tuple[Leg, ...], control: Law, resets: Mapping[str, Reset], own: Guards) -> Any:
@@ -136,52 +137,55 @@ def _domains(robot: Robot, law: BoundingLaw, springs: Springs) -> Iterator[Domai
     for leg, other in (legs, legs[::-1]):
         double = f"double_{1 if leg is legs[0] else 2}"  # from this leg's stance to the other's
         stance, next_stance, flight = stances[leg], stances[other], flights[leg]
-        lands = _lands(other, double, engage)
+        lands = _lands(other, double, springing)
         leaves = {leg.toe: _lifts(leg, flight, None, springing)}
         yield from grounded(stance.name, (leg,), stance_law(leg, stance), leaves, (_passing(stance), lands))
         leaves = {leg.toe: _lifts(leg, next_stance, other, springing), other.toe: _lifts(other, stance, leg, springing)}
         yield from grounded(double, legs, double_law(legs), leaves, ())
-        returns = _lands(leg, stance, engage, "return", resumed=True)
+        returns = _lands(leg, stance, springing, "return", resumed=True)
         mounts, switches = sprung(())
-        guards = (_lands(other, next_stance, engage), returns, _passing(flight), overloaded, *switches, *fallen)
+        guards = (_lands(other, next_stance, springing), returns, _passing(flight), overloaded, *switches, *fallen)
         yield Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), mounts=mounts, guards=guards)
-
-
-def _engagement(springs: Mapping[str, Springing]) -> Engage:
-    """Returns what is latched of springs as a leg lands: where its own rest, and whether fixed ones are taut."""
-
-    def engage(leg: Leg, q: Sequence[float], held: Held) -> Held:
-        others = (each.keep(q, held) for name, each in springs.items() if name != leg.name)
-        return {
-            name: value for latched in (springs[leg.name].engage(q, held), *others) for name, value in latched.items()
-        }
-
-    return engage
 
 
 # events that change the phase
 
 
-def _lands(leg: Leg, phase: Phase | str, engage: Engage, name: str = "touchdown", *, resumed: bool = False) -> Guard:
+def _lands(
+    leg: Leg, phase: Phase | str, springing: Springings, name: str = "touchdown", *, resumed: bool = False
+) -> Guard:
     """Makes the leg touch down; `resumed` keeps its leg angle, as its stance goes on."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
-        bears = {**engage(leg, q, held), **_bear(leg, q, v, held, p, resumed)}
+        bears = {
+            **_kept(springing, q, held),
+            **springing[leg.name].engage(q, held),
+            **_bear(leg, q, v, held, p, resumed),
+        }
         if isinstance(phase, str):
             return bears
         return {**bears, **_swing(leg, phase, q, v, {**held, **bears}, p)}
 
     into = phase if isinstance(phase, str) else phase.name
-    return touchdown(leg.toe, Reset(impact=(leg.toe,), latch=latch, phase=into), f"{leg.name}_{name}")
+    reset = Reset(impact=(leg.toe,), latch=latch, phase=into, edges=springing[leg.name].touching)
+    return touchdown(leg.toe, reset, f"{leg.name}_{name}")
 
 
-def _lifts(leg: Leg, phase: Phase, remaining: Leg | None, springing: Mapping[str, Springing]) -> Reset:
+def _lifts(leg: Leg, phase: Phase, remaining: Leg | None, springing: Springings) -> Reset:
     """Makes the leg lift off, into flight or into the stance of the remaining leg."""
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: BoundingLaw) -> Held:
-        return _fly(phase, q, v, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
+        swings = _fly(phase, q, v, p) if remaining is None else _swing(remaining, phase, q, v, held, p)
+        return {**_kept(springing, q, held), **swings}
 
-    return Reset(release=springing[leg.name].released, latch=latch, phase=phase.name)
+    own = springing[leg.name]
+    staying = (edge for name, other in springing.items() if name != leg.name for edge in other.staying)
+    return Reset(release=own.released, latch=latch, phase=phase.name, edges=(*own.leaving, *staying))
+
+
+def _kept(springing: Springings, q: Sequence[float], held: Held) -> dict[str, Any]:
+    """Returns whether the fixed springs of all legs are taut, if that is not known yet."""
+    return {name: value for each in springing.values() for name, value in each.keep(q, held).items()}
 
 
 # guards

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.clutch import acting, slipping
 from spear_pin.hybrid.conditions import meeting
-from spear_pin.hybrid.domain import ENGAGES, HOLDS, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
+from spear_pin.hybrid.domain import ENGAGES, HOLDS, KEEPS, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
 from spear_pin.hybrid.dual import ARRAYS
 from spear_pin.hybrid.rules.guards import spring_switches
 from spear_pin.hybrid.springs import values_along
@@ -76,8 +76,12 @@ class Springing:
     @property
     def leaving(self) -> tuple[Edge, ...]:
         """What lift-off does to switches."""
-        leave = [(mount, clutch) for mount, clutch in self._clutched if not clutch.hold]
-        return tuple(Edge(LEAVES if clutch.off_delay else RELEASES, mount) for mount, clutch in leave)
+        return tuple(Edge(_at_lift_off(clutch), mount) for mount, clutch in self._clutched)
+
+    @property
+    def staying(self) -> tuple[Edge, ...]:
+        """What events of other legs do to switches."""
+        return tuple(Edge(KEEPS, mount) for mount, _ in self._clutched)
 
     def switches(self, mounts: Sequence[Mount]) -> tuple[Guard, ...]:
         """Returns the events at which springs go slack, or taut again, and those at which late switches act."""
@@ -130,6 +134,11 @@ def _at_touchdown(clutch: Clutch) -> str:
     return TOUCHES if clutch.on_delay else HOLDS if clutch.hold else ENGAGES
 
 
+def _at_lift_off(clutch: Clutch) -> str:
+    """Returns what lift-off does to a switch; one that releases after a time goes on."""
+    return LEAVES if clutch.off_delay else KEEPS if clutch.hold else RELEASES
+
+
 class Legged(Protocol):
     """A leg: its name, the names of its joints and of its toe, and the side to which its knee flexes."""
 
@@ -173,10 +182,7 @@ def springing_of(robot: Robot, springs: Springs, leg: Legged) -> Springing:
 
     Raises:
         UnknownName: there is no joint, or no frame, of a name.
-        BadValue: a switch is not ideal.
     """
-    for spring in springs.values():
-        refuse_unusual(spring, path=True)
     parts = [*robot.coordinates, *(frame.name for frame in robot.model.frames)]
     names = {part.removeprefix(f"{leg.name}_"): part for part in parts if part.startswith(f"{leg.name}_")}
     names |= {"hip": leg.above, KNEE: leg.joint, "toe": leg.toe}

@@ -17,6 +17,7 @@ from spear_pin.hybrid.domain import (
     ENGAGES,
     GRIPS,
     HOLDS,
+    KEEPS,
     LEAVES,
     RELEASES,
     SLIPS,
@@ -81,6 +82,9 @@ def _after(kind: str, mount: Mount, held: Held, q: Sequence[Any], clock: Clock) 
         found[mount.slips] = {SLIPS: (1.0, 1.0), GRIPS: (0.0, 1.0)}.get(kind, as_it_was)
     if kind in (SLIPS, GRIPS):
         return {**found, mount.rest: now} if kind == GRIPS else found
+    if kind == KEEPS:
+        waits, ends = held.get(waiting(mount), 0.0), held.get(due(mount), clock.t)
+        return {**found, mount.on: on, waiting(mount): waits, due(mount): ends}
     if kind in (TOUCHES, LEAVES):
         delay, waits = (clutch.on_delay, 1.0 - on) if kind == TOUCHES else (clutch.off_delay, on)
         return {**found, mount.on: on, waiting(mount): waits, due(mount): clock.t + delay}

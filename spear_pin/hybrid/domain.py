@@ -121,7 +121,7 @@ class Mount:
 
 
 TOUCHES, LEAVES, ENGAGES, RELEASES, ACTS = "touches", "leaves", "engages", "releases", "acts"
-HOLDS, SLIPS, GRIPS = "holds", "slips", "grips"
+HOLDS, KEEPS, SLIPS, GRIPS = "holds", "keeps", "slips", "grips"
 DUE = "due:"  # begins the names of held times, on the phase's clock
 
 
@@ -130,7 +130,8 @@ class Edge(NamedTuple):
 
     Attributes:
         kind: `TOUCHES` or `LEAVES`, after which the switch acts late; `ENGAGES` or `RELEASES` at once; `HOLDS`, which
-            engages at once and releases after a time; `ACTS`; `SLIPS` or `GRIPS`, for its clutch.
+            engages at once and releases after a time; `KEEPS`, which leaves it as it is, open if that is not known
+            yet; `ACTS`; `SLIPS` or `GRIPS`, for its clutch.
         mount: the spring.
     """
 

@@ -176,19 +176,18 @@ class Spring:
         return self._curve.integral()
 
 
-def refuse_unusual(spring: Spring, *, path: bool = False) -> None:
+def refuse_unusual(spring: Spring) -> None:
     """Refuses a spring whose switch is not ideal, or that acts along a path.
 
     Args:
         spring: the spring.
-        path: whether it may act along a path.
 
     Raises:
         BadValue: it is one of these.
     """
     if spring.clutch is not None:
-        raise BadValue("Spring.clutch", spring.clutch, "None: of these gaits only SPEAR-II's hop has late switches")
-    if spring.path is not None and not path:
+        raise BadValue("Spring.clutch", spring.clutch, "None: only `hopping` and `bounding` take one")
+    if spring.path is not None:
         raise BadValue("Spring.path", spring.path, "None: this spring is on its joint")
 
 

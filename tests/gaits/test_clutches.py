@@ -5,19 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import Gait, HoppingLaw, Spring, bounding, find_gait, hopping, load, simulate
+from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load, simulate
 from spear_pin.errors import BadValue
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.clutch import Clock, after_edges, from_now_on
-from spear_pin.hybrid.domain import ACTS, LEAVES, TOUCHES, Edge
+from spear_pin.hybrid.domain import ACTS, KEEPS, LEAVES, TOUCHES, Edge
 from spear_pin.hybrid.parameters import number, unit, with_numbers
 from spear_pin.model.clutch import Clutch
 from spear_pin.model.path import Joints
 from tests.slow import slow_but
 
 LEG = load("spear_ii", locked=["boom_x"])
-SERIES, BOUND = load("spear_ii_series", locked=["boom_x"]), Gait.load("long_stride").system.law
+SERIES = load("spear_ii_series", locked=["boom_x"])
 LAW = HoppingLaw(stance_torque=7.86, hold_extension=True)
 # delay and play: stance torque, knee at touchdown, duration of stance, work of the knee's motor, damping, multipliers
 FOUND = {
@@ -226,6 +226,15 @@ def test_a_switch_that_releases_after_a_time_in_flight():
     assert abs(run.ledger.residual[0]) < 1e-8
 
 
+def test_a_switch_that_releases_after_a_time_is_open_where_a_run_begins_in_the_air():
+    system = hopping(LEG, LAW, Spring(clutch=Clutch(hold=0.38)))
+    q, v = system.guess()
+    run = simulate(system, (q + 0.05 * np.eye(3)[1], 0.0 * v), cycles=1)
+    landings, (release, *_) = (*run.named("touchdown"), *run.named("retouch")), run.named("switch:knee")
+    assert not run.engaged[run.t < landings[0].time].any()
+    assert min(abs(release.time - landing.time - 0.38) for landing in landings) < 1e-12
+
+
 class TestSlip:
     """Of a clutch that slips a little below the greatest pull of the plain spring's hop, 35.944 N·m."""
 
@@ -316,6 +325,15 @@ class TestEdges:
         assert self.after(LEAVES, 0.0, waits=1.0)[0::2] == (0.0, 0.0)
 
     @pytest.mark.parametrize(("on", "rest"), [(0.0, 1.1), (1.0, 0.9)])
+    def test_an_event_of_another_leg_leaves_it_waiting(self, on, rest):
+        assert self.after(KEEPS, on, waits=1.0) == (on, rest, 1.0, 0.0)
+
+    def test_it_is_open_and_does_not_wait_where_nothing_is_known(self):
+        clock = Clock(0.0, self.SYSTEM.springs, self.SYSTEM)
+        found = after_edges((Edge(KEEPS, self.MOUNT),), {}, [0.5, 0.5, 1.1], clock)
+        assert (found["knee_on"], found["knee_waits"]) == (0.0, 0.0)
+
+    @pytest.mark.parametrize(("on", "rest"), [(0.0, 1.1), (1.0, 0.9)])
     def test_it_acts_once(self, on, rest):
         assert self.after(ACTS, on, waits=1.0)[:3] == (1.0 - on, rest, 0.0)
 
@@ -352,7 +370,6 @@ def test_numbers_have_units_and_are_kept_in_a_file(tmp_path):
         (lambda: Spring(unilateral=False, clutch=Clutch(slip=9.0)), "unless the spring is unilateral"),
         (lambda: Clutch(damper="hip"), "'spring' or 'joint'"),
         (lambda: Spring(rest=0.9, clutch=Clutch()), "never switched"),
-        (lambda: bounding(load("q_spear"), BOUND, late(0.004)), "Spring.clutch"),
         (lambda: series_hopping(SERIES, spring=Spring(unilateral=False, clutch=Clutch())), "Spring.clutch"),
         (lambda: series_hopping(SERIES, spring=Spring(unilateral=False, path=Joints({"knee": 1.0}))), "Spring.path"),
         (lambda: hopping(LEG, replace(LAW, virtual_stiffness=3.0), late(0.004)), "virtual_stiffness"),

@@ -40,6 +40,12 @@ class TestFixedSprings:
             np.testing.assert_allclose(stride.spring[:, i], expected, rtol=0, atol=1e-8)
         assert ("spring_switch" in {event.name for event in stride.events}) == spring.unilateral
 
+    @each_spring
+    def test_a_run_begins_in_the_air(self, spring):
+        system, (q, v) = sprung(spring)
+        fall = simulate(system, (q + 0.05 * np.eye(7)[1], v), 1, progress=False)
+        assert fall.reason == "complete" and np.abs(fall.ledger.residual).max() < 1e-8
+
     def test_dampers_act_in_stance_only(self):
         for domain in sprung(SPRINGS["damped"])[0].domains:
             closed = [contact != "open" for contact in domain.contacts]

@@ -240,6 +240,7 @@ MUTATIONS = [
             "gaits/test_bounding",
             "gaits/test_path_springs",
             "gaits/test_clutches",
+            "gaits/test_bounding_switches",
         ],
         {
             "spring kept at lift-off": ("if self.springs[mount.of].rest is None)", "if False)"),
@@ -256,6 +257,7 @@ MUTATIONS = [
                 "held.get(str(mount.rest), values_along(mount.along, self.robot, q)), str",
             ),
             "a spring on a leg that bends to the other side": ("path.on(names, leg.side)", "path.on(names)"),
+            "a switch that lift-off does not open": ("KEEPS if clutch.hold else RELEASES", "KEEPS"),
         },
     ),
     *mistakes_in(
@@ -291,13 +293,21 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "gaits/bounding",
-        ["gaits/test_bounding", "gaits/test_fixed_springs"],
+        ["gaits/test_bounding", "gaits/test_fixed_springs", "gaits/test_bounding_switches"],
         {
             "bounding: lift-off from a double stance into the other one": (
                 "leg.toe: _lifts(leg, next_stance, other, springing)",
                 "leg.toe: _lifts(leg, stance, leg, springing)",
             ),
             "bounding: a stance that resumes begins anew": ("if resumed and f", "if not resumed and f"),
+            "bounding: the other leg's switch is not held": ("(*own.leaving, *staying)", "own.leaving"),
+            "bounding: a switch that lift-off does not reach": ("(*own.leaving, *staying)", "tuple(staying)"),
+            "bounding: a switch that touchdown does not reach": ("springing[leg.name].touching", "()"),
+            "bounding: conditions of switches go unnoticed": ("+= own.conditions(leg.toe) if", "+= () if"),
+            "bounding: fixed springs unknown in the air": (
+                "return {**_kept(springing, q, held), **swings}",
+                "return swings",
+            ),
         },
     ),
 ]

@@ -114,6 +114,7 @@ MUTATIONS = [
                 "(clutch.on_delay, 1.0) if kind == TOUCHES",
             ),
             "a switch that releases after no time": ("clock.t + clutch.hold", "clock.t"),
+            "another leg's event calls a switch off": ("held.get(waiting(mount), 0.0), held", "0.0, held"),
             "a clutch that slips where it last gripped": ("GRIPS: (0.0, 1.0)", "GRIPS: (0.0, 0.0)"),
             "a clutch that grips and pulls as at touchdown": (
                 "mount.rest: now} if kind == GRIPS",
