@@ -93,10 +93,10 @@ def _loops(said: Sidecar, path: Path, model: pin.Model) -> tuple[Loop, ...]:
             found.append(loop_of(name, table, model))
     if found and said.legs:
         raise BadFile(
-            path, f"legs has {', '.join(said.legs)}; expected [reach] beside loops: a leg is a chain of hip and knee"
+            path, f"legs has {', '.join(said.legs)}; expected [reach] with loops: a leg is a chain of hip and knee"
         )
     if said.independent and not found:
-        raise BadFile(path, f"independent is {list(said.independent)!r}; expected loops = ... beside it, which it is about")
+        raise BadFile(path, f"independent is {list(said.independent)!r}; expected loops too, which it is about")
     return tuple(found)
 
 
@@ -125,7 +125,11 @@ def _radii(said: Sidecar, path: Path, robot: Robot) -> dict[str, float]:
             if not table.get("radius", 0.0) > 0.0:
                 raise BadValue("radius", table.get("radius"), "a number > 0, in m")
             if not robot.planar:
-                raise BadValue("radius", table["radius"], "feet without radius for a robot in space, whose toes are points: leave it out")
+                raise BadValue(
+                    "radius",
+                    table["radius"],
+                    "feet without radius for a robot in space, whose toes are points: leave it out",
+                )
         found[toe] = float(table["radius"])
     return found
 

@@ -55,7 +55,11 @@ def _marked(model: pin.Model, name: str, carrier: int, end: Anchor) -> str:
     """Adds the frame of an end of a loop to the model, and returns its name."""
     frame = model.frames[carrier]
     if any(each.name == name for each in model.frames):
-        raise BadValue("the loop's name", name[:-2], f"a name that is free, such as {name[:-2] + '_loop'!r}: the robot has a frame {name!r}")
+        raise BadValue(
+            "the loop's name",
+            name[:-2],
+            f"a name that is free, such as {name[:-2] + '_loop'!r}: the robot has a frame {name!r}",
+        )
     placement = frame.placement * pin.SE3(np.eye(3), np.array(end.at, dtype=float))
     model.addFrame(pin.Frame(name, frame.parentJoint, carrier, placement, POINT, pin.Inertia.Zero()), False)
     return name

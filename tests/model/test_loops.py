@@ -193,7 +193,7 @@ REFUSED = {
     ),
     "rigid": ("[loops.pin]", "[loops.belt]\njoints = { crank = 1, rod = -2 }\n[loops.pin]", "make them rigid"),
     "an unknown key": ("b = {", "c = 1\nb = {", "unknown key"),
-    "legs beside loops": ("[loops.pin]", "[legs.leg]\nside = 1\n[loops.pin]", "beside loops: a leg is a chain"),
+    "legs beside loops": ("[loops.pin]", "[legs.leg]\nside = 1\n[loops.pin]", "with loops: a leg is a chain"),
     "not in a loop": (
         'motors = ["crank"]',
         'motors = ["crank"]\nindependent = ["boom_z"]',

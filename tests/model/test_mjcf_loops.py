@@ -149,7 +149,7 @@ class TestBeside:
         toml = 'toes = ["tip"]\n[legs.leg]\nhip = "crank"\nknee = "coupler"\ntoe = "tip"\nside = 1\n'
         robot, said = loaded(tmp_path, machine(), toml)
         assert [leg.knee for leg in robot.legs] == ["coupler"] and robot.loops == ()
-        assert len(said) == 1 and "no legs beside loops" in said[0]
+        assert len(said) == 1 and "with loops: a leg is a chain" in said[0]
 
 
 class TestWritten:
