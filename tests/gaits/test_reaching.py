@@ -171,6 +171,7 @@ def test_passive_joints_are_within_one_turn(systems):
         assert np.abs(posed(robot, 0.1, knee)[1:]).max() < np.pi
 
 
+@pytest.mark.extra("heyoka")
 def test_numbers_far_away_have_no_hop_and_no_traceback(systems):
     assert not find_many(systems["crank_hopper"], {"stance_torque": [100.0, 1000.0]}).converged.any()
 

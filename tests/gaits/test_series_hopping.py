@@ -192,3 +192,11 @@ class TestBadInput:
     def test_other_law(self, name, value):
         with pytest.raises(BadValue, match=f"^SeriesHoppingLaw.{name} is "):
             SeriesHoppingLaw(**{name: value})
+
+
+@pytest.mark.slow
+def test_a_flight_of_a_fifth_of_a_second_is_that_of_another_program(series_robot):
+    gait = find_gait(series_hopping(series_robot), ["stance_torque"], {"flight_time": 0.2})
+    assert gait.parameters["stance_torque"] == pytest.approx(5.469576, abs=1e-6)
+    expected = [0.427151, -0.425620, 2.764e-5]
+    assert gait.multipliers[:3].real == pytest.approx(expected, abs=1e-6) and not gait.multipliers.imag.any()
