@@ -12,6 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, BadValue, UnknownName, listed
 from spear_pin.model.frames import joint_id
 
+LINK = " (link)"  # after a link's name while joints are held
 FLOATING = 6  # velocities of a floating joint
 SINGULAR = 1e-12  # least eigenvalue of a mass matrix whose diagonal is 1
 REMEDY = "give its links an <inertial>"
@@ -30,7 +31,16 @@ def hold(model: pin.Model, joints: Sequence[str]) -> pin.Model:
         UnknownName: there is no such joint; the text lists the valid ones.
     """
     ids = [joint_id(model, joint) for joint in joints]
-    return pin.buildReducedModel(model, ids, pin.neutral(model)) if ids else model
+    if not ids:
+        return model
+    whole, alike = model.copy(), {*model.names}
+    for frame in whole.frames:  # Pinocchio does not tell a joint from a link of its name
+        if frame.type == pin.FrameType.BODY and frame.name in alike:
+            frame.name += LINK
+    held = pin.buildReducedModel(whole, ids, pin.neutral(model))
+    for frame in held.frames:
+        frame.name = frame.name.removesuffix(LINK)
+    return held
 
 
 def with_motors(

@@ -8,6 +8,8 @@ import pytest
 
 from spear_pin import RobotWarning, load
 from spear_pin.errors import BadFile, BadValue, UnknownName
+from tests.model.looped import FIVE_BAR
+from tests.model.looped import write as write_files
 from tests.model.planar_arm import ARM as PLANAR
 from tests.model.queries import refusal
 from tests.model.spatial_arm import ARM, FLYING
@@ -188,3 +190,16 @@ def test_a_model_on_a_base_that_floats_keeps_rotors_and_postures(write):
     )
     assert [floating.gear_ratio(joint) for joint in floating.actuated] == [7.0, -9.0]
     np.testing.assert_array_equal(floating.model.referenceConfigurations["stand"], [0, 0, 0, 0, 0, 0, 1, 0.4, 0.5])
+
+
+def test_a_joint_that_is_called_as_a_link_can_be_locked(tmp_path):
+    toml = 'toes = ["toe"]\nmotors = ["back_hip"]\n'
+    named = FIVE_BAR.replace('"front_upper"', '"front_hip"')
+    alike, other = (
+        load(write_files(tmp_path, name, text, toml), base="fixed", locked=["front_hip"])
+        for name, text in (("alike", named), ("other", FIVE_BAR))
+    )
+    q = [0.4, 0.3, -0.2, 0.6]
+    assert alike.coordinates == other.coordinates == ("boom_z", "front_knee", "back_hip", "back_knee")
+    np.testing.assert_array_equal(alike.mass_matrix(q), other.mass_matrix(q))
+    np.testing.assert_array_equal(alike.frame_position(q, "front_hip"), other.frame_position(q, "front_upper"))
