@@ -176,8 +176,11 @@ def limb_of(robot: Robot) -> Limb:
 
 def bezier(coefficients: Sequence[float], s: Any) -> Any:
     """Returns the value at s, from 0 to 1, of the Bézier polynomial with given coefficients."""
-    n = len(coefficients) - 1
-    terms = (math.comb(n, k) * c * s**k * (1.0 - s) ** (n - k) for k, c in enumerate(coefficients) if c)
+    n, up, down = len(coefficients) - 1, [1.0], [1.0]
+    for _ in range(n):  # products, since the derivatives of powers are not defined at zero
+        up.append(up[-1] * s)
+        down.append(down[-1] * (1.0 - s))
+    terms = (math.comb(n, k) * c * up[k] * down[n - k] for k, c in enumerate(coefficients) if c)
     return sum(terms, 0.0 * s)
 
 

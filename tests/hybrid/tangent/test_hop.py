@@ -32,7 +32,7 @@ def test_columns_are_those_of_differences(gait, exact):
 def test_columns_of_parameters_are_those_of_differences(gait, exact, name):
     result, around, _ = exact
     expected = by_parameter(gait.system, np.concatenate(gait.state), name, 2e-4)
-    off = 1e-6 if name == "friction" else 2e-8  # of a column that is so small that differences have few digits
+    off = 3e-6 if name == "friction" else 2e-8  # of a column that is so small that differences have few digits
     column = around.dimension + NAMES.index(name)
     assert found(result, column) == pytest.approx(expected, abs=off * np.abs(expected).max())
 
