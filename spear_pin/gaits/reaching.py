@@ -1,4 +1,4 @@
-"""Lets a law of hip and knee drive a leg with closed loops, whose motors it moves by their sums and differences."""
+"""Lets a law of hip and knee drive a leg whose file has `[reach]`: it moves sums and differences of the motors."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Seen:
 
 
 def driving(robot: Robot, law: Law) -> Law:
-    """Returns a law of hip and knee for a robot's own motors; it stays itself without loops."""
+    """Returns a law of hip and knee for a robot's own motors; it stays itself without `[reach]`."""
     reach, motors, seen = robot.reach, robot.actuated, seeing(robot, law)
     if reach is None:
         return law
@@ -46,7 +46,7 @@ def driving(robot: Robot, law: Law) -> Law:
 
 
 def seeing(robot: Robot, function: Callable[..., Any]) -> Callable[..., Any]:
-    """Returns a function that shows a law or a guard hip and knee in the place of a leg with loops."""
+    """Returns a law or a guard that sees the angles of hip and knee in the place of all coordinates."""
     reach, coordinates, motors = robot.reach, robot.coordinates, robot.actuated
     if reach is None:
         return function

@@ -54,9 +54,6 @@ class Closure:
         coordinates: names of its coordinates.
         loops: the loops.
 
-    Raises:
-        UnknownName: the robot does not have a joint of a loop, or it is locked.
-
     Attributes:
         size: number of rows, m.
         tied: names of the coordinates that the loops tie to others.

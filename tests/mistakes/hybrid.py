@@ -159,8 +159,12 @@ MUTATIONS = [
                 "drifts.append(self._closure.drift(data))",
                 "drifts.append(0.0 * self._closure.drift(data))",
             ),
-            "a guided toe held along the ground": ("if toe in robot.guided else 0", "if False else 0"),
         },
+    ),
+    *mistakes_in(
+        "hybrid/rules/footing",
+        ["hybrid/test_loops"],
+        {"a guided toe held along the ground": ("if toe in robot.guided else 0", "if False else 0")},
     ),
     *mistakes_in(
         "hybrid/strikes",

@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.rules.footing import Bound
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.robot import Robot
 
@@ -20,18 +21,16 @@ class Binding:
         robot: the robot.
         ground: the ground, whose axes toes have.
         data: the data.
+
+    Attributes:
+        bound: the rows that bind toes at rest.
     """
 
     def __init__(self, robot: Robot, ground: Ground, data: pin.Data) -> None:
         self._model, self._data, self._directions = robot.model, data, robot.directions
         self._ground, self._level, self._closure = ground, ground.level, robot.closure
-        self._ids, self._k, self._still = (
-            {toe: robot.toe_id(toe) for toe in robot.toes},
-            robot.dimension,
-            np.zeros(robot.nv),
-        )
-        # a guided toe moves up and down only, so that nothing binds it along the ground
-        self._first = {toe: self._k - 1 if toe in robot.guided else 0 for toe in robot.toes}
+        self._ids, self._still = {toe: robot.toe_id(toe) for toe in robot.toes}, np.zeros(robot.nv)
+        self.bound = Bound(robot)
         self._known: tuple[Sequence[str], list[Array], list[Array]] | None = None
 
     def at(self, q: Array, v: Array) -> None:
@@ -47,23 +46,11 @@ class Binding:
     def resting(self, toes: Sequence[str], sliding: Collection[str] = ()) -> tuple[list[Array], list[Array]]:
         """Returns rows and drifts as `rows` does, for toes that rest without those along which nothing binds them."""
         rows, drifts = self.rows(toes)
-        first = [0 if toe in sliding else self._first[toe] for toe in toes]
+        first = [0 if toe in sliding else self.bound.first[toe] for toe in toes]
         if not any(first):
             return rows, drifts
         first += [0] * (len(rows) - len(toes))
         return _trimmed(rows, first), _trimmed(drifts, first)
-
-    def forces(self, toes: Sequence[str], multipliers: Sequence[float]) -> dict[str, tuple[float, ...]]:
-        """Returns the force on each toe at rest, along the ground and normal to it, from those of all rows."""
-        forces, row = dict[str, tuple[float, ...]](), 0
-        for toe in toes:
-            forces[toe], row = self.force(toe, multipliers, row)
-        return forces
-
-    def force(self, toe: str, multipliers: Sequence[float], row: int) -> tuple[tuple[float, ...], int]:
-        """Returns the force on a toe at rest whose rows begin at one, and the row after them."""
-        first, end = self._first[toe], row + self._k - self._first[toe]
-        return (*first * (0.0,), *multipliers[row:end]), end
 
     def _computed(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
         model, data, directions = self._model, self._data, self._directions

@@ -332,7 +332,7 @@ class Flow:
         if self._has_friction:
             applied += self._viscous
         _, multipliers = self._resting(self._at_rest, applied)
-        return self._binding.forces(self._at_rest, multipliers)[toe][-1]
+        return float(self._binding.bound.forces(self._at_rest, multipliers)[toe][-1])
 
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[float], motors: Sequence[int], others: Sequence[tuple[int, float]]
@@ -373,7 +373,7 @@ class Flow:
     def _stick(self, applied: Array) -> Array:
         toes = [toe for toe, _ in self._closed]
         a, multipliers = self._resting(toes, applied, self._locks)
-        self._forces |= self._binding.forces(toes, multipliers)
+        self._forces |= self._binding.bound.forces(toes, multipliers)
         if self._stuck:
             self._holding = np.array(multipliers[-len(self._stuck) :])
         return a
@@ -404,7 +404,7 @@ class Flow:
         row = 0
         for toe in toes:
             if toe not in ways:
-                self._forces[toe], row = self._binding.force(toe, multipliers, row)
+                self._forces[toe], row = self._binding.bound.force(toe, multipliers, row)
             else:
                 normal = multipliers[row]
                 self._forces[toe] = *(-friction * way * normal for way in ways[toe]), normal

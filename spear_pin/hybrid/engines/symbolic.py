@@ -24,7 +24,7 @@ from spear_pin.hybrid.fields import adjusted
 from spear_pin.hybrid.ground import refuse_slopes
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
 from spear_pin.hybrid.pull import Pull
-from spear_pin.hybrid.rules.footing import closed_toes, size
+from spear_pin.hybrid.rules.footing import Bound, closed_toes, size
 from spear_pin.hybrid.springs import numbered, pull_of, rest_length, torque_on
 from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
@@ -87,9 +87,7 @@ class Motion:
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
         self._taken = [toe for toe in robot.toes if toe in bearing] if at_rest is None else list(at_rest)
         self._k = robot.dimension
-        self._first = {
-            toe: self._k - 1 if toe in robot.guided else 0 for toe in robot.toes
-        }  # row that binds it at rest
+        self._bound = Bound(robot)
         self._motors = [self._index[joint] for joint in robot.actuated]
         self._imposed: Imposed | None = None  # by the law, if it imposes accelerations
         self._in_law = False
@@ -146,9 +144,7 @@ class Motion:
         row = 0
         for toe, mode in self._closed:
             if mode in RESTS:
-                first, end = self._first[toe], row + self._k - self._first[toe]
-                forces[toe] = (*first * (0.0,), *multipliers[row:end])
-                row = end
+                forces[toe], row = self._bound.force(toe, multipliers, row)
                 continue
             friction, normal = self.numbers.ground.friction, multipliers[row]
             forces[toe] = *(-way * friction * normal for way in self._ways[toe]), normal
@@ -245,7 +241,7 @@ class Motion:
         applied = self._applied(zip(self._motors, u, strict=True))
         rows, drift = self._at_rest()
         _, multipliers, _ = self._constrained(applied, rows, rows, drift)
-        return self._pushes(multipliers)[toe][-1]
+        return self._bound.forces(self._taken, multipliers)[toe][-1]
 
     def imposing(
         self, rows: Sequence[Row], wanted: Sequence[Any], motors: Sequence[int], others: Sequence[tuple[int, Any]]
@@ -269,7 +265,7 @@ class Motion:
         a, pushes = solution[:n], solution[n:]
         pulls = [dot([row[i] for row in contacts], pushes) for i in range(n)]
         torques = [dot(self.mass_matrix[i], a) - force[i] - pulls[i] for i in (self._motors[j] for j in motors)]
-        forces = self._pushes(pushes)
+        forces = self._bound.forces(self._taken, pushes)
         if [(toe, True) for toe in self._taken] == [(toe, mode in RESTS) for toe, mode in self._closed]:
             self._imposed = Imposed(a, forces, [*others, *zip(motors, torques, strict=True)])
         return torques
@@ -339,25 +335,16 @@ class Motion:
         rows: Matrix = []
         drift: list[Any] = []
         for toe in self._taken:
-            rows += self.jacobian(toe)[self._first[toe] :]
-            drift += self._feet.drifts[toe][self._first[toe] :]
+            rows += self.jacobian(toe)[self._bound.first[toe] :]
+            drift += self._feet.drifts[toe][self._bound.first[toe] :]
         return [*rows, *self._terms.loop_rows], [*drift, *self._terms.loop_drifts]
-
-    def _pushes(self, multipliers: Sequence[Any]) -> dict[str, tuple[Any, ...]]:
-        """Returns the force on each toe that `_at_rest` binds, along the ground and normal to it."""
-        forces: dict[str, tuple[Any, ...]] = {}
-        row = 0
-        for toe in self._taken:
-            first, end = self._first[toe], row + self._k - self._first[toe]
-            forces[toe], row = (*first * (0.0,), *multipliers[row:end]), end
-        return forces
 
     def _constraint(self) -> tuple[Matrix, Matrix, list[Any]]:
         rows: Matrix = []
         directions: Matrix = []
         drift: list[Any] = []
         for toe, mode in self._closed:
-            (*tangential, z), own, first = self.jacobian(toe), self._feet.drifts[toe], self._first[toe]
+            (*tangential, z), own, first = self.jacobian(toe), self._feet.drifts[toe], self._bound.first[toe]
             if mode in RESTS:
                 rows += [*tangential, z][first:]
                 directions += [*tangential, z][first:]

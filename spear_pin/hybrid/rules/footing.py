@@ -10,6 +10,7 @@ from spear_pin.hybrid.contact import OPEN, SIGN, SLIPS, STICK
 from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Dynamics, Operations
 from spear_pin.hybrid.rules.scalars import first, where
+from spear_pin.model.robot import Robot
 
 AT_REST = 1e-7  # m/s
 UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
@@ -60,6 +61,32 @@ class Rubbing(NamedTuple):
 def closed_toes(toes: Sequence[str], domain: Domain) -> list[tuple[str, str]]:
     """Returns the toes on the ground, with their modes."""
     return [(toe, mode) for toe, mode in zip(toes, domain.contacts, strict=True) if mode != OPEN]
+
+
+class Bound:
+    """The rows that bind toes at rest, in the order of the toes.
+
+    Those of a guided toe, which moves up and down only, are without the one along the ground.
+
+    Args:
+        robot: the robot.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self._dimension = robot.dimension
+        self.first = {toe: robot.dimension - 1 if toe in robot.guided else 0 for toe in robot.toes}
+
+    def force(self, toe: str, multipliers: Sequence[Any], row: int) -> tuple[tuple[Any, ...], int]:
+        """Returns the force on a toe whose rows begin at one, along the ground and normal to it, and the next row."""
+        first, end = self.first[toe], row + self._dimension - self.first[toe]
+        return (*first * (0.0,), *multipliers[row:end]), end
+
+    def forces(self, toes: Sequence[str], multipliers: Sequence[Any]) -> dict[str, tuple[Any, ...]]:
+        """Returns the forces on toes, whose rows come first."""
+        found, row = dict[str, tuple[Any, ...]](), 0
+        for toe in toes:
+            found[toe], row = self.force(toe, multipliers, row)
+        return found
 
 
 def footing(dynamics: Dynamics, toe: str, mode: str, ops: Operations = FLOATS) -> Footing:
