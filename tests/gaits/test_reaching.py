@@ -16,7 +16,7 @@ from spear_pin.hybrid.section import chart
 from spear_pin.model.path import Joints
 from spear_pin.studies.hop import summarize
 from spear_pin.viz.plots import hop_summary
-from tests.model.looped import CRANK_LEG, CRANK_LOOP, FIVE_BAR, FIVE_BAR_LOOP, crank_leg, five_bar, write
+from tests.model.looped import CRANK_LEG, CRANK_LOOP, FIVE_BAR, FIVE_BAR_LOOP, UPPER, crank_leg, five_bar, joint, write
 from tests.slow import slow_but
 
 CRANK = HoppingLaw(-0.35, stance_torque=0.7, frequency=5.0, knee_gain=6.0, knee_damping=0.15, hold_extension=True)
@@ -163,6 +163,15 @@ def test_a_toe_that_loops_guide_bears_no_force_along_the_ground(tmp_path):
     assert hops.force[:, 0, 0].max() == hops.force[:, 0, 0].min() == 0.0
     assert hops.named("touchdown")[-1].impulse[0, 0] == 0.0
     assert np.abs(hops.ledger.residual).max() < 1e-8 and len(gait.multipliers) == 2
+
+
+def test_a_guess_keeps_the_limits_of_the_joints(tmp_path):
+    """Which leave only the way to assemble the leg whose toe is above."""
+    front = joint("front_knee", "revolute", "front_upper", "front_lower", at=-UPPER)
+    upward = FIVE_BAR.replace(front, front.replace('lower="-10"', 'lower="0.5"'))
+    assert upward != FIVE_BAR
+    leg = load(write(tmp_path, "five_bar", upward, FIVE_BAR_LOOP), base="fixed")
+    assert 0.5 <= posed(leg, 0.0, 1.2)[leg.index("front_knee")] <= 10.0
 
 
 def test_passive_joints_are_within_one_turn(systems):

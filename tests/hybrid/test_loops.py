@@ -123,6 +123,15 @@ def test_hops_are_those_of_eliminated_equations(legs, name, cycles=3):
     assert np.abs(hops.ledger.residual).max() < 1e-8
 
 
+def test_events_close_loops_that_a_coarse_integration_opened(legs):
+    system = looped_hopping(legs["crank_leg"])
+    hops = simulate(system, system.guess(), cycles=3, rtol=1e-5)
+    assert max(np.abs(system.robot.loop_gap(q)).max() for q in hops.q) > 1e-8
+    for event in (each for each in hops.events if each.name != "apex"):  # which is only observed
+        assert np.abs(system.robot.loop_gap(event.q)).max() < 1e-12
+        assert np.abs(system.robot.loop_jacobian(event.q) @ event.v).max() < 1e-12
+
+
 @pytest.mark.extra("heyoka")
 @pytest.mark.parametrize("name", slow_but(NAMES, "crank_leg"))
 class TestGait:
