@@ -146,7 +146,7 @@ def read_record(
             angle = value * ANGLES[unit]
         else:
             angle = (value * READOUTS[unit] - calibration.offset) / calibration.volts_per_rad
-    angle, jumps = _unwrapped(angle, rows)
+    angle, jumps = unwrapped(angle, rows)
     remarks += jumps
     _check(path, t, angle, unit, time_unit)
     gaps = np.diff(t) > 5 * np.median(np.diff(t))
@@ -201,7 +201,7 @@ def _unknown(place: str, word: str, units: dict[str, float], option: str) -> str
     return f"{place} has the unit {brief(word)}{rate}; valid: {', '.join(units)}; {option} says another"
 
 
-def _unwrapped(angle: Array, rows: Whole) -> tuple[Array, list[str]]:
+def unwrapped(angle: Array, rows: Whole) -> tuple[Array, list[str]]:
     """Returns the angle without jumps by a turn, near zero, and what was done; other jumps are reported."""
     with np.errstate(invalid="ignore"):
         steps = np.diff(angle)

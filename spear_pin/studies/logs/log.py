@@ -1,0 +1,122 @@
+"""A log: what was measured of a leg over time, by the names of the robot's joints, in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spear_pin.arrays import Array
+from spear_pin.errors import UnknownName
+from spear_pin.kinds import typed
+
+FINEST = 1e-9  # s
+
+
+@dataclass(frozen=True)
+class Column:
+    """Where a quantity is in a log's file, and how its SI value follows: sign (number - zero) size of its unit.
+
+    Attributes:
+        column: name of the column.
+        unit: its unit; None for the one that its name says, else SI units.
+        sign: 1 or -1.
+        zero: number that the column shows at zero, in its unit.
+        at: "joint" or "motor", of a torque: that of a motor is the joint's divided by the gear ratio.
+        modes: names of the numbers in a column of modes.
+        file: another file, beside the log's, that has the column with its own times.
+        lag: how late its stamps are, in s.
+    """
+
+    column: str
+    unit: str | None = None
+    sign: float = 1.0
+    zero: float = 0.0
+    at: str = "joint"
+    modes: Mapping[str, str] = field(default_factory=dict)
+    file: str | None = None
+    lag: float = 0.0
+
+
+@dataclass(frozen=True, repr=False)
+class Log:
+    """What was measured of a leg over time.
+
+    Attributes:
+        source: path of the file or folder.
+        t: times, (n,), in s, from the first sample on, increasing; they may be irregular and have gaps.
+        values: quantities by name, (n,) each, in SI units: a joint's position by the joint's name, its rate and torque
+            as "crank_rate" and "crank_torque". Where there is none, it is NaN.
+        at_motor: names of the torques that are those of motors, before the gears.
+        modes: name of the controller's mode at each sample, (n,); empty where it is not logged.
+        synthetic: whether the file says that nobody measured it.
+        remarks: what was dropped, repaired, assumed or not read.
+
+    Example:
+        >>> import numpy as np
+        >>> from spear_pin.studies.logs import Log
+        >>> t = np.linspace(0.0, 1.0, 101)
+        >>> Log("by hand", t, {"knee": np.sin(t)})
+        Log('by hand': 101 samples in 1 s; knee)
+    """
+
+    source: str
+    t: Array
+    values: Mapping[str, Array]
+    at_motor: frozenset[str] = frozenset()
+    modes: NDArray[np.str_] | None = None
+    synthetic: bool = False
+    remarks: tuple[str, ...] = ()
+
+    @classmethod
+    @typed
+    def read(
+        cls,
+        path: str | Path,
+        columns: Mapping[str, Any] | None = None,
+        units: Mapping[str, str] | None = None,
+    ) -> Log:
+        """Reads a log from a CSV, .mat or .npz file, or a folder of files that follow one another on one clock.
+
+        What a column holds is said by `columns`, else by a TOML file of the same name beside it, or "log.toml" in the
+        folder, with a table `[columns]`, else by the columns' own names: `knee_deg`, `knee_torque [Nm]`, `time_ms`.
+
+        Args:
+            path: path of the file or folder.
+            columns: for each quantity the name of its column, or what `Column` has: {"crank": "x_deg"}. Quantities are
+                "time", the name of a joint for its position, that name with "_rate" or "_torque", and "mode".
+            units: units of columns, by the column's name, where the name does not say it.
+
+        Raises:
+            BadFile: the file is not such a log; the text says why.
+            BadValue: a sign, a lag or a unit is not valid.
+            UnknownName: a column or unit that is not there; the text lists the valid ones.
+        """
+        from spear_pin.studies.logs.reading import read
+
+        return read(path, columns, units or {})
+
+    def __repr__(self) -> str:
+        kind = "synthetic, " if self.synthetic else ""
+        return f"Log({self.source!r}: {kind}{len(self.t)} samples in {np.ptp(self.t):.4g} s; {', '.join(self.values)})"
+
+    def __getitem__(self, name: str) -> Array:
+        """Returns a quantity, (n,), by its name.
+
+        Raises:
+            UnknownName: the log has no such quantity.
+        """
+        if name not in self.values:
+            raise UnknownName(f"quantity of the log {self.source}", name, self.values)
+        return self.values[name]
+
+    def part(self, begin: float, end: float) -> Log:
+        """Returns the samples from one time to another, in s; times and all else stay as they are."""
+        inside = (self.t >= begin) & (self.t <= end)
+        values = {name: each[inside] for name, each in self.values.items()}
+        modes = None if self.modes is None else self.modes[inside]
+        return Log(self.source, self.t[inside], values, self.at_motor, modes, self.synthetic, self.remarks)

@@ -1,0 +1,197 @@
+"""Replays a log: the model moves from where a stance began, driven by the measured torques, until the log ends.
+
+The model's own lift-off ends its stance. Model and log are then compared by numbers that are found in the same way of
+both, from the length of the leg alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from spear_pin.arrays import Array
+from spear_pin.errors import BadValue, require
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.parameters import with_numbers
+from spear_pin.kinds import typed
+from spear_pin.showing import Shown
+from spear_pin.studies.logs.fit import LAG, MARGIN, RATE, SETTLE, ZERO, Arc, MotionFit, arcs_of
+from spear_pin.studies.logs.log import Log
+from spear_pin.studies.logs.phases import FLIGHT, STANCE, LogPhase, Measured, measured
+from spear_pin.studies.logs.played import played
+from spear_pin.studies.logs.shooting import Shooter
+
+MEASURES = "compression", "stance", "push_off"
+PUSH = 0.012  # s before lift-off, over which the leg's rate is taken
+WINDOW = 0.04  # s, on which the first state is fitted: some periods of the ringing after a touchdown
+
+
+@dataclass(frozen=True)
+class Hop:
+    """One stance and what follows it, by the model and in the log.
+
+    Attributes:
+        stance: the stance in the log.
+        t: times, (n,), in s of the log, until the next touchdown in it.
+        positions: measured positions, (n, m), in rad or m.
+        modelled: the model's, (n, m).
+        lift_off: time at which the model lifts off, in s of the log; NaN if it does not.
+        measures: of the model and of the log, by name: "compression" of the leg, in m; "stance", the time until it
+            is as long as when it lifts off in the log, in s; and "push_off", how fast it lengthens then, in m/s.
+    """
+
+    stance: LogPhase
+    t: Array
+    positions: Array
+    modelled: Array
+    lift_off: float
+    measures: Mapping[str, tuple[float, float]]
+
+    def off(self, name: str) -> float:
+        """Returns by how much the model is off, relative to the log."""
+        model, log = self.measures[name]
+        return model / log - 1.0
+
+    @property
+    def rms(self) -> float:
+        """Root of the mean square of model less log, in rad or m."""
+        return float(np.sqrt(np.nanmean((self.modelled - self.positions) ** 2)))
+
+
+@dataclass(frozen=True, repr=False)
+class Replay(Shown):
+    """A log and the model that replays it.
+
+    Attributes:
+        log: the log.
+        joints: names of the measured joints.
+        units: their units.
+        hops: the stances that were replayed.
+        left_out: phases that were not, with the reason.
+    """
+
+    log: Log
+    joints: tuple[str, ...]
+    units: tuple[str, ...]
+    hops: tuple[Hop, ...]
+    left_out: tuple[LogPhase, ...]
+
+    def __repr__(self) -> str:
+        off = {name: [hop.off(name) for hop in self.hops] for name in (self.hops[0].measures if self.hops else ())}
+        said = ", ".join(f"{name} {100.0 * float(np.mean(each)):+.1f} %" for name, each in off.items())
+        return f"Replay({self.log.source!r}: {len(self.hops)} hops; model less log: {said})"
+
+
+@typed
+def replay(
+    system: HybridSystem | MotionFit,
+    log: Log,
+    values: Mapping[str, float] | None = None,
+    *,
+    window: float = WINDOW,
+    settle: float = SETTLE,
+) -> Replay:
+    """Drives a leg by the measured torques of a log, from a state that is fitted to the beginning of each stance.
+
+    Args:
+        system: the leg, or a fit whose values it has.
+        log: the log.
+        values: numbers as `identify_motion` names them, for a leg that is not a fit.
+        window: time on which the first state is fitted, in s.
+        settle: time after each touchdown that is left out, in s.
+
+    Raises:
+        BadFile: the log has no hop.
+        BadValue: a robot, a log or a value does not fit.
+        UnknownName: there is no number of a name.
+    """
+    require("window", window, lambda time: time > 0, "a number > 0, in s")
+    given = dict(values or {})
+    if isinstance(system, MotionFit):
+        leg, user = system.leg, system.system
+        given = {name: each.value for name, each in system.found.items()} | given
+    else:
+        user, leg = system, played(system)
+    joints = measured(user.robot, log)
+    sensors = {name: given.pop(name, 0.0) for name in (*(f"{joint}{ZERO}" for joint in joints.joints), LAG)}
+    leg = with_numbers(leg, given)
+    zeros = np.array([sensors[f"{joint}{ZERO}"] for joint in joints.joints])
+    arcs, left_out = arcs_of(user, joints, log, settle, whole=True)
+    shooter, hops = Shooter(leg), list[Hop]()
+    for arc in arcs:
+        if arc.phase.name == STANCE:
+            hops.append(_replayed(shooter, joints, arc, window, zeros, sensors[LAG]))
+    if not hops:
+        raise BadValue("log", log.source, "one with a stance that can be used")
+    units = tuple(user.robot.units[row] for row in joints.rows)
+    return Replay(log, joints.joints, units, tuple(hops), tuple(left_out))
+
+
+def _replayed(shooter: Shooter, joints: Measured, arc: Arc, window: float, zeros: Array, lag: float) -> Hop:
+    """Returns a stance and what follows, from a state fitted to its first instants."""
+    m, rows, nv = len(joints.rows), joints.rows, joints.robot.nv
+    first = max(RATE, int(np.searchsorted(arc.t, arc.t[0] + window)))
+    some = arc.t[:first], arc.torques[:first]
+
+    def shown(y: Array) -> Array:
+        return y[:, rows] - lag * y[:, [nv + row for row in rows]] + zeros
+
+    def missed(x: Array) -> Array:
+        y = joints.state(x[:m], x[m:], arc.near)
+        shot = shooter.shoot(STANCE, *some, y, np.zeros((2 * nv, 1)), arc.latched)
+        return (shown(shot.y) - arc.positions[:first]).ravel()
+
+    lines = np.polyfit(some[0] - arc.t[0], arc.positions[:first], 2)[1]
+    begin = np.concatenate([arc.positions[0] - zeros, [lines[rows.index(row)] for row in joints.leading]])
+    found = least_squares(missed, begin, x_scale="jac").x
+    y, states, lift_off = joints.state(found[:m], found[m:], arc.near), list[Array](), np.nan
+    states.append(y)
+    place, none = 0, np.zeros((2 * nv, 1))
+    for y, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, arc.latched):
+        if force[-1] < 0.0:  # at the step's beginning, where the state is the last that was kept
+            lift_off = float(arc.t[place])
+            break
+        states.append(y)
+        place += 1
+    if place < len(arc.t) - 1:
+        rest = slice(place, None)
+        states += [
+            y for y, _, _ in shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states[-1], none, arc.latched)
+        ]
+    modelled = shown(np.array(states))
+    model, log = (_lengths(joints, arc, each - zeros) for each in (modelled, arc.positions))
+    leaves = float(np.interp(arc.phase.end - MARGIN, arc.t, log))
+    touchdown = joints.height_of_base(arc.latched)
+    measures = {
+        name: (one, other)
+        for name, one, other in zip(
+            MEASURES, _measures(arc, model, touchdown, leaves), _measures(arc, log, touchdown, leaves), strict=True
+        )
+    }
+    return Hop(arc.phase, arc.t, arc.positions, modelled, lift_off, measures)
+
+
+def _lengths(joints: Measured, arc: Arc, positions: Array) -> Array:
+    """Returns the length of the leg at each sample, (n,), in m."""
+    found, near = [], arc.near
+    for each in positions:
+        near = joints.configuration(each, near)
+        found.append(joints.height_of_base(near))
+    return np.array(found)
+
+
+def _measures(arc: Arc, length: Array, touchdown: float, leaves: float) -> tuple[float, float, float]:
+    """Returns compression, stance and push-off; see `Hop`."""
+    shortest = int(np.argmin(length[arc.t < arc.phase.end]))
+    above = np.flatnonzero(length[shortest:] >= leaves)
+    compression = touchdown - float(length[shortest])
+    if not above.size or not above[0]:
+        return compression, np.nan, np.nan
+    last = shortest + int(above[0])
+    time = float(np.interp(leaves, length[last - 1 : last + 1], arc.t[last - 1 : last + 1]))
+    before = (arc.t > time - PUSH) & (arc.t <= arc.t[last])
+    line = np.polyfit(arc.t[before] - time, length[before], 2)
+    return compression, time - arc.phase.begin, float(line[1])

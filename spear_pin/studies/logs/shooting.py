@@ -1,0 +1,158 @@
+"""Shoots a played leg over a phase of a log, with exact derivatives by its numbers and by where it sets out.
+
+Steps of the classical Runge-Kutta method go from sample to sample, between which torques are straight lines: the
+input's corners are where steps end. `Shot.error` compares with steps of half the length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from spear_pin.arrays import Array
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain
+from spear_pin.hybrid.engines.structure import Structure
+from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.springs import values_along
+from spear_pin.hybrid.tangent.fields import TangentField, Values, tangent_field
+from spear_pin.hybrid.tangent.seeds import numbers, seeds
+from spear_pin.model.equations import mechanism_of
+from spear_pin.studies.logs.played import TORQUE
+
+LONGEST = 1.6e-3  # s, of a step
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A played leg's motion over some times.
+
+    Attributes:
+        t: the times, (n,), in s.
+        y: states at them, (n, 2 nv).
+        dy: their derivatives, (n, 2 nv, c).
+        forces: force on the toe, along the ground and normal to it, (n, 2), in N; 0 in flight.
+    """
+
+    t: Array
+    y: Array
+    dy: Array
+    forces: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Shooter:
+    """A played leg with its numbers.
+
+    Attributes:
+        system: a system that `played` makes.
+        over: names of the numbers by which it is differentiated.
+    """
+
+    system: HybridSystem
+    over: tuple[str, ...] = ()
+
+    @cached_property
+    def _numbers(self) -> Array:
+        return numbers(self.system)
+
+    @cached_property
+    def _seeds(self) -> Array:
+        return seeds(self.system, self.over).numbers
+
+    @cached_property
+    def _places(self) -> list[int]:
+        """Rows of the motors' torques among the numbers: those of the law come first."""
+        names = [*type(self.system.law).__dataclass_fields__]
+        motors = self.system.domains[0].law.motors  # type: ignore[attr-defined]
+        return [names.index(f"{motor}{TORQUE}") for motor in motors]
+
+    def _field(self, domain: Domain, held: Mapping[str, Any]) -> TangentField:
+        return tangent_field(Structure(self.system, domain, held, mechanism_of(self.system.robot)))
+
+    def held(self, domain: Domain, latched: Array) -> dict[str, Any]:
+        """Returns where the springs of a domain rest that were latched at a configuration, (nv,)."""
+        robot = self.system.robot
+        return {
+            str(mount.rest): values_along(mount.along, robot, latched.tolist())
+            for mount in domain.mounts
+            if isinstance(mount.rest, str)
+        }
+
+    def shoot(
+        self,
+        name: str,
+        t: Array,
+        torques: Array,
+        y: Array,
+        dy: Array,
+        latched: Array,
+        steps: int = 1,
+    ) -> Shot:
+        """Integrates from a state over given times.
+
+        Args:
+            name: "stance" or "flight".
+            t: the times, (n,), in s; the state is that at the first.
+            torques: torques of the motors at these times, (n, nu), in N·m.
+            y: the state, (2 nv,).
+            dy: its derivatives by `over`, then by others, (2 nv, c).
+            latched: configuration at touchdown, (nv,), at which springs were latched.
+            steps: by how much more steps there are than need be.
+        """
+        states, changes, forces = [y], [dy], list[Array]()
+        for part in self.along(name, t, torques, y, dy, latched, steps):
+            states.append(part[0])
+            changes.append(part[1])
+            forces.append(part[2])
+        forces.append(forces[-1] if forces else np.zeros(2))
+        return Shot(t, np.array(states), np.array(changes), np.array(forces))
+
+    def along(
+        self, name: str, t: Array, torques: Array, y: Array, dy: Array, latched: Array, steps: int = 1
+    ) -> Iterator[tuple[Array, Array, Array]]:
+        """Yields state and derivatives at each of the times but the first, and the force on the toe before it."""
+        domain = next(each for each in self.system.domains if each.name == name)
+        held = self.held(domain, latched)
+        field, c = self._field(domain, held), dy.shape[1]
+        own = np.concatenate([self._numbers, flattened(held.values())])
+        slopes = np.zeros((len(own), c))
+        slopes[: len(self._numbers), : len(self.over)] = self._seeds
+        zero, still = np.zeros(1), np.zeros(c)
+
+        def at(y: Array, dy: Array, u: Array) -> tuple[Array, Array, Values]:
+            own[self._places] = u
+            said, changed = field.at(zero, y, own, still, dy, slopes)
+            return said.slopes, changed.slopes, said
+
+        y, dy = y[:, None], dy[:, None]
+        for k, length in enumerate(np.diff(t)):
+            count = steps * max(1, int(np.ceil(length / LONGEST - 1e-9)))
+            h, rise, force = length / count, (torques[k + 1] - torques[k]) / count, None
+            for j in range(count):
+                u = torques[k] + j * rise
+                k1, d1, said = at(y, dy, u)
+                force = said.forces[:, 0] if force is None else force
+                k2, d2, _ = at(y + 0.5 * h * k1, dy + 0.5 * h * d1, u + 0.5 * rise)
+                k3, d3, _ = at(y + 0.5 * h * k2, dy + 0.5 * h * d2, u + 0.5 * rise)
+                k4, d4, _ = at(y + h * k3, dy + h * d3, u + rise)
+                y = y + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
+                dy = dy + h / 6.0 * (d1 + 2.0 * (d2 + d3) + d4)
+            assert force is not None
+            yield y[:, 0], dy[:, 0], force if len(force) else np.zeros(2)
+
+
+def with_torques(log: Any, motors: Sequence[str], ratios: Mapping[str, float]) -> Array:
+    """Returns the torques of motors at each sample of a log, (n, nu), in N·m at the joints; 0 where none is logged."""
+    found = []
+    for motor in motors:
+        name = f"{motor}{TORQUE}"
+        torque = log.values.get(name, np.zeros(len(log.t)))
+        found.append(torque * (ratios[motor] if name in log.at_motor else 1.0))
+    return np.column_stack(found) if found else np.empty((len(log.t), 0))
+
+
