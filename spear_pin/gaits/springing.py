@@ -11,7 +11,7 @@ from spear_pin.hybrid.clutch import acting, slipping
 from spear_pin.hybrid.conditions import meeting
 from spear_pin.hybrid.domain import ENGAGES, HOLDS, KEEPS, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
 from spear_pin.hybrid.dual import ARRAYS
-from spear_pin.hybrid.rules.guards import spring_switches
+from spear_pin.hybrid.rules.guards import spring_switches, turning
 from spear_pin.hybrid.springs import values_along
 from spear_pin.model.clutch import JOINT, TOUCHDOWN, Clutch
 from spear_pin.model.equations import mechanism_of
@@ -84,7 +84,7 @@ class Springing:
         return tuple(Edge(KEEPS, mount) for mount, _ in self._clutched)
 
     def switches(self, mounts: Sequence[Mount]) -> tuple[Guard, ...]:
-        """Returns the events at which springs go slack, or taut again, and those at which late switches act."""
+        """Returns the events at which springs go slack, taut or turn, and those at which late switches act."""
         first, found = next(iter(self.springs)), list[Guard]()
         for mount in mounts:
             found += spring_switches(mount, "spring_switch" if mount.of == first else f"spring_switch:{mount.of}")
@@ -92,6 +92,7 @@ class Springing:
             if clutch is not None and (clutch.on_delay or clutch.off_delay or clutch.hold):
                 found.append(acting(mount))
             found += slipping(mount)
+            found += turning(mount)
         return tuple(found)
 
     def conditions(self, toe: str) -> tuple[Guard, ...]:
@@ -99,8 +100,11 @@ class Springing:
         return tuple(guard for mount, clutch in self._clutched for guard in meeting(mount, clutch, toe))
 
     def engage(self, q: Sequence[Any], held: Held) -> Held:
-        """Returns what touchdown latches: where each switched spring rests, and whether fixed ones are taut."""
-        found = self.keep(q, held)
+        """Returns what touchdown latches: where each switched spring rests, and whether fixed ones are taut.
+
+        Paths are taken to grow; one that shrinks turns at once.
+        """
+        found = {**self.keep(q, held), **self._ways}
         for mount in self._plain:
             if self.springs[mount.of].rest is None:
                 found |= {str(mount.rest): values_along(mount.along, self.robot, q), str(mount.taut): 1.0}
@@ -108,7 +112,7 @@ class Springing:
 
     def keep(self, q: Sequence[Any], held: Held) -> dict[str, Any]:
         """Returns what lift-off latches: whether fixed springs are taut, if that is not known yet."""
-        found: dict[str, Any] = {}
+        found = {way: held.get(way, grows) for way, grows in self._ways.items()}
         for mount in self._plain:
             spring = self.springs[mount.of]
             if spring.rest is None or str(mount.taut) in held:  # as it was
@@ -117,6 +121,10 @@ class Springing:
             found |= {mount.rest: spring.rest} if isinstance(mount.rest, str) else {}
             found[str(mount.taut)] = float(length > spring.rest or not spring.unilateral)
         return found
+
+    @property
+    def _ways(self) -> dict[str, Any]:
+        return {mount.way: 1.0 for mount in self.mounts if mount.way is not None}
 
     @property
     def _plain(self) -> list[Mount]:
@@ -199,12 +207,13 @@ def _paths(springs: Springs) -> list[tuple[str, Path]]:
 
 def _mounted(mount: str, name: str, path: Path, springs: Springs) -> Mount:
     spring = springs[name]
+    way = f"{mount}_way" if spring.hysteresis else None
     if (clutch := spring.clutch) is not None:
         tooth = f"{mount}_tooth" if clutch.pitch else None
         held = f"{mount}_rest", f"{mount}_taut"
         slips = f"{mount}_slips" if clutch.slip else None
-        return Mount(mount, spring, *held, path, of=name, on=f"{mount}_on", tooth=tooth, slips=slips)
+        return Mount(mount, spring, *held, path, of=name, on=f"{mount}_on", tooth=tooth, slips=slips, way=way)
     if mount == name == KNEE and path == Joints({KNEE: 1.0}):  # the motor of a single leg may imitate it
-        return Mount(mount, spring, "knee_touchdown", "taut", path, of=name)
+        return Mount(mount, spring, "knee_touchdown", "taut", path, of=name, way=way)
     rest = f"{mount}_rest" if spring.rest is None else spring.rest
-    return Mount(mount, spring, rest, f"{mount}_taut", path, of=name)
+    return Mount(mount, spring, rest, f"{mount}_taut", path, of=name, way=way)

@@ -49,6 +49,7 @@ class Mount:
         tooth: name in `held` of the number of the tooth in which it rests, of a switch with teeth.
         slips: name in `held` of two values, of a switch whose clutch slips: 1 while it slips, else 0, and 1 if it has
             slipped since the spring was engaged, else 0.
+        way: name in `held` of the sign of the path's rate, of a spring with hysteresis.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Mount:
     on: str | None = None
     tooth: str | None = None
     slips: str | None = None
+    way: str | None = None
 
     @cached_property
     def along(self) -> Path:
@@ -94,6 +96,20 @@ class Mount:
             ops: elementary functions.
         """
         return self._if_acting(spring.torque(stretch, ops), held)
+
+    def lost(self, spring: Spring, force: Any, held: Held, ops: Any) -> Any:
+        """Returns what hysteresis adds to the force along the path; a unilateral spring then pulls at least with 0.
+
+        Args:
+            spring: the spring's law, with scalars of any kind.
+            force: its `pull`.
+            held: held values.
+            ops: elementary functions.
+        """
+        if self.way is None:
+            return 0.0
+        against = held[self.way] * spring.hysteresis
+        return -self._if_acting(ops.maximum(against, force) if spring.unilateral else against, held)
 
     def drag(self, spring: Spring, rate: Any, held: Held) -> Any:
         """Returns the damper's force along the path, for scalars of any kind."""

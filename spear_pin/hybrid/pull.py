@@ -17,6 +17,7 @@ class Pull(NamedTuple):
         stretch: how much longer its path is than at rest, in rad or m.
         rate: rate of the path's length, in rad/s or m/s.
         force: force along the path, without the damper's, in N·m or N; negative as it pulls.
+        lost: the part of that force that its hysteresis makes.
         drag: the damper's force.
         slope: lever of these forces on each coordinate.
         slipping: 1 while its clutch slips, else 0.
@@ -27,6 +28,7 @@ class Pull(NamedTuple):
     stretch: Any
     rate: Any
     force: Any
+    lost: Any
     drag: Any
     slope: Slope
     slipping: Any

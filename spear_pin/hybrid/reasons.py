@@ -7,7 +7,7 @@ REASONS = {
     "fall": "a part other than a toe reached the ground",
     "toggle": "a closed loop reached a toggle, where its motors do not determine its joints any more",
     "limit": "a joint reached the end of its range",
-    "zeno": "events accumulate: the control laws of phases that alternate undo each other without time passing",
+    "zeno": "events accumulate: laws of phases that alternate undo each other, or hysteresis holds a spring",
     "no_cycle": "a thousand events passed and no cycle closed",
     "painleve": "the slip equation has no unique solution (Painlevé's paradox)",
     "overload": "the control law asked for more torque than any motor has: near a singularity or far from its gait",

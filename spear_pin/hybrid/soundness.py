@@ -89,6 +89,9 @@ def _check_domain(robot: Robot, domain: Domain, springs: Collection[str]) -> Non
         except UnknownName as error:
             what = f"{error.kind} of the spring {mount.name!r} of domain {domain.name!r}"
             raise UnknownName(what, error.value, error.valid) from None
+        if mount.spring.hysteresis and mount.way is None:
+            what = f"way of the spring {mount.name!r} of domain {domain.name!r}"
+            raise BadValue(what, None, "the name of a held value, as the spring has hysteresis")
     _known("joint of dry friction of domain {!r}", place, [rub.joint for rub in domain.rubs], joints)
 
 
@@ -139,7 +142,8 @@ def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[
 
 def _names_held(mount: Mount) -> list[str]:
     """Returns the names of the held values of a spring."""
-    return [name for name in (mount.rest, mount.taut, mount.on, mount.tooth, mount.slips) if isinstance(name, str)]
+    names = mount.rest, mount.taut, mount.on, mount.tooth, mount.slips, mount.way
+    return [name for name in names if isinstance(name, str)]
 
 
 def _held(

@@ -78,7 +78,7 @@ def _reason(robot: Robot, spring: Spring) -> str:
     path = spring.path
     if spring.clutch is not None or spring.rest is None:
         return LATCHED
-    if type(spring) is not Spring or spring.hardening or spring.preload or spring.table:
+    if type(spring) is not Spring or spring.hardening or spring.preload or spring.table or spring.hysteresis:
         return "its law is not linear"
     if not isinstance(path, Joints | Between | Over | None):
         return f"no tendon runs along a {type(path).__name__}"

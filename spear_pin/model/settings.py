@@ -66,7 +66,7 @@ class Settings:
 
 
 def refuse_special(robot: Any, what: str) -> None:
-    """Refuses a robot whose file gives it springs on paths or switches that are not ideal.
+    """Refuses a robot whose file gives it springs on paths, with hysteresis, or with switches that are not ideal.
 
     Args:
         robot: the robot.
@@ -76,9 +76,10 @@ def refuse_special(robot: Any, what: str) -> None:
         BadValue: it has such a spring.
     """
     springs = {} if robot.settings is None else robot.settings.springs
-    special = [name for name, spring in springs.items() if spring.path is not None or spring.clutch is not None]
+    unusual = {name: spring.path or spring.clutch or spring.hysteresis for name, spring in springs.items()}
+    special = [name for name, reason in unusual.items() if reason]
     if special:
-        expected = f"only springs at knees that switch at once, which {what}"
+        expected = f"only springs at knees that switch at once, without hysteresis, which {what}"
         raise BadValue("springs of the file", ", ".join(special), expected)
 
 
@@ -92,5 +93,5 @@ def _together(spring: Any, count: int) -> Any:
     """Returns one spring in place of `count` equal springs."""
     if count == 1:
         return spring
-    numbers = {name: count * getattr(spring, name) for name in ("stiffness", "damping", "hardening", "preload")}
+    numbers = {name: count * getattr(spring, name) for name in spring.units}
     return replace(spring, **numbers, table=tuple((angle, count * torque) for angle, torque in spring.table))

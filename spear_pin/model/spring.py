@@ -22,8 +22,14 @@ from spear_pin.model.scale import scale_of
 STIFFEST = 1e6  # N·m/rad: at a knee as good as rigid
 MOST_POINTS = 30  # of a table: integration begins anew at each, and with more it is slow to compile
 PAIR_STIFFNESS = 2 * 56.0  # N·m/rad: of the knee springs of a pair of Q-SPEAR's legs (source: Table 5.1)
-UNITS = {"stiffness": "N·m/rad", "damping": "N·m·s/rad", "hardening": "N·m/rad³", "preload": "N·m"}
-ALONG = {"stiffness": "N/m", "damping": "N·s/m", "hardening": "N/m³", "preload": "N"}  # on a path in m
+UNITS = {
+    "stiffness": "N·m/rad",
+    "damping": "N·m·s/rad",
+    "hardening": "N·m/rad³",
+    "preload": "N·m",
+    "hysteresis": "N·m",
+}
+ALONG = {"stiffness": "N/m", "damping": "N·s/m", "hardening": "N/m³", "preload": "N", "hysteresis": "N"}  # along m
 STIFFEST_ALONG = 1e9  # N/m
 
 
@@ -54,6 +60,9 @@ class Spring:
             torque falls, as beyond the best lever of a linkage, it may not change its sign.
         path: the path along which it acts; None for the joint that a gait gives it, such as the knee.
         clutch: its switch; None for one that acts in the instant of touchdown and lift-off.
+        hysteresis: half the width of its loop, in N·m: how much more it pulls while it is stretched, and how much less
+            while it is let go, than the mean, which the numbers above give. A unilateral spring never pushes. If the
+            spring can hold the robot still within the loop, the run ends (`zeno`).
 
     Example:
         >>> from spear_pin import Spring, hopping, load
@@ -71,6 +80,7 @@ class Spring:
     table: tuple[tuple[float, float], ...] = ()
     path: Path | None = None
     clutch: Clutch | None = None
+    hysteresis: float = 0.0
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -177,7 +187,7 @@ class Spring:
 
 
 def refuse_unusual(spring: Spring) -> None:
-    """Refuses a spring whose switch is not ideal, or that acts along a path.
+    """Refuses a spring whose switch is not ideal, that has hysteresis, or that acts along a path.
 
     Args:
         spring: the spring.
@@ -187,13 +197,16 @@ def refuse_unusual(spring: Spring) -> None:
     """
     if spring.clutch is not None:
         raise BadValue("Spring.clutch", spring.clutch, "None: only `hopping` and `bounding` take one")
+    if spring.hysteresis:
+        raise BadValue("Spring.hysteresis", spring.hysteresis, "0: only `hopping` and `bounding` take it")
     if spring.path is not None:
         raise BadValue("Spring.path", spring.path, "None: this spring is on its joint")
 
 
 def _check_with(spring: Spring, clutch: Clutch) -> None:
     """Checks that a spring is one that its switch can have."""
-    alone = spring.stiffness and not spring.hardening + spring.preload and type(spring).torque is Spring.torque
+    others = spring.hardening + spring.preload + spring.hysteresis
+    alone = spring.stiffness and not others and type(spring).torque is Spring.torque
     for name in ("second", "slip"):
         if (number := getattr(clutch, name)) and not alone:
             raise BadValue(f"Clutch.{name}", number, "0 unless the spring has a stiffness alone")

@@ -76,6 +76,7 @@ def said(name: str, spring: Spring) -> str:
     """Returns a spring in words, with its switch where that is not ideal."""
     law = "by a table" if spring.table else f"{spring.stiffness:.4g} {spring.units['stiffness']}"
     words = [f"{law} in the {name}" if spring.path is None else f"{law}, {name}"]
+    words += [f"hysteresis of {spring.hysteresis:.4g} {spring.units['hysteresis']}"] if spring.hysteresis else []
     if (clutch := spring.clutch) is not None:
         late = ("engaged", clutch.on_delay), ("released", clutch.off_delay)
         words += [f"{what} {1e3 * delay:.4g} ms late" for what, delay in late if delay]

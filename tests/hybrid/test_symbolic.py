@@ -36,6 +36,8 @@ def hops():
         "free": (hopping(free, placed), HOP),
         "sloped": (hopping(free, placed, ground=Ground(0.8, 0.3, 0.2)), HOP),
         "fixed spring": (hopping(locked, spring=Spring(rest=0.8)), HOP),
+        "stretched": (hopping(locked, spring=Spring(hysteresis=1.5)), HOP | {"knee_way": 1.0}),
+        "let go": (hopping(locked, spring=Spring(20.0, hysteresis=1.5)), HOP | {"knee_way": -1.0}),
         "series": (series_hopping(load("spear_ii_series", locked=["boom_x"])), SERIES),
         **{f"spring on {name}": (hopping(locked, spring=spring), HOP | held) for name, spring, held in sprung()},
     }

@@ -82,6 +82,14 @@ MUTATIONS = [
     ),
     *mistakes_in(
         "hybrid/domain",
+        ["gaits/test_hysteresis"],
+        {
+            "hysteresis drives the motion": ("return -self._if_acting(ops.", "return self._if_acting(ops."),
+            "hysteresis lets a chain push": ("ops.maximum(against, force) if spring.unilateral else", ""),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/domain",
         ["hybrid/test_torques", "hybrid/test_ledger", "gaits/test_bounding", "gaits/test_clutches"],
         {
             "a slack spring acts and stores energy": ("else held[self.taut] * value", "else value"),

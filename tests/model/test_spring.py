@@ -44,7 +44,7 @@ def test_bad_values(name, value):
 
 
 @pytest.mark.parametrize("value", [-1.0, 1.1e6, 1e300, float("nan"), float("inf"), "1"])
-@pytest.mark.parametrize("name", ["stiffness", "damping", "hardening", "preload"])
+@pytest.mark.parametrize("name", ["stiffness", "damping", "hardening", "preload", "hysteresis"])
 def test_a_spring_that_is_none(name, value):
     with pytest.raises(BadValue, match=f"^Spring.{name} is .*from 0 to 1e[+]06, in N"):
         Spring(**{name: value})

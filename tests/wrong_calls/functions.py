@@ -131,7 +131,7 @@ FUNCTIONS: tuple[tuple[str, Callable[[], Mapping[str, Any]], Mapping[str, tuple[
         ":Spring",
         dict,
         {
-            **dict.fromkeys(("stiffness", "damping", "hardening", "preload"), NOT_NEGATIVE),
+            **dict.fromkeys(("stiffness", "damping", "hardening", "preload", "hysteresis"), NOT_NEGATIVE),
             "unilateral": FLAG,
             "rest": ("x", NAN, 4.0, [], True),
             "table": (

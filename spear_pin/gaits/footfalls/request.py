@@ -13,7 +13,7 @@ from spear_pin.gaits.request import Wishes
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
-from spear_pin.model.spring import PAIR_STIFFNESS, Spring
+from spear_pin.model.spring import PAIR_STIFFNESS, Spring, refuse_unusual
 
 SPRING = Spring(PAIR_STIFFNESS / 2.0, damping=0.0)
 """Of one knee of Q-SPEAR (source: Table 5.1)."""
@@ -189,8 +189,10 @@ class FootfallRequest(Wishes):
         require("longest_stride", self.longest_stride, lambda time: time > 0, "a number > 0, in s")
         if self.swing is not None and self.law is None:
             raise BadValue("swing", self.swing, "None without a law on the ground; give law=StanceLaw(...) too")
-        if self.spring is not None and self.spring.rest is not None:
-            raise BadValue("spring.rest", self.spring.rest, "None: these springs are latched at touchdown")
+        if self.spring is not None:
+            refuse_unusual(self.spring)
+            if self.spring.rest is not None:
+                raise BadValue("spring.rest", self.spring.rest, "None: these springs are latched at touchdown")
 
 
 def _changed(one: Made, numbers: Mapping[str, Any], values: Mapping[str, Any]) -> Made:

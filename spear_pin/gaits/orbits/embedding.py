@@ -117,5 +117,5 @@ def whole(plane: Robot) -> Robot:
 
 def of_a_leg(spring: Spring) -> Spring:
     """Returns the spring of one leg, given the spring of a pair of legs."""
-    halved = {name: getattr(spring, name) / 2.0 for name in ("stiffness", "damping", "hardening", "preload")}
+    halved = {name: getattr(spring, name) / 2.0 for name in spring.units}
     return replace(spring, **halved, table=tuple((angle, torque / 2.0) for angle, torque in spring.table))

@@ -164,7 +164,7 @@ class Flow:
         for damper, pull in zip(self._dampers, self.pulls, strict=True):
             for index, lever in pull.slope.items():
                 self._passive[index] += lever * (pull.force + pull.drag)
-            damped[damper] += pull.drag * pull.rate
+            damped[damper] += (pull.drag + pull.lost) * pull.rate
             taken += pull.slipping * pull.force * pull.rate
         slopes: list[float] = []
         electrical: list[float] = []

@@ -42,10 +42,16 @@ class Sprung:
         """Replaces the held values."""
         self._held, mounts = held, self._mounts
         self._rests = [rest_length(each, each.spring, each.along, self._robot, held, self._posed) for each in mounts]
-        pairs = zip(mounts, self._rests, strict=True)
+        pairs = [*zip(mounts, self._rests, strict=True)]
         self.knots = [
             partial(self._beyond, mount.along, rest + knot) for mount, rest in pairs for knot in mount.spring.knots
         ]
+        clipped = [
+            (mount, rest)
+            for mount, rest in pairs
+            if mount.way is not None and mount.spring.unilateral and mount.name not in self._own.springs
+        ]
+        self.knots += [partial(self._mean_beyond, mount, rest) for mount, rest in clipped]
 
     def at(self, q: Array, angles: Sequence[float], rates: Sequence[float]) -> list[Pull]:
         """Returns what each spring does at a configuration, which is given twice, and a velocity."""
@@ -73,8 +79,10 @@ class Sprung:
             force, drag = self._own.spring(mount, stretch, rate, self._held)
         else:
             drag = mount.drag(mount.spring, rate, self._held)
-            force = mount.pull(mount.spring, stretch, self._held, FLOATS) + mount.idle(mount.spring, length, self._held)
-        return Pull(mount.name, mount.spring, stretch, rate, force, drag, slope, mount.slipping(self._held))
+            force = mount.pull(mount.spring, stretch, self._held, FLOATS)
+        lost = mount.lost(mount.spring, force, self._held, FLOATS)
+        force += mount.idle(mount.spring, length, self._held) + lost
+        return Pull(mount.name, mount.spring, stretch, rate, force, lost, drag, slope, mount.slipping(self._held))
 
     def _posed(self, q: Sequence[float]) -> RobotPosture:
         return self._posture.at(np.array(q))
@@ -82,3 +90,7 @@ class Sprung:
     def _beyond(self, path: Path, length: float, q: Array) -> float:
         """Returns how much longer a path is than a length."""
         return float(path.length(self._posture.at(q)) - length)
+
+    def _mean_beyond(self, mount: Mount, rest: float, q: Array) -> float:
+        """Returns how much more a spring pulls on the mean than its hysteresis takes while it is let go."""
+        return -float(mount.spring.torque(self._beyond(mount.along, rest, q))) - mount.spring.hysteresis

@@ -153,7 +153,7 @@ def _mounted(mount: Mount, system: HybridSystem, mechanism: Mechanism) -> Any:
     if shares_path(mount, common):
         path = path.with_numbers({name: float(value != 0.0) for name, value in path.numbers.items()})
     axes = tuple(mechanism.axes[frame] for frame in path.frames)
-    names = mount.name, spring_of(mount, system), mount.rest, mount.taut, mount.on, mount.tooth, mount.slips
+    names = mount.name, spring_of(mount, system), mount.rest, mount.taut, mount.on, mount.tooth, mount.slips, mount.way
     return names, path, axes, type(own), numbers, others
 
 

@@ -304,11 +304,12 @@ class Motion:
             rest = rest_length(mount, spring, path, robot, self.held, posed)
             stretch = mount.stretch(spring, length, rest, self.held)
             force = self._asked(what, spring.torque, mount.pull, (spring, stretch, self.held, self.ops))
-            force = plus(force, mount.idle(spring, length, self.held))
+            lost = mount.lost(spring, force, self.held, self.ops)
+            force = plus(plus(force, mount.idle(spring, length, self.held)), lost)
             rate = slope.rate(self.v)
             drag = self._asked(what, spring.drag, mount.drag, (spring, rate, self.held))
             slipping = mount.slipping(self.held)
-            found.append(Pull(mount.name, spring, stretch, rate, force, drag, slope, slipping))
+            found.append(Pull(mount.name, spring, stretch, rate, force, lost, drag, slope, slipping))
         return found
 
     @cached_property

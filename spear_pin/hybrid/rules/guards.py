@@ -135,6 +135,21 @@ def spring_switches(mount: Mount, name: str = "spring_switch") -> tuple[Guard, .
     return (Guard(name, stretch, flip, tolerance=ON_REST),)
 
 
+def turning(mount: Mount) -> tuple[Guard, ...]:
+    """Returns the event at which the path of a spring with hysteresis turns, so that it pulls along the other branch.
+
+    Where it turns back on that branch too, events accumulate.
+    """
+    if mount.way is None:
+        return ()
+    name, way = mount.name, mount.way
+
+    def onward(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        return held[way] * dyn.pull(name).rate
+
+    return (Guard(f"turns:{name}", onward, Reset(latch=lambda q, v, held, p: {way: -held[way]})),)
+
+
 def to_spare(rub: Rub, side: float) -> GuardValue:
     """Returns a guard on the margin of dry friction over the force that holds the joint, to one side, in N or N·m."""
 

@@ -30,7 +30,7 @@ from spear_pin.words import number
 
 MOST = 6  # sides
 CYCLES, MOST_CYCLES = 4, 50  # of a gait that are simulated; of a motion that is shown
-NUMBERS = ("stiffness", "damping", "hardening", "preload", "rest")  # of a spring, that words say
+NUMBERS = ("stiffness", "damping", "hardening", "preload", "hysteresis", "rest")  # of a spring, that words say
 Item = Gait | Trajectory | Robot | Spring | str | Path
 
 
