@@ -20,11 +20,13 @@ from spear_pin.cli import (
     explore,
     export,
     family,
+    fit,
     hop,
     identify,
     measures,
     payoff,
     push_test,
+    replay,
     report,
     robots,
     search,
@@ -53,7 +55,7 @@ COMMANDS: dict[str, tuple[Callable[[Commands], None], ...]] = {
     "study: vary, optimise and compare gaits": (
         *(measures.add, compare.add, sweep.add, family.add, sensitivity.add, uncertainty.add, design.add, payoff.add),
     ),
-    "lab: push tests of a leg, real or simulated": (push_test.add, identify.add),
+    "lab: push tests and logs of a leg, real or simulated": (push_test.add, identify.add, fit.add, replay.add),
     "look: web pages, films, tables, figures": (explore.add, export.add, report.add),
     "set-up: after the installation": (doctor.add, completion.add),
 }

@@ -1,8 +1,19 @@
 """Logs of a leg that hops: read, cut into stance and flight, replayed by the model, and fitted."""
 
-
+from spear_pin.studies.logs.fit import Found, MotionFit, identify_motion
 from spear_pin.studies.logs.log import Column, Log
 from spear_pin.studies.logs.phases import LogPhase, find_phases
+from spear_pin.studies.logs.replay import Hop, Replay, replay
 
-
-
+__all__ = [
+    "Column",
+    "Found",
+    "Hop",
+    "Log",
+    "LogPhase",
+    "MotionFit",
+    "Replay",
+    "find_phases",
+    "identify_motion",
+    "replay",
+]

@@ -17,13 +17,15 @@ from spear_pin.hybrid.parameters import number, unit, with_numbers
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
 from spear_pin.studies.logs.log import Log
-from spear_pin.studies.logs.phases import FLIGHT, STANCE, LogPhase, Measured, find_phases, measured
-from spear_pin.studies.logs.played import FRICTION, HYSTERESIS, SHIFT, played
+from spear_pin.studies.logs.measured import FLIGHT, STANCE, Measured, measured
+from spear_pin.studies.logs.phases import LogPhase, find_phases
+from spear_pin.studies.logs.played import FRICTION, number_of, played
 from spear_pin.studies.logs.shooting import Shooter, Shot, with_torques
 
 SETTLE = 0.012  # s after a touchdown that are left out: the foot bounces, and the leg rings
-MARGIN = 0.002  # s at the end of a stance, as lift-off is not known better
-ZERO, LAG = "_zero", "lag"
+MARGIN = 0.002  # s on both sides of a lift-off, which is not known better
+GRAVITY = 9.81  # m/s², by which the base slows down in that time
+ZERO, LAG, HYSTERESIS = "_zero", "lag", "hysteresis"
 RATE = 8  # samples from which a first rate follows
 STEP = 1e-5  # rad or m, by which a start is differentiated
 ALIKE = 0.98  # correlation of two values that are hardly told apart
@@ -58,6 +60,7 @@ class Arc:
         torques: torques of the motors at them, (n, nu).
         near: configuration at the first sample, (nv,), with the toe on the ground.
         latched: configuration at touchdown, (nv,).
+        base: rates of the base at the first sample of a flight, in m/s, from the push-off; None for a stance.
         source: the log's name.
     """
 
@@ -67,6 +70,7 @@ class Arc:
     torques: Array
     near: Array
     latched: Array
+    base: Array | None
     source: str
 
 
@@ -75,8 +79,10 @@ class MotionFit(Shown):
     """Values fitted to logs, and how far to trust them.
 
     Attributes:
+        source: the system as it was given.
         system: the system with the values that are its own numbers.
         leg: the leg as it was shot, with all values, see `played`.
+        joints: names of the measured joints.
         found: the values, by name.
         correlation: their correlations, (k, k), in that order.
         arcs: the phases that were shot over.
@@ -84,15 +90,16 @@ class MotionFit(Shown):
         residuals: model less log, for each of them, (n, m), in rad or m.
         rms: root of their mean square.
         inflation: factor by which deviations are larger than those of white residuals.
-        held: names of numbers that set the scale of all forces, and were held at the model's values.
         left_out: phases that were not used, with the reason.
         doubts: what to keep in mind, in sentences.
         converged: whether the search met its tolerance.
         evaluations: how often all arcs were shot.
     """
 
+    source: HybridSystem
     system: HybridSystem
     leg: HybridSystem
+    joints: tuple[str, ...]
     found: Mapping[str, Found]
     correlation: Array
     arcs: tuple[Arc, ...]
@@ -132,16 +139,15 @@ def identify_motion(
 ) -> MotionFit:
     """Fits numbers of a leg to logs of hops, by least squares of the measured positions.
 
-    Measured torques drive the model over each stance and flight, from a state of its own that is fitted as well: touch
-    and lift-off need not be modelled. A flight sets out with the toe at rest. Derivatives are exact.
+    Measured torques drive the model over each stance and flight, from a state of its own that is fitted as well: touchdown
+    and lift-off need not be modelled. Derivatives are exact.
 
     Args:
         system: the leg, such as `hopping(load("crank_hopper"))`; its law is not used.
         log: a log, or several.
-        over: names of what is fitted: numbers of robot and springs, such as "crank_armature" and "leg.stiffness";
-            "torque_scale", by which measured torques are multiplied; Coulomb's friction of a joint, "crank_friction";
-            of a spring "leg_hysteresis", half the distance of its branches, and "leg_shift", by which it rests
-            longer; the zero of a joint's sensor, "crank_zero"; and "lag", how late positions are stamped.
+        over: names of what is fitted: numbers of robot and springs, such as "crank_armature", "stiffness", "rest" and
+            "hysteresis"; "torque_scale", by which measured torques are multiplied; Coulomb's friction of a joint,
+            "crank_friction"; the zero of a joint's sensor, "crank_zero"; and "lag", how late positions are stamped.
         start: values from which the search begins, or that are held if they are not in `over`.
         phases: which phases are shot over: "stance", "flight" or both.
         settle: time after each touchdown that is left out, in s.
@@ -164,8 +170,8 @@ def identify_motion(
     leg, of_sensors = played(system), [*(f"{joint}{ZERO}" for joint in joints.joints), LAG]
     own = tuple(name for name in over if name not in of_sensors)
     for name in (*own, *(name for name in given if name not in of_sensors)):
-        _known(leg, name, of_sensors)
-    leg = with_numbers(leg, {name: value for name, value in given.items() if name not in of_sensors})
+        _known(leg, number_of(system, name)[0], of_sensors)
+    leg = played_with(leg, system, {name: value for name, value in given.items() if name not in of_sensors})
     arcs, left_out = [], list[LogPhase]()
     for each in logs:
         some, others = arcs_of(system, joints, each, settle)
@@ -174,8 +180,24 @@ def identify_motion(
     if not arcs:
         raise BadValue("log", [each.source for each in logs], "one with a stance or flight that can be used")
     sensors = {name: float(given.get(name, 0.0)) for name in of_sensors}
-    problem = _Problem(leg, joints, tuple(arcs), over, own, sensors)
-    return _solved(problem, system, tuple(left_out))
+    problem = _Problem(system, leg, joints, tuple(arcs), over, own, sensors)
+    return _solved(problem, tuple(left_out))
+
+
+def played_with(leg: HybridSystem, system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
+    """Returns a played leg with other numbers, by the names of `identify_motion`."""
+    named = {name: number_of(system, name) for name in values}
+    return with_numbers(leg, {named[name][0]: value - named[name][1] for name, value in values.items()})
+
+
+def _unit(problem: _Problem, name: str) -> str:
+    """Returns the unit of a fitted value."""
+    if name == LAG:
+        return "s"
+    joint = name.removesuffix(ZERO)
+    if name in problem.sensors:
+        return problem.leg.robot.units[problem.leg.robot.index(joint)]
+    return unit(problem.system, name) or unit(problem.leg, name)
 
 
 def _known(leg: HybridSystem, name: str, of_sensors: Sequence[str]) -> None:
@@ -205,30 +227,47 @@ def arcs_of(
     latched: Array | None = None
     phases = find_phases(system.robot, log)
     for i, phase in enumerate(phases):
-        stance = phase.name == STANCE
-        begin = phase.begin + (settle if stance else 0.0)
-        end = phase.end - (MARGIN if stance else settle / 2)
+        stance, ends = phase.name == STANCE, phase.end
+        begin = phase.begin + (settle if stance else MARGIN)
         if whole and stance and i + 1 < len(phases):
-            end = phases[i + 1].end - settle / 2
+            ends = phases[i + 1].end
+        end = ends - (MARGIN if stance and ends == phase.end else settle / 2)
         inside = np.flatnonzero(good & (log.t >= begin) & (log.t <= end))
+        before = np.flatnonzero(good & (log.t <= phase.begin))
         touchdown = np.flatnonzero(good & (log.t >= phase.begin))
         if stance and touchdown.size:
             latched = joints.configuration(positions[touchdown[0]], latched)
-        if not phase.left_out and len(inside) < RATE:
-            phase = replace(phase, left_out=f"only {len(inside)} samples of it can be used")
+        if not stance and len(before) < RATE:
+            phase = replace(phase, left_out=phase.left_out or "its lift-off is not in the log")
+        elif len(inside) < RATE:
+            phase = replace(phase, left_out=phase.left_out or f"only {len(inside)} samples of it can be used")
         if phase.left_out:
             left_out.append(phase)
             continue
         near = joints.configuration(positions[inside[0]], latched)
-        t, measured_at = log.t[inside], positions[inside]
-        found.append(Arc(phase, t, measured_at, torques[inside], near, near if latched is None else latched, log.source))
+        base = None
+        if not stance:  # until lift-off the toe was at rest
+            last = before[-RATE:]
+            at = joints.state(STANCE, positions[last[-1]], rates_of(joints, STANCE, log.t[last], positions[last], -1), near)
+            base = at[[joints.robot.nv + row for row in joints.base]]
+            falls = [GRAVITY if joints.robot.coordinates[row] == "boom_z" else 0.0 for row in joints.base]
+            base = base - np.array(falls) * (log.t[inside[0]] - log.t[last[-1]])
+        source = near if latched is None else latched
+        found.append(Arc(phase, log.t[inside], positions[inside], torques[inside], near, source, base, log.source))
     return found, left_out
+
+
+def rates_of(joints: Measured, name: str, t: Array, positions: Array, place: int) -> Array:
+    """Returns the leading rates at the first or the last of some samples, by a parabola through them."""
+    lines = np.polyfit(t - t[place], positions, 2)[1]
+    return np.array([lines[joints.rows.index(row)] for row in joints.leading[name]])
 
 
 @dataclass(frozen=True)
 class _Problem:
     """Residuals of all arcs, with their Jacobian by the fitted values, then by where each arc sets out."""
 
+    system: HybridSystem
     leg: HybridSystem
     joints: Measured
     arcs: tuple[Arc, ...]
@@ -237,27 +276,31 @@ class _Problem:
     sensors: Mapping[str, float]
 
     @cached_property
-    def size(self) -> int:
-        """Number of unknowns of one arc's start."""
-        return len(self.joints.rows) + len(self.joints.leading)
+    def places(self) -> list[slice]:
+        """Places of the unknowns of each arc's start."""
+        sizes = [len(self.joints.rows) + len(self.joints.leading[arc.phase.name]) for arc in self.arcs]
+        ends = len(self.over) + np.cumsum([0, *sizes])
+        return [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
 
     @cached_property
     def weights(self) -> Array:
         """Weights of the measured joints, (m,): those of a length in m count as angles of its leg do."""
-        length = max(self.joints.height_of_base(arc.near) for arc in self.arcs)
+        length = max(self.joints.length(arc.near) for arc in self.arcs)
         units = [self.leg.robot.units[row] for row in self.joints.rows]
         return np.array([1.0 if unit == "rad" else 1.0 / length for unit in units])
 
+    def number(self, name: str) -> float:
+        """Returns a number of the leg, by its name for users."""
+        key, offset = number_of(self.system, name)
+        return number(self.leg, key) + offset
+
     def first(self) -> Array:
         """Returns the values from which the search begins."""
-        values = [self.sensors[name] if name in self.sensors else number(self.leg, name) for name in self.over]
-        starts = [np.concatenate([arc.positions[0], self._rates(arc)]) for arc in self.arcs]
-        return np.concatenate([values, *starts])
-
-    def _rates(self, arc: Arc) -> Array:
+        values = [self.sensors[name] if name in self.sensors else self.number(name) for name in self.over]
         some = slice(0, RATE)
-        lines = np.polyfit(arc.t[some] - arc.t[0], arc.positions[some], 2)[1]
-        return np.array([lines[self.joints.rows.index(row)] for row in self.joints.leading])
+        rates = [rates_of(self.joints, arc.phase.name, arc.t[some], arc.positions[some], 0) for arc in self.arcs]
+        starts = [np.concatenate([arc.positions[0], own]) for arc, own in zip(self.arcs, rates, strict=True)]
+        return np.concatenate([values, *starts])
 
     def bounds(self, first: Array) -> tuple[Array, Array]:
         """Returns least and largest values: what is positive stays so, and friction may vanish."""
@@ -265,26 +308,26 @@ class _Problem:
         for i, (name, value) in enumerate(zip(self.over, first, strict=False)):
             if name.endswith((FRICTION, HYSTERESIS)):
                 lower[i] = 0.0
-            elif name in self.own and not name.endswith(SHIFT) and "_com_" not in name and value > 0.0:
+            elif name in self.own and value > 0.0 and not ("_com_" in name or "." in name or name.endswith("rest")):
                 lower[i] = 1e-6 * value
         return lower, np.full(len(first), np.inf)
 
     def leg_with(self, x: Array) -> HybridSystem:
         """Returns the leg with the fitted values among x."""
         values = dict(zip(self.over, x[: len(self.over)].tolist(), strict=True))
-        return with_numbers(self.leg, {name: values[name] for name in self.own})
+        return played_with(self.leg, self.system, {name: values[name] for name in self.own})
 
     def shots(self, x: Array, steps: int = 1) -> list[tuple[Shot, Array, Array]]:
         """Returns, of each arc, the shot, the residuals, (n, m), and their Jacobian, (n, m, unknowns)."""
-        k, shooter = len(self.over), Shooter(self.leg_with(x), self.own)
+        k, keys = len(self.over), tuple(number_of(self.system, name)[0] for name in self.own)
+        shooter = Shooter(self.leg_with(x), keys)
         values = dict(self.sensors) | dict(zip(self.over, x[:k].tolist(), strict=True))
         zeros = np.array([values[f"{joint}{ZERO}"] for joint in self.joints.joints])
         rows = self.joints.rows
         rate_rows = [self.leg.robot.nv + row for row in rows]
         found = []
-        for a, arc in enumerate(self.arcs):
-            mine = slice(k + a * self.size, k + (a + 1) * self.size)
-            y, slope = self._begin(x[mine], arc.near)
+        for mine, arc in zip(self.places, self.arcs, strict=True):
+            y, slope = self._begin(x[mine], arc)
             dy = np.hstack([np.zeros((len(y), len(self.own))), slope])
             shot = shooter.shoot(arc.phase.name, arc.t, arc.torques, y, dy, arc.latched, steps)
             rates = shot.y[:, rate_rows]
@@ -301,12 +344,12 @@ class _Problem:
             found.append((shot, residual, jacobian))
         return found
 
-    def _begin(self, at: Array, near: Array) -> tuple[Array, Array]:
+    def _begin(self, at: Array, arc: Arc) -> tuple[Array, Array]:
         """Returns the state at which an arc sets out, (2 nv,), and its derivatives, (2 nv, d), by differences."""
         m = len(self.joints.rows)
 
         def state(at: Array) -> Array:
-            return self.joints.state(at[:m], at[m:], near)
+            return self.joints.state(arc.phase.name, at[:m], at[m:], arc.near, arc.base)
 
         steps = STEP * np.eye(len(at))
         return state(at), np.array([(state(at + h) - state(at - h)) / (2.0 * STEP) for h in steps]).T
@@ -319,7 +362,7 @@ class _Problem:
         return np.concatenate(residuals), np.vstack(jacobians)
 
 
-def _solved(problem: _Problem, system: HybridSystem, left_out: tuple[LogPhase, ...]) -> MotionFit:
+def _solved(problem: _Problem, left_out: tuple[LogPhase, ...]) -> MotionFit:
     first = problem.first()
     bounds = problem.bounds(first)
     first = np.clip(first, bounds[0] + 1e-9, bounds[1])
@@ -348,14 +391,15 @@ def _solved(problem: _Problem, system: HybridSystem, left_out: tuple[LogPhase, .
     residuals = tuple(residual for _, residual, _ in shots)
     inflation = float(np.sqrt(np.mean([_correlation_time(each) for residual in residuals for each in residual.T])))
     deviations, correlation = _spread(problem, at(x), inflation)
-    of_sensors = {f"{joint}{ZERO}": problem.leg.robot.units[row] for joint, row in zip(problem.joints.joints, problem.joints.rows, strict=True)}
-    units = {name: of_sensors[name] if name in of_sensors else "s" if name == LAG else unit(problem.leg, name) for name in problem.over}
+    units = {name: _unit(problem, name) for name in problem.over}
     values = zip(problem.over, x[:k].tolist(), deviations.tolist(), strict=True)
     found = {name: Found(value, deviation, units[name]) for name, value, deviation in values}
     leg = problem.leg_with(x)
     return MotionFit(
-        _with_own(system, leg, {name: found[name].value for name in problem.own}),
+        problem.system,
+        _with_own(problem.system, leg, {name: found[name].value for name in problem.own}),
         leg,
+        problem.joints.joints,
         found,
         correlation,
         problem.arcs,

@@ -1,7 +1,7 @@
 """The leg as a log drives it: measured torques in place of the law, dry friction of joints and springs, springs fixed.
 
-A law of its own does all this, with the numbers that a fit may vary. Friction of a joint is Coulomb's, and so is the
-hysteresis of a spring, half the distance of its two branches: c tanh(v / w), with a rate w that is slow for a hop.
+A law of its own does all this, with the numbers that a fit may vary. Coulomb's friction of a joint and the hysteresis
+of a spring are smooth here, c tanh(v / w), with a rate w that is slow for a hop.
 """
 
 from __future__ import annotations
@@ -16,10 +16,13 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Held, Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.pull import Pull
+from spear_pin.hybrid.springs import spring_of
 from spear_pin.model.robot import Robot
+from spear_pin.model.springs import places_of
 from spear_pin.studies.logs.phases import FLIGHT, STANCE
 
-SLOW = {"rad": 0.05, "m": 0.01}  # rad/s, m/s: the rate w, far below those of a hop
+SLOW = {"rad": 0.02, "m": 0.004}  # rad/s, m/s: the rate w, far below those of a hop
 SCALE, FRICTION, HYSTERESIS, SHIFT, TORQUE = "torque_scale", "_friction", "_hysteresis", "_shift", "_torque"
 
 
@@ -27,8 +30,9 @@ SCALE, FRICTION, HYSTERESIS, SHIFT, TORQUE = "torque_scale", "_friction", "_hyst
 def numbers_type(joints: Sequence[str], springs: Sequence[str], motors: Sequence[str], units: Sequence[str]) -> type:
     """Returns the dataclass of the numbers of a played leg.
 
-    They are `torque_scale`, by which measured torques are multiplied; Coulomb's friction of each joint, such as
-    "crank_friction"; the hysteresis and the shift of the rest of each spring; and the torque of each motor.
+    These are `torque_scale`, by which measured torques are multiplied; Coulomb's friction of each joint, such as
+    "crank_friction"; of each spring the hysteresis, and by how much longer it rests than its file says, "leg_shift"; and
+    the motors' torques.
 
     Args:
         joints: names of all joints.
@@ -37,7 +41,7 @@ def numbers_type(joints: Sequence[str], springs: Sequence[str], motors: Sequence
         units: units of the joints.
     """
     named = {f"{joint}{FRICTION}": "N·m" if unit == "rad" else "N" for joint, unit in zip(joints, units, strict=True)}
-    named |= {f"{spring}{HYSTERESIS}": "" for spring in springs} | {f"{spring}{SHIFT}": "" for spring in springs}
+    named |= {f"{spring}{what}": "" for spring in springs for what in (HYSTERESIS, SHIFT)}
     torques = {f"{motor}{TORQUE}": "N·m" for motor in motors}
     fields = [(SCALE, float, 1.0), *((name, float, 0.0) for name in {**named, **torques})]
     kind = make_dataclass("Played", fields, frozen=True, namespace={"units": {SCALE: "1", **named, **torques}})
@@ -53,14 +57,14 @@ class Playing:
         joints: names of all joints.
         units: their units.
         motors: names of the joints with a motor.
-        springs: names of the springs that act.
-        one_way: those of them that only pull.
+        springs: name of each mount that acts, and of its spring.
+        one_way: names of those mounts whose springs only pull.
     """
 
     joints: tuple[str, ...]
     units: tuple[str, ...]
     motors: tuple[str, ...]
-    springs: tuple[str, ...]
+    springs: tuple[tuple[str, str], ...]
     one_way: tuple[str, ...]
 
     def __call__(
@@ -72,16 +76,21 @@ class Playing:
         for motor in self.motors:
             i = self.joints.index(motor)
             forces[i] = forces[i] + getattr(p, SCALE) * getattr(p, f"{motor}{TORQUE}")
-        for name in self.springs:
-            pull = dyn.pull(name)
-            stretch = pull.stretch - getattr(p, f"{name}{SHIFT}")
-            stretch = ops.maximum(stretch, 0.0) if name in self.one_way else stretch
-            drag = getattr(p, f"{name}{HYSTERESIS}") * ops.tanh(pull.rate / SLOW["rad" if pull.spring.turns else "m"])
-            # the spring of the equations acts both ways, and from where it rests in the file: it is replaced
-            change = pull.spring.torque(stretch, ops) - pull.spring.torque(pull.stretch, ops) - drag
+        for mount, spring in self.springs:
+            pull = dyn.pull(mount)
+            change = self._whole(pull, getattr(p, f"{spring}{SHIFT}"), getattr(p, f"{spring}{HYSTERESIS}"), ops) - pull.spring.torque(pull.stretch, ops)
             for i, lever in pull.slope.items():
                 forces[i] = forces[i] + change * lever
         return forces
+
+    def _whole(self, pull: Pull, shift: Any, width: Any, ops: Operations) -> Any:
+        """Returns the force along a spring's path; the one in the equations acts both ways and has no hysteresis."""
+        stretch, pulls = pull.stretch - shift, pull.name in self.one_way
+        force = pull.spring.torque(ops.maximum(stretch, 0.0) if pulls else stretch, ops)
+        against = width * ops.tanh(pull.rate / SLOW["rad" if pull.spring.turns else "m"])
+        if pulls:  # a slack spring has none, and one that is let go does not push
+            against = ops.maximum(-ops.maximum(-against, force), force)
+        return force - against
 
 
 def played(system: HybridSystem) -> HybridSystem:
@@ -101,9 +110,24 @@ def played(system: HybridSystem) -> HybridSystem:
         raise BadValue("system", system.kind, "a planar robot with one toe and without hardware")
     if unusual := [name for name, spring in system.springs.items() if spring.clutch is not None]:
         raise BadValue(f"clutch of the spring {unusual[0]}", system.springs[unusual[0]].clutch, "None: an ideal switch")
-    motors, names = robot.actuated, tuple(_names(system))
-    kind = numbers_type(robot.coordinates, names, motors, robot.units)
-    return _built(system, robot, motors, kind(), system.springs)
+    kind = numbers_type(robot.coordinates, tuple(system.springs), robot.actuated, robot.units)
+    widths = {f"{name}{HYSTERESIS}": spring.hysteresis for name, spring in system.springs.items()}
+    plain = {name: replace(spring, hysteresis=0.0) for name, spring in system.springs.items()}
+    return _built(system, robot, robot.actuated, kind(**widths), plain)
+
+
+def number_of(system: HybridSystem, name: str) -> tuple[str, float]:
+    """Returns the name that a number has in a played leg, and what is taken off its value there.
+
+    The law has the hysteresis of springs. Where a fixed spring rests is built into the equations: the law has a number
+    for how far that is shifted.
+    """
+    place = places_of(system.springs).get(name)
+    if place is not None and place.field == "hysteresis":
+        return f"{place.spring}{HYSTERESIS}", 0.0
+    if place is not None and place.field == "rest":
+        return f"{place.spring}{SHIFT}", float(place.value(system.springs[place.spring]))
+    return name, 0.0
 
 
 def _built(system: HybridSystem, robot: Robot, motors: tuple[str, ...], law: Any, springs: Any) -> HybridSystem:
@@ -122,13 +146,8 @@ def _domain(system: HybridSystem, name: str, motors: tuple[str, ...]) -> Domain:
     """Returns the domain of stance or flight with the law of a played leg; its events are left out."""
     robot = system.robot
     own = next(each for each in system.domains if (each.contacts[0] == OPEN) == (name == FLIGHT))
-    one_way = tuple(mount.name for mount in own.mounts if system.springs[mount.of or next(iter(system.springs))].unilateral)
-    mounts = tuple(replace(mount, taut=None) for mount in own.mounts)
-    law: Law = Playing(robot.coordinates, robot.units, motors, tuple(m.name for m in mounts), one_way)
+    springs = tuple((mount.name, spring_of(mount, system)) for mount in own.mounts if mount.spring.pulls)
+    one_way = tuple(mount for mount, spring in springs if system.springs[spring].unilateral)
+    mounts = tuple(replace(mount, taut=None, way=None) for mount in own.mounts)
+    law: Law = Playing(robot.coordinates, robot.units, motors, springs, one_way)
     return replace(own, name=name, phase=name, law=law, mounts=mounts, guards=(), switch=None)
-
-
-def _names(system: HybridSystem) -> list[str]:
-    """Returns the names of all springs that act in stance or flight."""
-    return [*dict.fromkeys(mount.name for domain in system.domains for mount in domain.mounts)]
-

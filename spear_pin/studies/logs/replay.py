@@ -15,12 +15,12 @@ from scipy.optimize import least_squares
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
-from spear_pin.studies.logs.fit import LAG, MARGIN, RATE, SETTLE, ZERO, Arc, MotionFit, arcs_of
+from spear_pin.studies.logs.fit import LAG, MARGIN, RATE, SETTLE, ZERO, Arc, MotionFit, arcs_of, played_with, rates_of
 from spear_pin.studies.logs.log import Log
-from spear_pin.studies.logs.phases import FLIGHT, STANCE, LogPhase, Measured, measured
+from spear_pin.studies.logs.measured import FLIGHT, STANCE, Measured, measured
+from spear_pin.studies.logs.phases import LogPhase
 from spear_pin.studies.logs.played import played
 from spear_pin.studies.logs.shooting import Shooter
 
@@ -79,9 +79,12 @@ class Replay(Shown):
     hops: tuple[Hop, ...]
     left_out: tuple[LogPhase, ...]
 
+    def off(self, name: str) -> float:
+        """Returns by how much the model is off on average, relative to the log."""
+        return float(np.mean([hop.off(name) for hop in self.hops]))
+
     def __repr__(self) -> str:
-        off = {name: [hop.off(name) for hop in self.hops] for name in (self.hops[0].measures if self.hops else ())}
-        said = ", ".join(f"{name} {100.0 * float(np.mean(each)):+.1f} %" for name, each in off.items())
+        said = ", ".join(f"{name} {100.0 * self.off(name):+.1f} %" for name in MEASURES)
         return f"Replay({self.log.source!r}: {len(self.hops)} hops; model less log: {said})"
 
 
@@ -111,13 +114,13 @@ def replay(
     require("window", window, lambda time: time > 0, "a number > 0, in s")
     given = dict(values or {})
     if isinstance(system, MotionFit):
-        leg, user = system.leg, system.system
+        leg, user = system.leg, system.source
         given = {name: each.value for name, each in system.found.items()} | given
     else:
         user, leg = system, played(system)
     joints = measured(user.robot, log)
     sensors = {name: given.pop(name, 0.0) for name in (*(f"{joint}{ZERO}" for joint in joints.joints), LAG)}
-    leg = with_numbers(leg, given)
+    leg = played_with(leg, user, given)
     zeros = np.array([sensors[f"{joint}{ZERO}"] for joint in joints.joints])
     arcs, left_out = arcs_of(user, joints, log, settle, whole=True)
     shooter, hops = Shooter(leg), list[Hop]()
@@ -140,14 +143,13 @@ def _replayed(shooter: Shooter, joints: Measured, arc: Arc, window: float, zeros
         return y[:, rows] - lag * y[:, [nv + row for row in rows]] + zeros
 
     def missed(x: Array) -> Array:
-        y = joints.state(x[:m], x[m:], arc.near)
+        y = joints.state(STANCE, x[:m], x[m:], arc.near)
         shot = shooter.shoot(STANCE, *some, y, np.zeros((2 * nv, 1)), arc.latched)
         return (shown(shot.y) - arc.positions[:first]).ravel()
 
-    lines = np.polyfit(some[0] - arc.t[0], arc.positions[:first], 2)[1]
-    begin = np.concatenate([arc.positions[0] - zeros, [lines[rows.index(row)] for row in joints.leading]])
+    begin = np.concatenate([arc.positions[0] - zeros, rates_of(joints, STANCE, some[0], arc.positions[:first], 0)])
     found = least_squares(missed, begin, x_scale="jac").x
-    y, states, lift_off = joints.state(found[:m], found[m:], arc.near), list[Array](), np.nan
+    y, states, lift_off = joints.state(STANCE, found[:m], found[m:], arc.near), list[Array](), np.nan
     states.append(y)
     place, none = 0, np.zeros((2 * nv, 1))
     for y, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, arc.latched):
@@ -162,9 +164,9 @@ def _replayed(shooter: Shooter, joints: Measured, arc: Arc, window: float, zeros
             y for y, _, _ in shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states[-1], none, arc.latched)
         ]
     modelled = shown(np.array(states))
-    model, log = (_lengths(joints, arc, each - zeros) for each in (modelled, arc.positions))
+    model, log = (joints.lengths(each - zeros, arc.near) for each in (modelled, arc.positions))
     leaves = float(np.interp(arc.phase.end - MARGIN, arc.t, log))
-    touchdown = joints.height_of_base(arc.latched)
+    touchdown = joints.length(arc.latched)
     measures = {
         name: (one, other)
         for name, one, other in zip(
@@ -172,15 +174,6 @@ def _replayed(shooter: Shooter, joints: Measured, arc: Arc, window: float, zeros
         )
     }
     return Hop(arc.phase, arc.t, arc.positions, modelled, lift_off, measures)
-
-
-def _lengths(joints: Measured, arc: Arc, positions: Array) -> Array:
-    """Returns the length of the leg at each sample, (n,), in m."""
-    found, near = [], arc.near
-    for each in positions:
-        near = joints.configuration(each, near)
-        found.append(joints.height_of_base(near))
-    return np.array(found)
 
 
 def _measures(arc: Arc, length: Array, touchdown: float, leaves: float) -> tuple[float, float, float]:

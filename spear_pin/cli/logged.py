@@ -1,0 +1,80 @@
+"""Options that name a leg, a log and what its columns hold, for `spear fit` and `spear replay`."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from spear_pin.cli.arguments import add_repair
+from spear_pin.cli.gaits import named_gait, write_gait
+from spear_pin.cli.legs import add_cut, cut_out, write_cut
+from spear_pin.cli.pairs import one_pair, values
+from spear_pin.cli.python_lines import Code, Program
+
+if TYPE_CHECKING:
+    from spear_pin.hybrid.automaton import HybridSystem
+    from spear_pin.studies.logs import Log, LogPhase
+
+LEG = "leg: a robot by name or path (TOML, URDF, MJCF), or a saved gait (.json)"
+QUANTITIES = "time, a joint's name for its position, and the name with _rate or _torque"
+
+
+def add_leg_and_log(parser: Any, several: bool) -> None:
+    """Declare LEG, LOG, --column, --unit, --settle, --set, and the options of a leg that is cut out of a robot."""
+    parser.add_argument("model", metavar="LEG", help=LEG)
+    more = {"nargs": "+", "metavar": "LOG"} if several else {"metavar": "LOG"}
+    parser.add_argument("log", help="CSV, .mat or .npz file, or a folder of files that follow one another", **more)
+    data = parser.add_argument_group("log", "without these, a TOML file beside it or the columns' own names say it")
+    data.add_argument(
+        "--column", action="append", type=one_pair, default=[], metavar="WHAT=NAME", help=f"what is in a column: {QUANTITIES}"
+    )
+    data.add_argument(
+        "--unit", action="append", type=one_pair, default=[], metavar="NAME=UNIT", help="unit of a column, by its name"
+    )
+    data.add_argument(
+        "--settle", type=float, default=0.012, metavar="S", help="time left out after each touchdown (default: 0.012)"
+    )
+    model = parser.add_argument_group("model")
+    model.add_argument(
+        "--set",
+        type=values,
+        action="extend",
+        default=[],
+        metavar="NAME=VALUE",
+        help="other values of the model's numbers, separated by commas",
+    )
+    add_repair(model)
+    add_cut(parser)
+
+
+def leg_system(arguments: argparse.Namespace, program: Program) -> tuple[HybridSystem, Code]:
+    """The leg as a system, and its source: of a saved gait, or of a robot with the springs of its file."""
+    from spear_pin import hopping
+    from spear_pin.studies.hop_of_another import scaled_hopping
+
+    word = arguments.model
+    if word.endswith(".json") or word == "hop":
+        return named_gait(word).system, Code(f"{write_gait(program, word)}.system")
+    options: dict[str, Any] = {"repair": True} if arguments.repair else {}
+    robot = cut_out(word, arguments, options)
+    build = hopping if robot.cut is None else scaled_hopping
+    return build(robot), program.call(build, write_cut(program, word, arguments, options, robot))
+
+
+def logs_of(arguments: argparse.Namespace, program: Program, paths: Sequence[str]) -> tuple[list[Log], list[Code]]:
+    """The logs, and their source."""
+    from spear_pin.studies.logs import Log
+
+    columns, units = dict(arguments.column) or None, dict(arguments.unit) or None
+    given = {name: value for name, value in {"columns": columns, "units": units}.items() if value}
+    logs = [Log.read(path, **given) for path in paths]
+    return logs, [program.call(Log.read, path, **given) for path in paths]
+
+
+def notes(logs: Sequence[Log], left_out: Sequence[LogPhase], doubts: Sequence[str] = ()) -> list[str]:
+    """What has to be known, in lines."""
+    lines = [f"note: {remark}" for log in logs for remark in log.remarks]
+    lines += [f"note: left out: {phase.name} from {phase.begin:.3f} s: {phase.left_out}" for phase in left_out]
+    lines += ["synthetic, not measured"] if any(log.synthetic for log in logs) else []
+    return [*lines, *(f"warning: {doubt}" for doubt in doubts)]

@@ -1,0 +1,67 @@
+"""`spear replay`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.logged import add_leg_and_log, leg_system, logs_of, notes
+from spear_pin.cli.output import joined
+from spear_pin.cli.python_lines import Program
+
+STEM = "replay"
+UNITS = {"compression": "m", "stance": "s", "push_off": "m/s"}
+
+
+def add(commands: Commands) -> None:
+    """Declare the command and its arguments."""
+    example = (
+        "spear replay crank_hopper hops.csv --set stiffness=1386",
+        "print how far the model's compression, stance and push-off are off a log whose torques drive it",
+    )
+    parser = add_command(commands, "replay", run, "let the torques of a log drive a model of the leg", example)
+    add_leg_and_log(parser, several=False)
+    parser.add_argument(
+        "--window", type=float, default=0.04, metavar="S", help="time on which the first state is fitted (default: 0.04)"
+    )
+    add_out(parser, f"{STEM}.svg")
+    add_open(parser, f"{STEM}.svg")
+
+
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Read the log, replay it, and draw log and model."""
+    check_out(arguments)
+    from spear_pin.studies.logs import replay
+    from spear_pin.viz.plots import save_figure
+    from spear_pin.viz.plots.logs import replay_over_log
+
+    program = Program()
+    system, leg = leg_system(arguments, program)
+    logs, (read,) = logs_of(arguments, program, [arguments.log])
+    values = dict(arguments.set)
+    options = {"window": arguments.window, "settle": arguments.settle}
+    found = replay(system, logs[0], values, **options)
+    program.show(program.let("replayed", program.call(replay, leg, read, values, **options)))
+    picture = save_figure(replay_over_log(found), arguments.out / f"{STEM}.svg")
+    lines = [f"{'':<32}{'model':>9}{'log':>9}{'off':>9}"]
+    for hop in found.hops:
+        for name, (model, log) in hop.measures.items():
+            what = f"{name} from {hop.stance.begin:.3f} s, {UNITS[name]}"
+            lines.append(f"{what:<32}{model:>9.4f}{log:>9.4f}{100.0 * hop.off(name):>+7.1f} %")
+    return {
+        "hops": [
+            {
+                "begin": hop.stance.begin,
+                "lift_off": hop.lift_off,
+                "rms": hop.rms,
+                "measures": {name: {"model": each[0], "log": each[1]} for name, each in hop.measures.items()},
+            }
+            for hop in found.hops
+        ],
+        "remarks": list(logs[0].remarks),
+        "files": [str(picture)],
+        "opened": picture,
+        "text": joined([*lines, *notes(logs, found.left_out), f"picture: {picture}"]),
+        "python": str(program),
+    }
