@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import UnknownName
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.kinds import typed
-
-FINEST = 1e-9  # s
 
 
 @dataclass(frozen=True)
@@ -55,6 +54,7 @@ class Log:
         modes: name of the controller's mode at each sample, (n,); empty where it is not logged.
         synthetic: whether the file says that nobody measured it.
         remarks: what was dropped, repaired, assumed or not read.
+        begin: time of the first sample on the file's own clock, in s.
 
     Example:
         >>> import numpy as np
@@ -71,6 +71,7 @@ class Log:
     modes: NDArray[np.str_] | None = None
     synthetic: bool = False
     remarks: tuple[str, ...] = ()
+    begin: float = 0.0
 
     @classmethod
     @typed
@@ -100,6 +101,38 @@ class Log:
 
         return read(path, columns, units or {})
 
+    @staticmethod
+    @typed
+    def join(parts: Sequence[Log], source: str) -> Log:
+        """Joins logs of one clock in the order of their times, with the quantities that all of them have.
+
+        Args:
+            parts: the logs.
+            source: what the whole is called.
+
+        Raises:
+            BadValue: there are none, or they overlap in time.
+        """
+        parts = sorted(parts, key=lambda part: part.begin)
+        if not parts:
+            raise BadValue("parts", parts, "a log at least")
+        for one, other in pairwise(parts):
+            if other.begin <= one.begin + one.t[-1]:
+                expected = f"logs of one clock that follow one another: {other.source} begins before {one.source} ends"
+                raise BadValue("parts", source, expected)
+        first, modes = parts[0], [part.modes for part in parts if part.modes is not None]
+        names = [name for name in first.values if all(name in part.values for part in parts)]
+        return Log(
+            source,
+            np.concatenate([part.t + (part.begin - first.begin) for part in parts]),
+            {name: np.concatenate([part[name] for part in parts]) for name in names},
+            first.at_motor,
+            np.concatenate(modes) if len(modes) == len(parts) else None,
+            any(part.synthetic for part in parts),
+            tuple(dict.fromkeys(remark for part in parts for remark in part.remarks)),
+            first.begin,
+        )
+
     def __repr__(self) -> str:
         kind = "synthetic, " if self.synthetic else ""
         return f"Log({self.source!r}: {kind}{len(self.t)} samples in {np.ptp(self.t):.4g} s; {', '.join(self.values)})"
@@ -113,10 +146,3 @@ class Log:
         if name not in self.values:
             raise UnknownName(f"quantity of the log {self.source}", name, self.values)
         return self.values[name]
-
-    def part(self, begin: float, end: float) -> Log:
-        """Returns the samples from one time to another, in s; times and all else stay as they are."""
-        inside = (self.t >= begin) & (self.t <= end)
-        values = {name: each[inside] for name, each in self.values.items()}
-        modes = None if self.modes is None else self.modes[inside]
-        return Log(self.source, self.t[inside], values, self.at_motor, modes, self.synthetic, self.remarks)

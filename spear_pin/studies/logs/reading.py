@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -44,8 +44,12 @@ def read(path: str | Path, columns: Mapping[str, Any] | None, units: Mapping[str
     files = _files(path)
     asked = _asked(path) if columns is None else _columns(columns, "columns")
     parts = [_read(file, asked, units) for file in files]
-    log = _joined(path, parts) if len(parts) > 1 else parts[0]
-    return replace(log, t=log.t - log.t[0])
+    if len(parts) == 1:
+        return parts[0]
+    try:
+        return Log.join(parts, str(path))
+    except BadValue as error:
+        raise BadFile(path, f"expected {error.expected}") from None
 
 
 def _files(path: Path) -> list[Path]:
@@ -161,7 +165,8 @@ def _read(path: Path, asked: Columns, units: Mapping[str, str]) -> Log:
         remarks.append(f"{gaps.sum()} gaps between samples, the longest {steps.max():.3g} s")
     synthetic = any(comment.startswith(SYNTHETIC) for comment in table.comments)
     at_motor = frozenset(name for name, column in asked.items() if column.at == "motor")
-    return Log(str(path), t, values, at_motor, modes, synthetic, tuple(f"{path.name}: {each}" for each in remarks))
+    told = tuple(f"{path.name}: {each}" for each in remarks)
+    return Log(str(path), t - t[0], values, at_motor, modes, synthetic, told, float(t[0]))
 
 
 def _by_names(path: Path, table: Table, remarks: list[str]) -> Columns:
@@ -264,23 +269,3 @@ def _at(t: Array, times: Array, values: Array) -> Array:
     found = np.interp(t, times, values, left=np.nan, right=np.nan)
     place = np.clip(np.searchsorted(times, t), 1, len(times) - 1)
     return np.where(steps[place - 1] > GAP * np.median(steps), np.nan, found)
-
-
-def _joined(path: Path, parts: Sequence[Log]) -> Log:
-    """Joins logs of one clock, in the order of their times."""
-    parts = sorted(parts, key=lambda part: float(part.t[0]))
-    for one, other in zip(parts[:-1], parts[1:], strict=True):
-        if other.t[0] <= one.t[-1]:
-            expected = "expected files of one clock that follow one another: read each by itself"
-            raise BadFile(path, f"{other.source} begins before {one.source} ends; {expected}")
-    names = [name for name in parts[0].values if all(name in part.values for part in parts)]
-    modes = [part.modes for part in parts if part.modes is not None]
-    return Log(
-        str(path),
-        np.concatenate([part.t for part in parts]),
-        {name: np.concatenate([part[name] for part in parts]) for name in names},
-        parts[0].at_motor,
-        np.concatenate(modes) if len(modes) == len(parts) else None,
-        any(part.synthetic for part in parts),
-        tuple(dict.fromkeys(remark for part in parts for remark in part.remarks)),
-    )

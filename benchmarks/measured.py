@@ -1,0 +1,192 @@
+"""The crank leg's model beside its logged hops: `python -m benchmarks.measured FOLDER`, Markdown; without one it ends.
+
+The logs are those of arXiv 2505.22898, published in June 2024: one CSV file a hop, named by condition and mass, such as
+`no_hsa_1300g_hop20.csv`, and `configs.json` with the numbers of the controller. Nothing is tuned to a file: all values
+are fitted by `identify_motion`, on hops without spring at the lowest mass, and on the first hop with a spring.
+"""
+
+import json
+import re
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import degrees
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.markdown import table
+from spear_pin import hopping, load, simulate, vary
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.model.spring import Spring
+from spear_pin.studies.logs import Log, MotionFit, find_phases, identify_motion, replay
+from spear_pin.studies.logs.phases import LogPhase
+from tests.studies.logs.crank_leg import ConfiguredLaw, configured, sampled
+
+COLUMNS = {"time": "t_s", "crank": "x_deg", "crank_torque": "torque_Nm"}
+FREE = ["torque_scale", "crank_armature", "crank_viscous", "crank_friction", "boom_z_friction"]
+SPRING = ["stiffness", "rest", "hysteresis"]
+FOOT = 0.152  # kg: foot, crank and rod of the model
+GRID, BENCH = 0.12136, "hsa_static_map.csv"  # m: length of the spring at the bench's zero
+PLAIN = re.compile(r"(?P<condition>(no_)?hsa_(?P<mass>\d+)g)_hop(?P<hop>\d+)\.csv")
+CYCLES = 12  # until the configured hop repeats itself
+
+
+@dataclass(frozen=True)
+class Condition:
+    """The hops of one mass with or without spring: each by itself, and all joined."""
+
+    name: str
+    mass: float
+    hops: tuple[Log, ...]
+    whole: Log
+
+    @property
+    def sprung(self) -> bool:
+        """Whether there was a spring."""
+        return not self.name.startswith("no_")
+
+
+def main() -> None:
+    """Print the tables, or end where no folder of logs is named."""
+    folders = [Path(each) for each in sys.argv[1:]]
+    conditions = read(folders)
+    plain = [each for each in conditions if not each.sprung]
+    if not plain:
+        print("no folder with logs of the leg is named: nothing is compared")
+        return
+    config = json.loads(next(folder / "configs.json" for folder in folders if (folder / "configs.json").is_file()).read_text())
+    fits = {each.name: identify_motion(leg(each.mass), each.whole, FREE) for each in plain}
+    table(("fit", *FREE, "rms, deg", "phases"), [fitted(name, fit) for name, fit in fits.items()])
+    first = fits[plain[0].name]
+    values = {name: found.value for name, found in first.found.items()}
+    rows = [replayed(each, leg(each.mass), values, "its own fit" if each is plain[0] else "unseen") for each in plain]
+    for each in (each for each in conditions if each.sprung):
+        rows += with_spring(each, values, folders)
+    heads = "replay", "by", "compression, %", "stance, %", "push-off, %", "hops"
+    table(heads, rows)
+    alone = [row for each in plain for row in configured_rows(each, config, values)]
+    table(("hop by its configuration", "model", "log", "off, %"), alone)
+
+
+def read(folders: list[Path]) -> list[Condition]:
+    """Reads all hops in folders, by condition."""
+    found: dict[tuple[bool, float, str], list[tuple[int, Log]]] = {}
+    for path in sorted(path for folder in folders for path in folder.iterdir()):
+        if name := PLAIN.fullmatch(path.name):
+            key = not name["condition"].startswith("no_"), float(name["mass"]) / 1000.0, name["condition"]
+            found.setdefault(key, []).append((int(name["hop"]), Log.read(path, COLUMNS)))
+    conditions = []
+    for (_, mass, name), hops in sorted(found.items()):
+        logs = tuple(log for _, log in sorted(hops, key=lambda each: each[0]))
+        conditions.append(Condition(name, mass, logs, Log.join(logs, name)))
+    return conditions
+
+
+def leg(mass: float, spring: Spring | None = None) -> HybridSystem:
+    """The leg at a mass, by default without a spring."""
+    robot = vary(load("crank_hopper"), boom_z_mass=mass - FOOT)
+    own = robot.settings.springs["leg"]
+    return hopping(robot, spring={"leg": replace(own, stiffness=0.0, damping=0.0) if spring is None else spring})
+
+
+def fitted(name: str, fit: MotionFit) -> tuple[str, ...]:
+    """A row of fitted values."""
+    values = [f"{fit[each].value:.4g} ± {fit[each].deviation:.2g}" for each in FREE]
+    return (name, *values, f"{degrees(fit.rms):.3f}", str(len(fit.arcs)))
+
+
+def replayed(condition: Condition, system: HybridSystem, values: Mapping[str, float], by: str) -> tuple[str, ...]:
+    """A row of a replay."""
+    found = replay(system, condition.whole, values)
+    off = (f"{100.0 * found.off(name):+.1f}" for name in ("compression", "stance", "push_off"))
+    return condition.name, by, *off, str(len(found.hops))
+
+
+def with_spring(condition: Condition, values: Mapping[str, float], folders: list[Path]) -> list[tuple[str, ...]]:
+    """Rows of hops with a spring: fitted on the first hop, with and without hysteresis, and the bench's map as it is."""
+    own = load("crank_hopper").settings.springs["leg"]
+    first, others = condition.hops[0], condition.hops[1:]
+    system = leg(condition.mass, replace(own, damping=0.0))
+    last = replace(condition, whole=Log.join(others, "others")) if others else condition
+    rows = []
+    for over in (SPRING, SPRING[:-1]):
+        fit = identify_motion(system, first, over, start=values, phases=["stance"])
+        both = identify_motion(system, condition.hops, over, start=values, phases=["stance"])
+        words = ", ".join(f"{name} {fit[name].value:.4g} ± {fit[name].deviation:.2g}" for name in over)
+        by = f"first hop: {words}; rms {degrees(fit.rms):.3f} deg, of all hops {degrees(both.rms):.3f}"
+        rows.append(replayed(last, fit.source, {**values, **{name: fit[name].value for name in over}}, by))
+    for folder in folders:
+        if (folder / BENCH).is_file():
+            rows.append(replayed(condition, leg(condition.mass, bench(folder / BENCH)), values, "the bench's map as it is"))
+    return rows
+
+
+def bench(path: Path) -> Spring:
+    """The spring as measured on a bench, at the twist nearest to none."""
+    turns, lengths, forces = np.genfromtxt(path, delimiter=",", skip_header=1).T
+    here = turns == turns[np.argmin(np.abs(turns))]
+    lengths, forces = 1e-3 * lengths[here], forces[here]
+    zero = float(np.interp(0.0, forces, lengths))
+    points = sorted([(0.0, 0.0), *zip((lengths - zero).tolist(), forces.tolist(), strict=True)])
+    own = load("crank_hopper").settings.springs["leg"]
+    return replace(own, stiffness=0.0, damping=0.0, unilateral=False, rest=GRID + zero, table=tuple(points))
+
+
+def configured_rows(condition: Condition, config: Mapping[str, Any], values: Mapping[str, float]) -> list[tuple[str, ...]]:
+    """Rows that compare the hop by its configuration, a limit cycle, with the log; events found alike in both."""
+    said = config["controller"][condition.name]
+    _, flight, stance = said["kp_Nm_per_rad_startup_flight_stance"]
+    law = ConfiguredLaw(
+        values["torque_scale"],
+        stance,
+        flight,
+        said["kd_startup_flight_stance"][1],
+        said["x0_rad"],
+        said["x_td_rad"],
+        said["x_lo_rad"],
+        *said["u_ff_stance_coefficients_in_s_eq_t_minus_0p1_over_0p1"],
+        values["crank_friction"],
+        values["boom_z_friction"],
+    )
+    numbers = {name: values[name] for name in ("crank_armature", "crank_viscous")}
+    robot = vary(load("crank_hopper"), boom_z_mass=condition.mass - FOOT, **numbers)
+    system = configured(robot, law)
+    run = simulate(system, system.guess(), CYCLES, samples=400, progress=False)
+    t, angle, _ = sampled(run, system.robot, begin=run.t[-1] - 2.5)
+    model = measures(robot, Log("model", t - t[0], {"crank": angle}))
+    log = measures(robot, condition.whole)
+    if run.reason != "complete":
+        return [(condition.name, run.reason, "", "")]
+    return [
+        (f"{condition.name}, {name}", f"{model[name]:.4f}", f"{log[name]:.4f}", f"{100 * (model[name] / log[name] - 1):+.1f}")
+        for name in model
+    ]
+
+
+def measures(robot: Any, log: Log) -> dict[str, float]:
+    """Durations of whole stances and flights, and the range of the leg's length in stance, by the same rules for all."""
+    from spear_pin.studies.logs.measured import measured
+
+    phases = [phase for phase in find_phases(robot, log) if not phase.left_out]
+    joints = measured(robot, log)
+
+    def mean(name: str, of: Any, parts: list[LogPhase]) -> float:
+        return float(np.mean([of(part) for part in parts if part.name == name]))
+
+    def compression(phase: LogPhase) -> float:
+        inside = (log.t >= phase.begin) & (log.t <= phase.end)
+        lengths = joints.lengths(log["crank"][inside, None])
+        return float(lengths[0] - lengths.min())
+
+    stances = [phase for phase in phases if phase.name == "flight" or phase.duration > 0.1]
+    return {
+        "stance, s": mean("stance", lambda phase: phase.duration, stances),
+        "flight, s": mean("flight", lambda phase: phase.duration, [phase for phase in phases if phase.whole]),
+        "compression, m": mean("stance", compression, [phase for phase in stances if phase.begin > 0.0]),
+    }
+
+
+if __name__ == "__main__":
+    main()
