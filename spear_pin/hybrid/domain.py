@@ -30,6 +30,7 @@ Held = Mapping[str, Any]
 Law = Callable[[Any, Any, Any, Held, Any, Dynamics, Operations], Sequence[Any]]
 GuardValue = Callable[[Any, Any, Any, Held, Any, Dynamics, Operations], Any]
 Latch = Callable[[Sequence[float], Sequence[float], Held, Any], Held]
+Jump = Callable[[Any, Any, Held, Any, Operations], tuple[Sequence[Any], Sequence[Any]]]
 
 
 @dataclass(frozen=True)
@@ -183,6 +184,8 @@ class Reset:
         adjust: function like `latch`, called before it where a cycle begins, that returns what is added to numbers of
             the law from then on, each held by its name after `fields.ADDED`.
         edges: what happens to switches of springs, before the latch.
+        jump: function of (q, v, held, p, ops) that returns the state (q, v) after it. It acts after the impact and
+            before the latch, and its change of energy counts as the impact's.
     """
 
     impact: tuple[str, ...] = ()
@@ -192,6 +195,7 @@ class Reset:
     stop: tuple[str, ...] = ()
     adjust: Latch | None = None
     edges: tuple[Edge, ...] = ()
+    jump: Jump | None = None
 
     @property
     def holds(self) -> bool:

@@ -150,6 +150,21 @@ def held(what: str, function: Any, answer: Any) -> Mapping[str, Any]:
     return answer
 
 
+def state(what: str, function: Any, answer: Any, nq: int, nv: int) -> tuple[list[float], list[float]]:
+    """Returns the answer of a jump as a state (q, v), (nq,) and (nv,).
+
+    Raises:
+        BadFunction: the answer is no such state.
+    """
+    try:
+        q, v = map(list, answer)
+    except (TypeError, ValueError):
+        q, v = [], []
+    if (len(q), len(v)) != (nq, nv):
+        raise mistake(what, function, f"it gives {brief(answer)}; expected (q, v), of {nq} and {nv} numbers")
+    return [number(what, function, each) for each in q], [number(what, function, each) for each in v]
+
+
 def _flat(value: Any) -> list[Any]:
     """Returns the entries of nested tuples, or a list of the value itself if it is no tuple."""
     return [each for part in value for each in _flat(part)] if isinstance(value, tuple) else [value]

@@ -27,6 +27,7 @@ from spear_pin.hybrid.resting import resting
 from spear_pin.hybrid.result import Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.rules import cycles as rules
 from spear_pin.hybrid.rules.entry import GLIMPSES, NONE, ahead
+from spear_pin.hybrid.rules.jumping import jumped
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.stored import in_inductances, in_mechanism, in_springs
 from spear_pin.hybrid.strikes import Overlap, struck
@@ -228,6 +229,12 @@ class _Runner:
             v, impulse, work[IMPACT] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
         self.y = np.concatenate([q, v, self.y[nq + nv :]])
+        if reset.jump is not None:
+            kept = {mount.name for mount in domain.mounts} - {*reset.release}
+            was = in_mechanism(system, domain, held, self.y, kept)
+            q, v = map(np.array, jumped(reset, q.tolist(), v.tolist(), held, system.law, system.place_of))
+            self.y[: nq + nv] = *q, *v
+            work[IMPACT] = work.get(IMPACT, 0.0) + in_mechanism(system, domain, held, self.y, kept) - was
         clock, old = Clock(self.t, system.springs, system), held
         held = latched(held, [reset], q.tolist(), v.tolist(), system.law, system.place_of, begins=begins, clock=clock)
         # a clutch that begins or stops slipping loses nothing in that instant

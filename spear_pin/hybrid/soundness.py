@@ -73,7 +73,7 @@ def check(
 def _check_domain(robot: Robot, domain: Domain, springs: Collection[str]) -> None:
     toes, place = robot.toes, (domain.name,)
     if len(domain.contacts) != len(toes):
-        expected = f"{len(toes)}, one for each of {', '.join(toes)}"
+        expected = f"{len(toes)}, one for each of {', '.join(toes)}" if toes else "none, as the robot has no toes"
         raise BadValue(f"contacts of domain {domain.name!r}", domain.contacts, expected)
     _known("contact of domain {!r}", place, domain.contacts, CONTACTS)
     joints = robot.coordinates

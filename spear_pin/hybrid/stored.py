@@ -44,11 +44,13 @@ def _energy(mount: Mount, length: float, rest: float, held: Held) -> float:
     return number(what, spring.energy, asked(what, spring.energy, lambda: mount.energy(length, rest, held)))
 
 
-def in_mechanism(system: HybridSystem, domain: Domain, held: Held, y: Array) -> float:
-    """Returns the kinetic energy plus the energies of gravity and of engaged springs, in J."""
+def in_mechanism(
+    system: HybridSystem, domain: Domain, held: Held, y: Array, names: Container[str] | None = None
+) -> float:
+    """Returns the kinetic energy plus the energies of gravity and of engaged springs, in J; see `in_springs`."""
     robot = system.robot
     q, v = y[: robot.nq], y[robot.nq : robot.nq + robot.nv]
-    return robot.kinetic_energy(q, v) + robot.potential_energy(q) + in_springs(system, domain, held, y)
+    return robot.kinetic_energy(q, v) + robot.potential_energy(q) + in_springs(system, domain, held, y, names)
 
 
 def in_inductances(system: HybridSystem, y: Array) -> float:

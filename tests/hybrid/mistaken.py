@@ -86,6 +86,19 @@ def latch(function):
     return lambda: changed(plain(), with_latch)
 
 
+def jump(function):
+    """The hop with a jump at lift-off."""
+
+    def jumping(guard):
+        return replace(guard, reset=replace(guard.reset, jump=function)) if guard.name == "lift_off" else guard
+
+    def with_jump(system):
+        domains = [replace(each, guards=tuple(map(jumping, each.guards))) for each in system.domains]
+        return replace(system, domains=tuple(domains))
+
+    return lambda: changed(plain(), with_jump)
+
+
 def ground(function):
     """The hop on a ground whose distance is a function's."""
 
@@ -124,6 +137,7 @@ def unknown(*_):
 
 STANCE, FLIGHT, MINE = "law of domain 'stance'", "law of domain 'flight'", "guard 'mine' of domain 'flight'"
 LATCH, GROUND, SPRING = "latch of 'lift_off' in domain 'stance", "ground", "spring of 'knee' in domain 'stance'"
+JUMP = "jump of 'lift_off' in domain 'stance"
 
 MISTAKES: dict[str, Mistake] = {
     # laws
@@ -196,6 +210,11 @@ MISTAKES: dict[str, Mistake] = {
     "a frame that there is not": Mistake(
         guard(lambda t, q, v, held, p, dyn, ops: dyn.height("foot")), MINE, "unknown frame 'foot'"
     ),
+    # jumps
+    "1/0 in a jump": Mistake(jump(lambda *_: 1 / 0), JUMP, "ZeroDivisionError", ZeroDivisionError),
+    "a jump to nowhere": Mistake(jump(lambda *_: None), JUMP, "it gives None; expected (q, v), of 3 and 3 numbers"),
+    "a jump without rates": Mistake(jump(lambda q, *_: (q, [])), JUMP, "expected (q, v), of 3 and 3 numbers"),
+    "a jump to a text": Mistake(jump(lambda q, v, *_: (q, [*v[:2], "a"])), JUMP, "it gives 'a'; expected a number"),
     # latches
     "1/0 in a latch": Mistake(latch(lambda *_: {"x": 1 / 0}), LATCH, "ZeroDivisionError", ZeroDivisionError),
     "a latch of nothing": Mistake(latch(lambda *_: None), LATCH, 'it gives None; expected latched values by name'),

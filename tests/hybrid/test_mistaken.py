@@ -11,7 +11,7 @@ from spear_pin import find_gait, simulate, simulate_many
 from spear_pin.errors import BadFunction, NotSymbolic, SpearError
 from spear_pin.hybrid import own
 from tests.hybrid import mistaken
-from tests.hybrid.mistaken import MISTAKES, guard, latch, law, plain
+from tests.hybrid.mistaken import MISTAKES, guard, jump, latch, law, plain
 
 START = plain().guess()
 TWO = tuple(np.tile(part, (2, 1)) for part in START)
@@ -45,7 +45,7 @@ class TestMistakes:
         check(raised.value, case)
 
     @pytest.mark.extra("heyoka")
-    @pytest.mark.parametrize("name", ["1/0 after lift-off", "a torque too many", "1/0 in a latch"])
+    @pytest.mark.parametrize("name", ["1/0 after lift-off", "a torque too many", "1/0 in a latch", "1/0 in a jump"])
     def test_come_out_of_twenty_lanes(self, name):
         case = MISTAKES[name]
         with pytest.raises(BadFunction) as raised:
@@ -92,6 +92,7 @@ class TestNoMistakes:
             law(lambda t, *_: (0.0, math.exp(1e5) if t > 0.05 else 0.0)),
             law(lambda t, *_: (0.0, np.linalg.solve(np.zeros((2, 2)), np.ones(2))[0])),
             latch(lambda q, v, held, p: {"x": math.exp(1e5 * ("taut" in held))}),
+            jump(lambda q, v, held, p, ops: (q, [*v[:2], math.exp(1e5)])),
         ],
     )
     def test_numbers_that_are_too_large_and_singular_matrices_end_the_run(self, system):

@@ -402,4 +402,19 @@ MUTATIONS = [
             "time may run backward": ("ORDERED = (", 'ORDERED = ("cycle", "event_time")  # ('),
         },
     ),
+    *mistakes_in(
+        "hybrid/run",
+        ["hybrid/test_walkers"],
+        {"no work of a jump": ("in_mechanism(system, domain, held, self.y, kept) - was", "0.0")},
+    ),
+    *mistakes_in(
+        "hybrid/lanes/lone_runner",
+        ["hybrid/test_walkers"],
+        {"a lone lane does not jump": ("now.y = np.array([*q, *v])", "pass")},
+    ),
+    *mistakes_in(
+        "hybrid/lanes/numbers",
+        ["hybrid/test_walkers"],
+        {"lanes do not jump": ("replace(group, y=after).take(there)", "group.take(there)")},
+    ),
 ]

@@ -42,6 +42,17 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/tangent/cycle",
+        ["hybrid/test_walkers"],
+        {
+            "derivatives: a jump that only moves": ("now.dy = derivatives([*q, *v], self.c)", "pass"),
+            "derivatives: a jump by fixed numbers": (
+                "now.held, self.law, ops=NUMBERS",
+                "now.held, self.system.law, ops=NUMBERS",
+            ),
+        },
+    ),
+    *mistakes_in(
         "hybrid/tangent/resets",
         ["hybrid/tangent/test_resets"],
         {

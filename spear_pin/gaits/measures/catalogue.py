@@ -76,7 +76,8 @@ def _per_distance(of: Callable[[Signals], Any]) -> Callable[[Signals], Any]:
 
 
 def _transport(of: Callable[[Signals], Any]) -> Callable[[Signals], Any]:
-    return _per_distance(lambda cycle: of(cycle) / cycle.weight)
+    found = _per_distance(lambda cycle: of(cycle) / cycle.weight)
+    return lambda cycle: found(cycle) if cycle.robot.weight else None  # none without gravity
 
 
 def _rms(cycle: Signals, joint: str) -> Any:

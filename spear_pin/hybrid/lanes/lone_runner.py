@@ -34,6 +34,7 @@ from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.rules.cycles import ALTERNATE, RETOUCH, counts_to, crowded, due, retouches, whole
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.impact import struck_toes
+from spear_pin.hybrid.rules.jumping import jumped
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.strikes import Overlap, struck
 from spear_pin.model.springs import Springs
@@ -250,6 +251,8 @@ class LoneRunner:
             self._strike_in_space(now, domain, reset)
         elif reset.impact:
             self._strike(now, domain, reset)
+        if reset.jump is not None:
+            self._jump(now, reset)
         if reset.holds or reset.phase is not None:
             self._latch(now, reset, not again)
         if reset.phase is not None:
@@ -305,6 +308,14 @@ class LoneRunner:
     @cached_property
     def _domains(self) -> Mapping[tuple[str, str], Domain]:
         return {domain.key: domain for domain in self._system.domains}
+
+    def _jump(self, now: _Now, reset: Reset) -> None:
+        y = now.y.tolist()
+        try:
+            q, v = jumped(reset, y[: self._nv], y[self._nv :], now.held, self._law, self._system.place_of)
+        except ArithmeticError:
+            raise _Unclear(f"the state cannot jump into {reset.phase or now.phase}") from None
+        now.y = np.array([*q, *v])
 
     def _latch(self, now: _Now, reset: Reset, begins: bool) -> None:
         y = now.y.tolist()

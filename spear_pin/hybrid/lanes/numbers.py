@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from spear_pin.arrays import Array
 from spear_pin.hybrid import own
 from spear_pin.hybrid.automaton import HybridSystem
@@ -19,6 +21,7 @@ from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, joined, spread, take
 from spear_pin.hybrid.rules.entry import ahead
+from spear_pin.hybrid.rules.jumping import jumped
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.springs import springs_with
 from spear_pin.model.springs import Springs
@@ -89,6 +92,19 @@ class Numbers:
             return ready.compiled.at(t, y, parameters).slopes
 
         return replace(group, t=group.t + h, y=ahead(slope, group.t, group.y, h))
+
+    def jump(self, group: Group, reset: Reset) -> tuple[Group, Group]:
+        """Returns the group after an event's jump, lane by lane, and the lanes in which the jump has no value."""
+        after = group.y.copy()
+        for i, lane in enumerate(group.lanes.tolist()):
+            y, held = group.y[:, i].tolist(), {name: take(value, i) for name, value in group.held.items()}
+            try:
+                parts = jumped(reset, y[: self.nv], y[self.nv :], held, self.law_of(lane), self.system.place_of)
+                after[:, i] = np.concatenate(parts)
+            except ArithmeticError:
+                after[:, i] = math.nan
+        there = np.isfinite(after).all(axis=0)
+        return replace(group, y=after).take(there), group.take(~there)
 
     def latch(self, group: Group, reset: Reset, *, begins: bool) -> Group:
         """Returns the group after an event's latch; see `latched`.

@@ -122,7 +122,8 @@ class Lanes:
             feet = ground.seen(feet, np)
         except FOR_SYMBOLS as error:
             raise not_symbolic("the ground", ground.above, error) from error
-        heights = np.array([np.broadcast_to(feet.positions[toe][-1], n) for toe in system.robot.toes])
+        toes = system.robot.toes
+        heights = np.array([np.broadcast_to(feet.positions[toe][-1], n) for toe in toes]).reshape(len(toes), n)
         below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
             self.finish(np.array([lane]), "below_ground", f"at {heights[:, lane].min():.3g} m")
@@ -132,7 +133,6 @@ class Lanes:
                 if not all(system.robot.closure.holds(q, v)):
                     self.finish(np.array([lane]), "open_loop", "")
                     below[lane] = True
-        toes = system.robot.toes
         if system.section_toes:
             standing = ~below & (heights[[toe in system.section_toes for toe in toes]] <= ON_GROUND).any(axis=0)
         else:
@@ -334,6 +334,9 @@ class Lanes:
         if struck and len(group):
             group, rising = strike(self.numbers, struck, reset.impact, group)
             self.give_up(rising)
+        if reset.jump is not None:
+            group, left = self.numbers.jump(group, reset)
+            self.give_up(left)
         group = self.numbers.latch(group, reset, begins=not again)
         latched = finite(group.held, len(group))
         self.give_up(group.take(~latched))

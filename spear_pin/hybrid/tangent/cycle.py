@@ -21,12 +21,13 @@ from spear_pin.hybrid.automaton import KELLER, HybridSystem
 from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.contact import SLIP
 from spear_pin.hybrid.domain import Reset, Switch
-from spear_pin.hybrid.dual import Dual, derivatives, duals, varying
+from spear_pin.hybrid.dual import NUMBERS, Dual, derivatives, duals, value_of, varying
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.fields import adjusted, flattened
 from spear_pin.hybrid.rules.cycles import counts_to
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.rules.impact import struck_toes
+from spear_pin.hybrid.rules.jumping import jumped
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.strikes import Overlap, comes_to_rest, pins, struck_toes_in_space
 from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
@@ -180,7 +181,7 @@ class _Whole:
             return  # the same motion continues
         reset = arc.event.reset
         now.dy = stretch.dstate + stretch.end.slopes[:, None] * tau
-        now.after = self._strike(arc, reset, now)
+        now.after = self._jump(reset, self._strike(arc, reset, now), now)
         state = duals(now.after, now.dy)
         q, v = state[: self.nv], state[self.nv :]
         clock = Clock(Dual(arc.end, tau), self.springs, self.system)
@@ -209,6 +210,15 @@ class _Whole:
             return y
         now.dy[nv:] += slope
         return np.concatenate([y[:nv], y[nv:] + change])
+
+    def _jump(self, reset: Reset, y: Array, now: _Now) -> Array:
+        """Applies a jump to the derivatives; returns the state after it."""
+        if reset.jump is None:
+            return y
+        state = duals(y, now.dy)
+        q, v = jumped(reset, state[: self.nv], state[self.nv :], now.held, self.law, ops=NUMBERS)
+        now.dy = derivatives([*q, *v], self.c)
+        return np.array([value_of(each) for each in (*q, *v)])
 
     def _feet(self, toes: Sequence[str], y: Array, now: _Now) -> tuple[ToeNumbers, ToeNumbers]:
         """Returns numbers of toes at a state, and their derivatives."""

@@ -1,0 +1,182 @@
+"""Write textbook walkers in a few lines each: the rimless wheel, the simplest walker, the spring-mass runner.
+
+Objective: show what a hybrid system is. Each has vector fields, guards that fall through zero, jumps of the state, and
+an event that closes a cycle. `own_dynamics` makes a system of them, which is simulated like a robot: every event is
+exact, and multipliers come from exact derivatives. The tests compare these systems with published numbers.
+
+What to notice: the walker has two periodic gaits, and the shorter step is unstable. Its published multipliers are
+forward differences with steps of 1e-5, and differ from the exact ones by 1e-3. The runner loses no energy, so one of
+its multipliers is 1. The other is below 1: it returns to its height although nothing controls it.
+
+Run: python examples/walkers.py [FOLDER]
+"""
+
+import math
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from spear_pin import find_gait, simulate
+from spear_pin.hybrid.automaton import Domain, Guard, Reset
+from spear_pin.hybrid.own_dynamics import own_dynamics
+from spear_pin.viz import plots
+
+LONG, SHORT = (0.20031, -0.19983), (0.19394, -0.20387)  # angle and rate of the walker after heelstrike
+
+
+@dataclass(frozen=True)
+class Wheel:
+    """Spokes of length 1 on a slope, where gravity is 1; angles in rad."""
+
+    incline: float = 0.08
+    half: float = math.pi / 8  # half the angle between two spokes
+
+
+def rimless_wheel(law=None):
+    """A wheel without a rim, which rolls over one spoke after the other; q: angle of the spoke from vertical."""
+
+    def fall(t, q, v, held, p, dyn, ops):
+        return [ops.sin(q[0])]
+
+    def clearance(t, q, v, held, p, dyn, ops):
+        return p.incline + p.half - q[0]
+
+    def next_spoke(q, v, held, p, ops):
+        return [q[0] - 2.0 * p.half], [ops.cos(2.0 * p.half) * v[0]]
+
+    def start(p):
+        return [p.incline - p.half], [0.5]
+
+    strike = Guard("strike", clearance, Reset(jump=next_spoke, phase="roll"))
+    roll = Domain("roll", "roll", (), fall, guards=(strike,))
+    return own_dynamics("rimless_wheel", {"angle": "rad"}, law or Wheel(), [roll], section="strike", guess=start)
+
+
+@dataclass(frozen=True)
+class Slope:
+    """Legs of length 1 on a slope, where gravity is 1; in rad."""
+
+    incline: float = 0.009
+
+
+def simplest_walker(step=LONG):
+    """A mass at the hip, on legs and feet without mass (Garcia et al. 1998); q: stance leg's angle, that between legs.
+
+    Where the legs pass each other the swing foot is in the ground; heelstrike is the second time that it meets it.
+    """
+
+    def swing(t, q, v, held, p, dyn, ops):
+        turn = ops.sin(q[0] - p.incline)
+        return [turn, turn + ops.sin(q[1]) * (v[0] * v[0] - ops.cos(q[0] - p.incline))]
+
+    def behind(t, q, v, held, p, dyn, ops):
+        return q[1] - 2.0 * q[0]
+
+    def ahead(t, q, v, held, p, dyn, ops):
+        return 2.0 * q[0] - q[1]
+
+    def heelstrike(q, v, held, p, ops):
+        kept = ops.cos(2.0 * q[0])
+        return [-q[0], -2.0 * q[0]], [kept * v[0], kept * (1.0 - kept) * v[0]]
+
+    passing = Guard("pass", behind, Reset(phase="reach"), patience=0.1)
+    strike = Guard("strike", ahead, Reset(jump=heelstrike, phase="swing"))
+    domains = (
+        Domain("swing", "swing", (), swing, guards=(passing,)),
+        Domain("reach", "reach", (), swing, guards=(strike,)),
+    )
+
+    def start(p):
+        angle, rate = step
+        return [angle, 2.0 * angle], [rate, (1.0 - math.cos(2.0 * angle)) * rate]
+
+    units = {"stance": "rad", "between": "rad"}
+    return own_dynamics("simplest_walker", units, Slope(), domains, section="strike", guess=start)
+
+
+@dataclass(frozen=True)
+class Human:
+    """A runner with the numbers of Seyfarth, Geyer and Herr 2003, and the apex where it starts."""
+
+    mass: float = 80.0  # kg
+    stiffness: float = 20e3  # N/m
+    length: float = 1.0  # m
+    attack: float = math.radians(68.0)  # of the leg at touchdown, from the ground
+    gravity: float = 9.81  # m/s²
+    speed: float = 5.0  # m/s
+    height: float = 1.0  # m
+
+
+def runner(law=None):
+    """A mass on a springy leg without mass (SLIP), which touches down at a fixed angle; q: x and z."""
+
+    def fly(t, q, v, held, p, dyn, ops):
+        return [0.0, -p.gravity]
+
+    def leg(q, held, ops):
+        x = q[0] - held["foot"]
+        return x, ops.sqrt(x * x + q[1] * q[1])
+
+    def bounce(t, q, v, held, p, dyn, ops):
+        x, length = leg(q, held, ops)
+        push = p.stiffness / p.mass * (p.length / length - 1.0)
+        return [push * x, push * q[1] - p.gravity]
+
+    def clearance(t, q, v, held, p, dyn, ops):
+        return q[1] - p.length * ops.sin(p.attack)
+
+    def compression(t, q, v, held, p, dyn, ops):
+        return p.length - leg(q, held, ops)[1]
+
+    def climb(t, q, v, held, p, dyn, ops):
+        return v[1]
+
+    def height(t, q, v, held, p, dyn, ops):
+        return q[1]
+
+    def place(q, v, held, p):
+        return {"foot": q[0] + p.length * np.cos(p.attack)}
+
+    def start(p):
+        return [0.0, p.height], [p.speed, 0.0]
+
+    down, up = Reset(latch=place, phase="stance"), Reset(phase="rise")
+    fallen, top = Guard("fallen", height, ends="fall"), Guard("apex", climb, Reset(phase="sink"))
+    sink = Domain("sink", "sink", (), fly, guards=(Guard("touchdown", clearance, down),))
+    stance = Domain("stance", "stance", (), bounce, guards=(Guard("lift_off", compression, up), fallen))
+    rise = Domain("rise", "rise", (), fly, guards=(top, fallen))
+    domains, units = (sink, stance, rise), {"x": "m", "z": "m"}
+    return own_dynamics("runner", units, law or Human(), domains, section="apex", cyclic=["x"], guess=start)
+
+
+def main(folder: Path) -> None:
+    settled = simulate(runner(), runner().guess(), cycles=40).named("apex")[-1]
+    gaits = {
+        "rimless wheel": find_gait(rimless_wheel()),
+        "simplest walker, long step": find_gait(simplest_walker()),
+        "simplest walker, short step": find_gait(simplest_walker(SHORT)),
+        "runner": find_gait(runner(), guess=(settled.q, settled.v)),
+    }
+    for name, gait in gaits.items():
+        print(f"{name}: period {gait.period:.6f}, {'stable' if gait.stable else 'not stable'}")
+        print("  multipliers", ", ".join(f"{number:.7f}" for number in gait.multipliers))
+    runs = [simulate(gait.system, gait.state, cycles=2) for gait in gaits.values()]
+    with plots.style():
+        figure = Figure(figsize=(7.0, 2.6), layout="constrained")
+        wheel, walker, path = figure.subplots(1, 3)
+        for axes, run, title in ((wheel, runs[0], "Rimless wheel"), (walker, runs[1], "Simplest walker")):
+            for row in range(run.q.shape[1]):
+                axes.plot(run.q[:, row], run.v[:, row], label=run.coordinates[row])
+            axes.set(title=title, xlabel="angle (rad)", ylabel="rate")
+        walker.set_ylim(top=0.1)
+        walker.legend(ncols=2, loc="upper center")
+        path.plot(runs[3].q[:, 0], runs[3].q[:, 1])
+        path.set(title="Runner", xlabel="x (m)", ylabel="z (m)")
+    print("files", plots.save_figure(figure, folder / "walkers.svg"))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else "."))
