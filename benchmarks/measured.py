@@ -10,6 +10,7 @@ import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import degrees
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,9 @@ from spear_pin import hopping, load, simulate, vary
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.model.spring import Spring
 from spear_pin.studies.logs import Log, MotionFit, find_phases, identify_motion, replay
-from spear_pin.studies.logs.phases import LogPhase
+from spear_pin.studies.logs.measured import measured
+from spear_pin.studies.logs.phases import LogPhase, smooth_rate
+from spear_pin.studies.logs.played import SLOW
 from tests.studies.logs.crank_leg import ConfiguredLaw, configured, sampled
 
 COLUMNS = {"time": "t_s", "crank": "x_deg", "crank_torque": "torque_Nm"}
@@ -154,9 +157,12 @@ def configured_rows(condition: Condition, config: Mapping[str, Any], values: Map
     robot = vary(load("crank_hopper"), boom_z_mass=condition.mass - FOOT, **numbers)
     system = configured(robot, law)
     run = simulate(system, system.guess(), CYCLES, samples=400, progress=False)
-    t, angle, _ = sampled(run, system.robot, begin=run.t[-1] - 2.5)
-    model = measures(robot, Log("model", t - t[0], {"crank": angle}))
-    log = measures(robot, condition.whole)
+    t, angle, torque = sampled(run, system.robot, begin=run.t[-1] - 2.5)
+    rates = np.gradient(angle, t)  # the model's torque on the crank has its friction taken off
+    logged = (torque + law.crank_friction * np.tanh(rates / SLOW["rad"])) / values["torque_scale"]
+    hops = Log("model", t - t[0], {"crank": angle, "crank_torque": logged})
+    lands, motor = said["x_td_rad"], config["motor"]
+    model, log = (measures(robot, each, lands, motor) for each in (hops, condition.whole))
     if run.reason != "complete":
         return [(condition.name, run.reason, "", "")]
     return [
@@ -165,10 +171,12 @@ def configured_rows(condition: Condition, config: Mapping[str, Any], values: Map
     ]
 
 
-def measures(robot: Any, log: Log) -> dict[str, float]:
-    """Durations of whole stances and flights, and the range of the leg's length in stance, by the same rules for all."""
-    from spear_pin.studies.logs.measured import measured
+def measures(robot: Any, log: Log, lands: float, motor: Mapping[str, Any]) -> dict[str, float]:
+    """Measures of a log, alike for the model's and the leg's.
 
+    They are the durations of stances and flights, how far the leg is compressed beyond the angle at which the law
+    lands, and the heat of the windings with the net work of the motor in a hop, by the torque as logged.
+    """
     phases = [phase for phase in find_phases(robot, log) if not phase.left_out]
     joints = measured(robot, log)
 
@@ -178,12 +186,22 @@ def measures(robot: Any, log: Log) -> dict[str, float]:
     def compression(phase: LogPhase) -> float:
         inside = (log.t >= phase.begin) & (log.t <= phase.end)
         lengths = joints.lengths(log["crank"][inside, None])
-        return float(lengths[0] - lengths.min())
+        return float(joints.lengths(np.array([[lands]]))[0] - lengths.min())
 
+    rates = np.interp(log.t, *smooth_rate(log.t, log["crank"]))
+    torque, per_ampere = log["crank_torque"], motor["logged_torque_over_q_current_Nm_per_A"]
+    power = torque * rates + motor["R_ohm"] * (torque / per_ampere) ** 2
+
+    def energy(begin: float, end: float) -> float:
+        inside = (log.t >= begin) & (log.t <= end)
+        return float(np.trapezoid(power[inside], log.t[inside]))
+
+    landings = [phase.begin for phase in phases if phase.name == "stance"]
     stances = [phase for phase in phases if phase.name == "flight" or phase.duration > 0.1]
     return {
         "stance, s": mean("stance", lambda phase: phase.duration, stances),
         "flight, s": mean("flight", lambda phase: phase.duration, [phase for phase in phases if phase.whole]),
+        "heat and work a hop, J": float(np.mean([energy(one, other) for one, other in pairwise(landings)])),
         "compression, m": mean("stance", compression, [phase for phase in stances if phase.begin > 0.0]),
     }
 

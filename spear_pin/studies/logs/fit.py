@@ -18,13 +18,12 @@ from spear_pin.kinds import typed
 from spear_pin.showing import Shown
 from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.measured import FLIGHT, STANCE, Measured, measured
-from spear_pin.studies.logs.phases import LogPhase, find_phases
+from spear_pin.studies.logs.phases import GRAVITY, LogPhase, find_phases
 from spear_pin.studies.logs.played import FRICTION, number_of, played
 from spear_pin.studies.logs.shooting import Shooter, Shot, with_torques
 
 SETTLE = 0.012  # s after a touchdown that are left out: the foot bounces, and the leg rings
 MARGIN = 0.002  # s on both sides of a lift-off, which is not known better
-GRAVITY = 9.81  # m/s², by which the base slows down in that time
 ZERO, LAG, HYSTERESIS = "_zero", "lag", "hysteresis"
 RATE = 8  # samples from which a first rate follows
 STEP = 1e-5  # rad or m, by which a start is differentiated

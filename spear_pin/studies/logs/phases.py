@@ -19,6 +19,7 @@ SMOOTHED = 0.009  # s, over which the leg's rate is smoothed
 STRONG = 0.5  # of the fastest shortening or lengthening in the log: what a touchdown or push-off has
 ONSET = 0.03  # s before the fastest shortening, within which the leg touches down
 SHORTEST = 0.03  # s of a phase
+GRAVITY = 9.81  # m/s²
 GAP = 0.012  # s without a sample, which a phase may have
 
 
@@ -50,8 +51,8 @@ class LogPhase:
 def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
     """Finds stance and flight in a log from the length of the leg over time.
 
-    At touchdown the leg begins to shorten fast. It lifts off where it lengthens fastest. A weaker motion, such as that
-    of a controller which takes the leg in the air for stance, is neither.
+    At touchdown the leg begins to shorten fast, but not while the base still rises from the last push. It lifts off
+    where it lengthens fastest. A weaker motion, as of a controller that takes the air for the ground, is neither.
 
     Args:
         robot: a planar robot with one toe.
@@ -67,6 +68,8 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
     good = np.isfinite(positions).all(axis=1)
     times, rate = smooth_rate(log.t[good], joints.lengths(positions[good]))
     pushes, strikes = _strong(rate), _strong(-rate)
+    rises = [(times[i], times[i] + rate[i] / GRAVITY) for i in pushes]  # until when the base rises, its toe in the air
+    strikes = [i for i in strikes if not any(begin < times[i] < end for begin, end in rises)]
     events = [(times[i], FLIGHT) for i in pushes]
     onset = round(ONSET / (times[1] - times[0]))
     bends = np.gradient(rate)
