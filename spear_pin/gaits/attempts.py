@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, NoGait
+from spear_pin.errors import BadValue, NoGait, listed
 from spear_pin.gaits.diagnosis import Reached
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.leading import led
@@ -18,6 +18,7 @@ from spear_pin.gaits.targets import measure_of
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.charts import Chart
+from spear_pin.hybrid.clutch import waiting
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
 from spear_pin.hybrid.parameters import parameter, with_parameters
@@ -232,17 +233,23 @@ class Search:
 
 
 def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float) -> None:
-    """Checks that the next cycle, which remembers the first, closes as well.
+    """Checks that the next cycle, which remembers the first, closes as well, with all switches open at its end.
 
     Raises:
         NoGait: a value latched before the section acts after it, so that a cycle depends on more than (q, v).
     """
     moment = Moment(*cycle.state, cycle.domain.phase, cycle.held)
-    again = run(system, moment, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS))
+    again = run(system, moment, 1, Options(rtol=rtol, max_evaluations=EVALUATIONS, keep=True))
     error = float(np.abs(displacement(system, cycle.state, again.state)).max()) if again.cycles else np.inf
     if not error <= allowed:
         reason = "the next cycle differs: a value latched before the section is used after it"
         raise NoGait(reason, error, remedy="to latch that value again after the section")
+    held = again.segments[-1].held
+    switched = {mount.name: mount for domain in system.domains for mount in domain.mounts if waiting(mount) in held}
+    late = [name for name, each in switched.items() if each.on and held[each.on] or held[waiting(each)]]
+    if late:
+        reason = f"the switch of {listed(late)} is not open at the {system.section}, so that the first cycle differs"
+        raise NoGait(reason, error, remedy="a shorter off_delay, or hold")
 
 
 class Hopeless(Exception):

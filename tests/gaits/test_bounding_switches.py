@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, Spring, bounding, find_gait, simulate, simulate_many
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.springing import springing_in_space
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
@@ -148,6 +148,14 @@ def test_lanes_with_other_switches(name):
     lanes = simulate_many(system, q[None], v[None], 1, rtol=1e-12)
     assert_agree(system, q[None], v[None], lanes, tolerance=1e-9)
     assert not lanes.repeated.any()
+
+
+@pytest.mark.slow
+def test_a_switch_that_is_still_closed_in_the_next_stride_makes_no_gait():
+    """Only (q, v) repeats, as motors give what springs do not."""
+    with pytest.raises(NoGait, match="the switch of anterior_knee is not open at the posterior_touchdown"):
+        find_gait(switched(Clutch(off_delay=0.2)), guess=IDEAL.state)
+    assert find_gait(switched(Clutch(off_delay=0.02)), guess=IDEAL.state).residual < 1e-9
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load, simulate
-from spear_pin.errors import BadValue
+from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.clutch import Clock, after_edges, from_now_on
@@ -91,6 +91,19 @@ def test_fine_teeth_change_the_hop_little_and_its_multipliers_much():
 def test_a_switch_that_only_releases_late_hardly_matters():
     gait = found(Spring(clutch=Clutch(off_delay=0.010, damper="joint")))
     assert gait.parameters["stance_torque"] == pytest.approx(7.826198, abs=1e-6)
+
+
+@pytest.mark.parametrize("clutch", [Clutch(0.004, 0.25, damper="joint"), Clutch(hold=0.6, damper="joint")])
+def test_a_switch_that_is_still_closed_at_the_next_touchdown(clutch):
+    """Only the first hop engages it."""
+    with pytest.raises(NoGait) as error:
+        find_gait(hopping(LEG, LAW, Spring(clutch=clutch)))
+    said = "the switch of knee is not open at the touchdown, so that the first cycle differs"
+    assert error.value.reason == said and str(error.value).endswith("; try a shorter off_delay, or hold")
+
+
+def test_a_switch_that_opens_just_before_the_next_touchdown():
+    assert find_gait(hopping(LEG, LAW, Spring(clutch=Clutch(0.004, 0.19, damper="joint")))).residual < 1e-9
 
 
 @pytest.mark.slow

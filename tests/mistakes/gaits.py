@@ -5,6 +5,11 @@ from tests.mistakes.mutation import mistakes_in
 CONTINUED = ["gaits/continuation/test_maps", "gaits/continuation/test_bouncing_ball"]
 MUTATIONS = [
     *mistakes_in(
+        "gaits/attempts",
+        ["gaits/test_clutches"],
+        {"switches may be closed at the section": ("    if late:", "    if False:")},
+    ),
+    *mistakes_in(
         "gaits/orbits/strides",
         ["gaits/orbits/test_steering"],
         {
