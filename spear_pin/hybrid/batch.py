@@ -138,7 +138,7 @@ def check_equations(system: HybridSystem) -> None:
         BadValue: it has hardware or dry friction of joints, or a boom that adds inertia to its robot.
     """
     if system.hardware is not None or any(domain.rubs for domain in system.domains):
-        raise BadValue("system", system.kind, "one without hardware and without dry friction of joints")
+        raise BadValue("system", system.kind, "one without hardware, brakes and dry friction of joints")
     if system.robot.added is not None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
 

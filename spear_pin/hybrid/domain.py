@@ -158,17 +158,24 @@ class Edge(NamedTuple):
 
 @dataclass(frozen=True)
 class Rub:
-    """Dry friction of a joint, in one mode of its motion.
+    """Dry friction of a joint, or of a path over joints, in one mode of its motion.
 
     Attributes:
-        joint: the coordinate.
+        joint: the coordinate, or the name of the path.
         force: Coulomb's force, in N or N·m.
-        sign: sign of the joint's rate, +1 or -1; 0 where the joint is held at rest.
+        sign: sign of the rate, +1 or -1; 0 where the joint is held at rest.
+        path: the path; None for the joint.
     """
 
     joint: str
     force: float
     sign: float
+    path: Joints | None = None
+
+    @cached_property
+    def along(self) -> Joints:
+        """The path."""
+        return Joints({self.joint: 1.0}) if self.path is None else self.path
 
 
 @dataclass(frozen=True)
@@ -186,6 +193,7 @@ class Reset:
         edges: what happens to switches of springs, before the latch.
         jump: function of (q, v, held, p, ops) that returns the state (q, v) after it. It acts after the impact and
             before the latch, and its change of energy counts as the impact's.
+        grips: paths over joints that brakes bring to rest, plastically and together with toes that strike.
     """
 
     impact: tuple[str, ...] = ()
@@ -196,6 +204,7 @@ class Reset:
     adjust: Latch | None = None
     edges: tuple[Edge, ...] = ()
     jump: Jump | None = None
+    grips: tuple[Joints, ...] = ()
 
     @property
     def holds(self) -> bool:

@@ -10,7 +10,7 @@ rest might be consistent with none of the three.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -21,6 +21,7 @@ from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.parameters import changed
 from spear_pin.hybrid.rules.guards import rubbing_guards
 from spear_pin.model.robot import Robot
+from spear_pin.model.robot_posture import row_along
 
 SIGNS = (0.0, 1.0, -1.0)  # a joint at rest is held if possible
 
@@ -66,30 +67,31 @@ class DryFriction:
             if any(rub.joint == joint for domain in system.domains for rub in domain.rubs):
                 raise BadValue("forces", dict(forces), f"joints without dry friction, which {joint} has already")
         rubbing = len(forces) + max((len(domain.rubs) for domain in system.domains), default=0)
-        free = min(len(system.robot.independent) - _constraints(domain, system.robot) for domain in system.domains)
+        free = min(left_free(domain, system.robot) for domain in system.domains)
         if rubbing > free:
             joints = f"at most {free} joint{'s' * (free != 1)}, as many as move freely with toes on the ground"
             raise BadValue("forces", dict(forces), f"{joints}: with more, friction is not unique")
-        domains = (mode for domain in system.domains for mode in _modes(domain, system.robot, forces))
+        rubs = [Rub(joint, float(force), 0.0) for joint, force in forces.items()]
+        domains = (mode for domain in system.domains for mode in modes_of(domain, system.robot, rubs))
         return replace(system, domains=tuple(domains))
 
 
-def _modes(domain: Domain, robot: Robot, forces: Mapping[str, float]) -> list[Domain]:
-    """Returns the domain's variants with each joint held, moving forward and moving backward."""
+def modes_of(domain: Domain, robot: Robot, held: Sequence[Rub]) -> list[Domain]:
+    """Returns the domain's variants with each joint or path held, moving forward and moving backward."""
     modes = []
-    for signs in product(SIGNS, repeat=len(forces)):
-        rubs = tuple(Rub(joint, float(forces[joint]), sign) for joint, sign in zip(forces, signs, strict=True))
+    for signs in product(SIGNS, repeat=len(held)):
+        rubs = tuple(replace(rub, sign=sign) for rub, sign in zip(held, signs, strict=True))
         names = [domain.name, *(f"{rub.joint} held" for rub in rubs if rub.sign == 0)]
-        ends = (guard for rub in rubs for guard in rubbing_guards(rub, robot.index(rub.joint)))
+        ends = (guard for rub in rubs for guard in rubbing_guards(rub, row_along(rub.along, robot)))
         # other events at the same instant, such as the apex, come first
         guards = (*domain.guards, *ends)
         modes.append(replace(domain, name=" ".join(names), rubs=(*domain.rubs, *rubs), guards=guards))
     return modes
 
 
-def _constraints(domain: Domain, robot: Robot) -> int:
-    """Returns the number of constraints of a domain's contacts, in the plane or in space."""
+def left_free(domain: Domain, robot: Robot) -> int:
+    """Returns how many joints move freely in a domain with its contacts, in the plane or in space."""
     modes = zip(robot.toes, domain.contacts, strict=True)
-    return sum(
+    return len(robot.independent) - sum(
         0 if mode == OPEN else 1 if mode in SLIPS or toe in robot.guided else robot.dimension for toe, mode in modes
     )

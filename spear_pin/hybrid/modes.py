@@ -30,6 +30,7 @@ from spear_pin.hybrid.rules.footing import (
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import STATE_AT_REST, aloft, below_ground, rests, start
+from spear_pin.model.robot_posture import row_along
 
 F = TypeVar("F", bound=Flow)
 
@@ -78,9 +79,9 @@ def suiting(system: HybridSystem, domains: Iterable[Domain], y: Array) -> Iterat
 
 def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
     """Returns the flow that fits best, by `rules.footing.fitness`."""
-    best, found = None, -math.inf
+    best, found, nq, nv = None, -math.inf, system.robot.nq, system.robot.nv
     for flow in flows:
-        rubs = [(rub, float(y[system.robot.nq + system.robot.index(rub.joint)])) for rub in flow.domain.rubs]
+        rubs = [(rub, float(row_along(rub.along, system.robot) @ y[nq : nq + nv])) for rub in flow.domain.rubs]
         fits = UNFIT
         if all(rate_fits(rub, rate) for rub, rate in rubs):
             flow(t, y)

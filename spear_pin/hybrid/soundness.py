@@ -9,6 +9,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.contact import CONTACTS, OPEN, PINNED
 from spear_pin.hybrid.domain import Domain, Held, Latch, Mount, Reset
 from spear_pin.hybrid.reasons import REASONS
+from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import spanned
 
@@ -76,7 +77,6 @@ def _check_domain(robot: Robot, domain: Domain, springs: Collection[str]) -> Non
         expected = f"{len(toes)}, one for each of {', '.join(toes)}" if toes else "none, as the robot has no toes"
         raise BadValue(f"contacts of domain {domain.name!r}", domain.contacts, expected)
     _known("contact of domain {!r}", place, domain.contacts, CONTACTS)
-    joints = robot.coordinates
     names = [mount.name for mount in domain.mounts]
     if twice := next((name for name in names if names.count(name) > 1), ""):
         raise BadValue(f"springs of domain {domain.name!r}", names, f"each name once, and not {twice!r} again")
@@ -84,15 +84,19 @@ def _check_domain(robot: Robot, domain: Domain, springs: Collection[str]) -> Non
     for mount in domain.mounts:
         if not springs:
             raise BadValue("HybridSystem.springs", springs, f"the spring of the mount {mount.name!r}, by name")
-        try:
-            spanned(mount.along, robot)
-        except UnknownName as error:
-            what = f"{error.kind} of the spring {mount.name!r} of domain {domain.name!r}"
-            raise UnknownName(what, error.value, error.valid) from None
+        _check_path(f"the spring {mount.name!r}", mount.along, robot, domain)
         if mount.spring.hysteresis and mount.way is None:
             what = f"way of the spring {mount.name!r} of domain {domain.name!r}"
             raise BadValue(what, None, "the name of a held value, as the spring has hysteresis")
-    _known("joint of dry friction of domain {!r}", place, [rub.joint for rub in domain.rubs], joints)
+    for rub in domain.rubs:
+        _check_path("dry friction", rub.along, robot, domain)
+
+
+def _check_path(name: str, path: Path, robot: Robot, domain: Domain) -> None:
+    try:
+        spanned(path, robot)
+    except UnknownName as error:
+        raise UnknownName(f"{error.kind} of {name} of domain {domain.name!r}", error.value, error.valid) from None
 
 
 def _events(domain: Domain) -> Iterator[tuple[str, Reset | None, str | None]]:

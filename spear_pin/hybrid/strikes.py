@@ -28,7 +28,9 @@ from spear_pin.hybrid.rules.impact import (
 )
 from spear_pin.hybrid.rules.sliding_impact import sliding_impact
 from spear_pin.hybrid.rules.spatial_impact import spatial_impact
+from spear_pin.model.path import Joints
 from spear_pin.model.robot import Robot
+from spear_pin.model.robot_posture import row_along
 
 
 class Strike(NamedTuple):
@@ -103,7 +105,7 @@ def struck(
     """
     if reset.stop:
         return stopped(system, domain, reset, q, v)
-    if not reset.impact:
+    if not (reset.impact or reset.grips):
         return None
     if pins(system, domain, reset):
         return pinned(system, struck_toes(system, domain, reset), q, v)
@@ -131,10 +133,17 @@ class Yielding(NamedTuple):
     v: Array
 
 
-def yielding(robot: Robot, q: Array, v: Array) -> Yielding:
-    """Returns a robot as an impact finds it: no impulse can open a loop, and those on its pins do no work."""
-    basis = np.eye(robot.nv) if robot.closure is None else null_spaces(robot.loop_jacobian(q)[None])[0]
-    return Yielding(basis, basis.T @ robot.mass_matrix(q) @ basis, basis.T @ v)
+def yielding(robot: Robot, q: Array, v: Array, grips: Sequence[Joints] = ()) -> Yielding:
+    """Returns a robot as an impact finds it, with paths that brakes have brought to rest.
+
+    No impulse can open a loop, or move such a path; those on the pins of loops do no work.
+    """
+    loops = np.empty((0, robot.nv)) if robot.closure is None else robot.loop_jacobian(q)
+    rows = np.concatenate([loops, *(row_along(path, robot)[None] for path in grips)])
+    basis = null_spaces(rows[None])[0] if len(rows) else np.eye(robot.nv)
+    mass_matrix = robot.mass_matrix(q)
+    own = basis.T @ mass_matrix @ basis
+    return Yielding(basis, own, np.linalg.solve(own, basis.T @ mass_matrix @ v) if grips else basis.T @ v)
 
 
 def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Strike:
@@ -224,11 +233,15 @@ def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Arra
     For the other arguments see `struck`.
     """
     robot = system.robot
-    basis, mass_matrix, before = yielding(robot, q, v)
-    jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in struck]) @ basis
+    basis, mass_matrix, before = yielding(robot, q, v, reset.grips)
+    braked = -0.5 * float((v - basis @ before) @ robot.mass_matrix(q) @ (v + basis @ before)) if reset.grips else 0.0
     toes = [robot.toes.index(toe) for toe in struck]
     impulse = np.zeros((len(robot.toes), 2))
-    v, impulse[toes, 1] = landed(mass_matrix, jacobian, before, [toe in reset.impact for toe in struck])
+    if not struck:
+        return Strike(basis @ before, impulse, braked, {})
+    jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in struck]) @ basis
+    stay = [toe in reset.impact or bool(reset.grips) for toe in struck]
+    v, impulse[toes, 1] = landed(mass_matrix, jacobian, before, stay)
     strike = plastic_impact if len(struck) == 1 else joint_impact
     impact: Impact | JointImpact = strike(mass_matrix, jacobian, v, system.contact.friction)
     work = 0.5 * float(impulse[toes, 1] @ (jacobian @ (before + v))[1::2]) - impact.loss
@@ -237,4 +250,4 @@ def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Arra
     if isinstance(impact, JointImpact):
         speeds = np.where(impact.leaves, (jacobian @ impact.v)[1::2], 0.0).tolist()
         rises = dict(zip(map(rise, struck), speeds, strict=True))
-    return Strike(basis @ impact.v, impulse, work, rises)
+    return Strike(basis @ impact.v, impulse, work + braked, rises)

@@ -14,7 +14,7 @@ from spear_pin.errors import BadValue
 from spear_pin.model.cable import Anchor
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
-from spear_pin.model.path import Path, Point
+from spear_pin.model.path import Joints, Path, Point
 from spear_pin.model.robot import Robot
 
 WORLD = "universe"
@@ -85,6 +85,16 @@ def carried(robot: Robot, anchor: Anchor) -> tuple[int, Array]:
         return 0, at
     frame = robot.model.frames[frame_id(robot.model, anchor.body)]
     return int(frame.parentJoint), np.asarray(frame.placement.act(at))
+
+
+@lru_cache(maxsize=256)
+def row_along(path: Joints, robot: Robot) -> Array:
+    """Returns the lever of a path over joints on each coordinate, (nv,)."""
+    row = np.zeros(robot.nv)
+    for index, lever in path.slope(RobotPosture(robot, None)).items():
+        row[index] = lever
+    row.setflags(write=False)
+    return row
 
 
 @lru_cache(maxsize=256)

@@ -81,6 +81,19 @@ MUTATIONS = [
         {"a mirror without adductions": ("-float(np.sign(axes[1] @ (axes[0] * ACROSS)))", "1.0")},
     ),
     *mistakes_in(
+        "hybrid/strikes",
+        ["hybrid/test_brakes"],
+        {
+            "a brake that takes the most energy": ("own, basis.T @ mass_matrix @ v)", "own, own @ basis.T @ v)"),
+            "a brake takes no energy": ("-0.5 * float((v - basis", "0.0 * float((v - basis"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/brakes",
+        ["hybrid/test_brakes"],
+        {"an event that closes no brake": ("replace(reset, grips=after)", "replace(reset, grips=())")},
+    ),
+    *mistakes_in(
         "hybrid/domain",
         ["gaits/test_hysteresis"],
         {
@@ -177,7 +190,7 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/strikes",
         ["hybrid/test_loops"],
-        {"an impact opens loops": ("np.eye(robot.nv) if robot.closure is None", "np.eye(robot.nv) if True")},
+        {"an impact opens loops": ("robot.nv)) if robot.closure is None else", "robot.nv)) if True else")},
     ),
     *mistakes_in(
         "hybrid/lanes/impacts",

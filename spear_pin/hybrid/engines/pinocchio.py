@@ -32,6 +32,7 @@ from spear_pin.hybrid.soundness import Latched
 from spear_pin.hybrid.springs import pull_of, torque_on
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
+from spear_pin.model.robot_posture import row_along
 
 
 class Flow:
@@ -58,9 +59,11 @@ class Flow:
         self._zeros = np.zeros(robot.nv)
         self._dry = self._zeros.copy()
         for rub in domain.rubs:
-            self._dry[robot.index(rub.joint)] -= rub.sign * rub.force
-        self._stuck = [robot.index(rub.joint) for rub in domain.rubs if rub.sign == 0]
-        self._locks = np.eye(robot.nv)[self._stuck]  # rows of the constraint v̇ = 0 on joints held by friction
+            if rub.sign:
+                self._dry -= rub.sign * rub.force * row_along(rub.along, robot)
+        self._stuck = [rub.joint for rub in domain.rubs if rub.sign == 0]
+        rows = [row_along(rub.along, robot) for rub in domain.rubs if rub.sign == 0]
+        self._locks = np.array(rows).reshape(-1, robot.nv)  # of the constraint that paths held by friction do not move
         self._holding = np.zeros(len(self._stuck))
         self._applied = np.zeros(robot.nv)
         self._motors = robot.actuation_matrix
@@ -184,8 +187,8 @@ class Flow:
         self._applied = applied
         self.a = a = self._accelerate(applied + self.friction if self._has_friction else applied)
         if self._stuck:
-            self.friction[self._stuck] += self._holding
-            a[self._stuck] = 0.0  # exactly
+            self.friction += self._holding @ self._locks
+            a -= np.linalg.solve(self._locks @ self._locks.T, self._locks @ a) @ self._locks  # exactly zero along them
         slipped = 0.0
         for toe, _ in self._slips:
             for force, speed in zip(self._forces[toe][:-1], self.toe_velocity(toe)[:-1], strict=True):
@@ -226,12 +229,12 @@ class Flow:
 
     def holding(self, joint: str) -> float:
         """Returns the force of the dry friction that held a joint at rest in the last call, in N or N·m."""
-        return float(self._holding[self._stuck.index(self.system.robot.index(joint))])
+        return float(self._holding[self._stuck.index(joint)])
 
     def rubbing(self, rub: Rub) -> Rubbing:
         """Returns the rate, the acceleration and the force of a joint with dry friction in the last call."""
-        index = self.system.robot.index(rub.joint)
-        return Rubbing(float(self.v[index]), float(self.a[index]), 0.0 if rub.sign else self.holding(rub.joint))
+        row = row_along(rub.along, self.system.robot)
+        return Rubbing(float(row @ self.v), float(row @ self.a), 0.0 if rub.sign else self.holding(rub.joint))
 
     def value(self, guard: Guard, t: float, y: Array, dyn: Any = None) -> float:
         """Returns a guard's value, NaN where it has none; call the flow with the same (t, y) first."""

@@ -210,13 +210,17 @@ def lifted_off(toe: str, name: str, lift_off: Reset) -> Guard:
     return Guard(name, stays(toe), lift_off, tolerance=AT_REST)
 
 
-def rubbing_guards(rub: Rub, index: int) -> tuple[Guard, ...]:
+def rubbing_guards(rub: Rub, row: Array) -> tuple[Guard, ...]:
     """Returns the events of dry friction: a moving joint comes to rest, a held joint is released to either side.
 
     Args:
-        rub: mode of the joint.
-        index: index of its coordinate.
+        rub: mode of the joint, or of the path.
+        row: the path's lever on each coordinate, (nv,).
     """
     if rub.sign:
-        return (Guard(f"rest:{rub.joint}", rate(index, rub.sign), Reset(), tolerance=AT_REST),)
+
+        def onward(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> float:
+            return rub.sign * float(row @ v)
+
+        return (Guard(f"rest:{rub.joint}", onward, Reset(), tolerance=AT_REST),)
     return tuple(Guard(f"let_go:{rub.joint}", to_spare(rub, side), Reset(), tolerance=LET_GO) for side in (1.0, -1.0))

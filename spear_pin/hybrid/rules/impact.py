@@ -61,9 +61,9 @@ class JointImpact:
 def struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]:
     """Returns the toes that take part in an impact: those that strike, and those on the ground before and after it.
 
-    An alternating toe counts as on the ground.
+    An alternating toe counts as on the ground. A brake that closes is an impact as well.
     """
-    if not reset.impact:
+    if not (reset.impact or reset.grips):
         return []
     entered = system.of_phase(reset.phase or domain.phase)[0]
     stay = {

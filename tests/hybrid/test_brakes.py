@@ -1,0 +1,130 @@
+"""Brakes: impacts in closed form, a Lagrangian's equations of motion, energy, and what they refuse."""
+
+import numpy as np
+import pytest
+
+from spear_pin import Gait, HoppingLaw, hopping, load, simulate
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.hybrid.brakes import Brake, with_brakes
+from spear_pin.hybrid.domain import Reset
+from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.strikes import Overlap, struck
+from spear_pin.model.path import Joints
+from tests.lagrangian import monopod
+
+LEG = load("spear_ii", locked=["boom_x"])
+HOP = hopping(LEG, HoppingLaw(stance_torque=8.2, hold_extension=True))
+START = np.array([0.56349008, 0.50685044, 0.96311709]), np.array([-0.80510327, 2.76839068, 5.46453907])
+BOTH = Joints({"knee": 0.03, "hip": -0.006})
+AIR = "flight"
+
+
+def braked(force=200.0, path=None, system=HOP):
+    return with_brakes(system, {"knee": Brake(force, (AIR,), path)})
+
+
+def closed(reset, q, v):
+    """Velocity and work of an impact."""
+    strike = struck(HOP, HOP.of_phase(AIR)[0], reset, q, v, Overlap(0.0), 0.0)
+    return strike.v, strike.work
+
+
+class TestImpact:
+    Q, V = np.array([0.6, 0.5, 1.0]), np.array([0.2, 1.0, -3.0])
+
+    def test_of_a_knee_in_the_air(self):
+        """Numbers of another program."""
+        v, work = closed(Reset(grips=(Joints({"knee": 1.0}),)), self.Q, self.V)
+        np.testing.assert_allclose(v, (0.182045100, 1.534938610, 0.0), atol=1e-9)
+        assert work == pytest.approx(-0.164642579, abs=1e-9)
+
+    def test_of_a_path_together_with_a_toe_that_lands(self):
+        """Both come to rest, by impulses of which the toe's is within its cone."""
+        v, row = np.array([-0.8, 0.5, 0.4]), np.array([0.0, -0.006, 0.03])
+        found, work = closed(Reset(impact=("toe",), phase="stance", grips=(BOTH,)), self.Q, v)
+        J, D = LEG.toe_jacobian(self.Q, "toe"), LEG.mass_matrix(self.Q)
+        assert abs(J[1] @ found) < 1e-12 and abs(row @ found) < 1e-12
+        along, up, _ = np.linalg.solve(np.vstack([J, row]).T, D @ (found - v))
+        assert up > 0.0 and abs(along) <= 0.8 * up + 1e-12
+        assert work == pytest.approx(0.5 * found @ D @ found - 0.5 * v @ D @ v, abs=1e-12)
+
+
+@pytest.mark.parametrize(("path", "row"), [(None, (0.0, 0.0, 1.0)), (BOTH, (0.0, -0.006, 0.03))])
+class TestHeld:
+    def test_hop_obeys_the_equations_of_motion(self, path, row):
+        """In the air the brake's force, along its path, is all that they lack; it takes no power."""
+        hop, lagrangian = simulate(braked(path=path), START, cycles=1, rtol=1e-11), monopod(LEG.coordinates)
+        assert hop.reason == "complete" and hop.named("lift_off")[0].work["impact"] < -0.3
+        air = np.flatnonzero(hop.domain == f"{AIR} knee held")
+        assert len(air) > 20 and np.ptp(hop.q[air] @ row) < 1e-12 and abs(hop.v[air[1:]] @ row).max() < 1e-12
+        for i in air[1:]:
+            part = lagrangian.terms(hop.q[i], hop.v[i])
+            motors = np.array([0.0, *hop.tau[i]])
+            lacks = part.mass_matrix @ hop.a[i] + part.coriolis + part.gravity - motors
+            np.testing.assert_allclose(lacks, hop.friction[i], atol=1e-9)
+            np.testing.assert_allclose(np.cross(lacks, row), 0.0, atol=1e-9)
+        assert hop.ledger["friction"][0] == pytest.approx(0.0, abs=1e-12)
+
+    def test_energy_is_kept(self, path, row):
+        hops = simulate(braked(path=path), START, cycles=2, rtol=1e-11)
+        assert abs(hops.ledger.residual[1]) < 1e-10  # the start is known to 1e-8 m
+        for event in hops.named("lift_off"):
+            D = LEG.mass_matrix(event.q)
+            change = 0.5 * event.v @ D @ event.v - 0.5 * event.v_before @ D @ event.v_before
+            assert event.work["impact"] == pytest.approx(change, abs=1e-12)
+            assert abs(event.v @ row) < 1e-12
+
+
+class TestSlipping:
+    def test_with_its_force_until_it_holds_again(self):
+        hop = simulate(braked(1.0), START, cycles=1, rtol=1e-11)
+        (holds,), (slips,) = hop.named("rest:knee"), hop.named("let_go:knee")
+        assert holds.time < slips.time
+        slides = (hop.domain == AIR) & (abs(hop.v[:, 2]) > 1e-6)
+        np.testing.assert_allclose(hop.friction[slides, 2], -np.sign(hop.v[slides, 2]), atol=1e-12)
+        held = hop.domain == f"{AIR} knee held"
+        assert abs(hop.friction[held, 2]).max() <= 1.0 + 1e-9
+        near = np.argmin(abs(hop.t - slips.time) + ~held)
+        assert abs(hop.friction[near, 2]) == pytest.approx(1.0, abs=1e-6)
+        assert hop.ledger["friction"][0] < -0.01 and hop.ledger["slip"][0] > -1e-3
+
+    def test_where_a_run_begins_in_the_air(self):
+        """No event closes the brake there."""
+        q, v = START[0] + (0.05, 0.0, 0.0), np.array([0.0, 0.0, -2.0])
+        fall = simulate(braked(5.0), (q, v), cycles=1)
+        rests = fall.named("rest:knee")[0]
+        moves = fall.t < rests.time - 1e-9
+        assert 0.0 < rests.time and fall.friction[moves, 2] == pytest.approx(5.0)
+
+
+def test_a_rebuilt_system_keeps_its_brakes():
+    names = [domain.name for domain in with_parameters(braked(), {"stance_torque": 8.0}).domains]
+    assert names == ["stance", "stance slip+", "stance slip-", f"{AIR} knee held", AIR, AIR]
+
+
+class TestRefused:
+    @pytest.mark.parametrize(
+        ("brakes", "error", "said"),
+        [
+            ({"ankle": Brake(1.0, (AIR,))}, UnknownName, "unknown joint 'ankle'"),
+            ({"knee": Brake(1.0, ("swing",))}, UnknownName, "unknown phase of the brake 'knee' 'swing'; valid: stance"),
+            ({"knee": Brake(1.0, ("stance",))}, BadValue, "expected phases other than 'stance', with which a cycle"),
+            ({"knee": Brake(1.0, (AIR,)), "two": Brake(1.0, (AIR,), Joints({"knee": 2.0}))}, BadValue, "combination"),
+        ],
+    )
+    def test_what_does_not_fit_the_system(self, brakes, error, said):
+        with pytest.raises(error, match=said):
+            with_brakes(HOP, brakes)
+
+    def test_no_force(self):
+        with pytest.raises(BadValue, match=r"^Brake.force is 0.0; expected a number > 0, in N or N·m"):
+            Brake(0.0, (AIR,))
+
+    def test_a_system_in_space(self):
+        with pytest.raises(BadValue, match="^system is 'trotting'; expected one in the plane, without pinned toes"):
+            with_brakes(Gait.load("trot").system, {"anterior_left_knee": Brake(1.0, (AIR,))})
+
+    def test_what_a_loop_ties(self):
+        law = HoppingLaw(-0.35, stance_torque=0.7, frequency=5.0, knee_gain=6.0, knee_damping=0.15)
+        with pytest.raises(BadValue, match="^joints of the brake 'slide' is .* expected joints that loops do not tie"):
+            with_brakes(hopping(load("crank_hopper"), law), {"slide": Brake(1.0, (AIR,))})
