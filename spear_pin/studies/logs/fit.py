@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import least_squares
 
 from spear_pin.arrays import Array
@@ -233,9 +234,9 @@ def arcs_of(
         end = ends - (MARGIN if stance and ends == phase.end else settle / 2)
         inside = np.flatnonzero(good & (log.t >= begin) & (log.t <= end))
         before = np.flatnonzero(good & (log.t <= phase.begin))
-        touchdown = np.flatnonzero(good & (log.t >= phase.begin))
-        if stance and touchdown.size:
-            latched = joints.configuration(positions[touchdown[0]], latched)
+        if stance:
+            at = [np.interp(phase.begin, log.t[good], each) for each in positions[good].T]
+            latched = joints.configuration(np.array(at), latched)
         if not stance and len(before) < RATE:
             phase = replace(phase, left_out=phase.left_out or "its lift-off is not in the log")
         elif len(inside) < RATE:
@@ -329,17 +330,18 @@ class _Problem:
             y, slope = self._begin(x[mine], arc)
             dy = np.hstack([np.zeros((len(y), len(self.own))), slope])
             shot = shooter.shoot(arc.phase.name, arc.t, arc.torques, y, dy, arc.latched, steps)
-            rates = shot.y[:, rate_rows]
-            residual = shot.y[:, rows] - values[LAG] * rates + zeros - arc.positions
+            late = values[LAG]
+            positions = CubicHermiteSpline(arc.t, shot.y[:, rows], shot.y[:, rate_rows])
+            residual = positions(arc.t - late) + zeros - arc.positions
             jacobian = np.zeros((*residual.shape, len(x)))
-            whole = shot.dy[:, rows] - values[LAG] * shot.dy[:, rate_rows]
+            whole = CubicHermiteSpline(arc.t, shot.dy[:, rows], shot.dy[:, rate_rows])(arc.t - late)
             jacobian[:, :, [self.over.index(name) for name in self.own]] = whole[:, :, : len(self.own)]
             jacobian[:, :, mine] = whole[:, :, len(self.own) :]
             for j, joint in enumerate(self.joints.joints):
                 if f"{joint}{ZERO}" in self.over:
                     jacobian[:, j, self.over.index(f"{joint}{ZERO}")] = 1.0
             if LAG in self.over:
-                jacobian[:, :, self.over.index(LAG)] = -rates
+                jacobian[:, :, self.over.index(LAG)] = -positions(arc.t - late, 1)
             found.append((shot, residual, jacobian))
         return found
 
@@ -374,6 +376,7 @@ def _solved(problem: _Problem, left_out: tuple[LogPhase, ...]) -> MotionFit:
             last[key] = problem.joined(x)
         return last[key]
 
+    _spread(problem, at(first), 1.0)  # what is not told apart is refused before the search
     solution = least_squares(
         lambda x: at(x)[0],
         first,

@@ -108,6 +108,14 @@ class Measured:
             found.append(self.length(near))
         return np.array(found)
 
+    def heights(self, positions: Array) -> Array:
+        """Returns how far the centre of mass is above the toe, (n,), in m, from measured positions, (n, m)."""
+        found, near = [], None
+        for each in positions:
+            near = self.configuration(each, near)
+            found.append(self.robot.potential_energy(near) / self.robot.weight)
+        return np.array(found)
+
     def length(self, q: Array) -> float:
         """Returns how far the base is above the toe at a configuration, in m."""
         still = q.copy()

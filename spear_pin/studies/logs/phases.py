@@ -17,7 +17,9 @@ from spear_pin.studies.logs.measured import FLIGHT, STANCE, measured
 
 SMOOTHED = 0.009  # s, over which the leg's rate is smoothed
 STRONG = 0.5  # of the fastest shortening or lengthening in the log: what a touchdown or push-off has
-ONSET = 0.03  # s before the fastest shortening, within which the leg touches down
+SUDDEN = 0.3  # of the rate of a push: by how much a touchdown changes the rate at once
+SLOWEST = 0.05  # m/s, with which a leg may touch down or push off
+NEAR = 0.02  # s, within which a touchdown is where free fall has it, and before the fastest shortening
 SHORTEST = 0.03  # s of a phase
 GRAVITY = 9.81  # m/s²
 GAP = 0.012  # s without a sample, which a phase may have
@@ -49,13 +51,13 @@ class LogPhase:
 
 @typed
 def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
-    """Finds stance and flight in a log from the length of the leg over time.
+    """Finds stance and flight in a log from the height of the centre of mass above the toe, which the joints tell.
 
-    At touchdown the leg begins to shorten fast, but not while the base still rises from the last push. It lifts off
-    where it lengthens fastest. A weaker motion, as of a controller that takes the air for the ground, is neither.
+    The toe lifts off where, after a push, the centre of mass falls freely. From there on its height above the ground is
+    known, and so is that of the toe: it touches down about where that vanishes, at the sharpest bend.
 
     Args:
-        robot: a planar robot with one toe.
+        robot: a planar robot with one toe, on level ground.
         log: a log with the positions of its joints.
 
     Raises:
@@ -66,18 +68,54 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
     joints = measured(robot, log)
     positions = np.column_stack([log[name] for name in joints.joints])
     good = np.isfinite(positions).all(axis=1)
-    times, rate = smooth_rate(log.t[good], joints.lengths(positions[good]))
+    heights = joints.heights(positions[good])
+    t, rate = smooth_rate(log.t[good], heights)
+    height, bend = np.interp(t, log.t[good], heights), np.gradient(rate, t)
+    events = list[tuple[float, str]]()
+    landed = _first(t, rate, bend)
+    if landed is not None:
+        events.append((float(t[landed]), STANCE))
+    begin = 0 if landed is None else landed
+    for push in _strong(rate):
+        if push < begin:
+            continue
+        falls = np.flatnonzero(bend[push:] < -GRAVITY)
+        if not falls.size:
+            break
+        leaves = push + int(falls[0])
+        events.append((float(t[leaves]), FLIGHT))
+        since = t[leaves:] - t[leaves]
+        toe = height[leaves] + rate[leaves] * since - 0.5 * GRAVITY * since**2 - height[leaves:]
+        below = np.flatnonzero((toe < 0.0) & (since > rate[leaves] / GRAVITY))  # not while it rises
+        if not below.size:
+            break
+        begin = _sharpest(t, bend, leaves + int(below[0]))
+        if not _falls(t, rate, begin, rate[push]):
+            break
+        events.append((float(t[begin]), STANCE))
+    return tuple(_phases(log, events))
+
+
+def _first(t: Array, rate: Array, bend: Array) -> int | None:
+    """Returns the place of a touchdown before the first push, None where the log begins on the ground."""
     pushes, strikes = _strong(rate), _strong(-rate)
-    rises = [(times[i], times[i] + rate[i] / GRAVITY) for i in pushes]  # until when the base rises, its toe in the air
-    strikes = [i for i in strikes if not any(begin < times[i] < end for begin, end in rises)]
-    events = [(times[i], FLIGHT) for i in pushes]
-    onset = round(ONSET / (times[1] - times[0]))
-    bends = np.gradient(rate)
-    for i in strikes:
-        begin = max(0, i - onset)
-        place = begin + int(np.argmin(bends[begin : i + 1]))
-        events.append((times[place], STANCE))
-    return tuple(_phases(log, sorted(events)))
+    early = [int(i) for i in strikes if not pushes.size or i < pushes[0]]
+    if not early:
+        return None
+    place = _sharpest(t, bend, early[-1], after=0.0)
+    return place if t[place] - t[0] > SHORTEST and _falls(t, rate, place, rate[pushes].max(initial=0.0)) else None
+
+
+def _falls(t: Array, rate: Array, place: int, push: float) -> bool:
+    """Tells whether the rate falls as at a touchdown, by some of that of a push, within the time that it is smoothed."""
+    ends = np.interp([t[place] - SMOOTHED, t[place] + SMOOTHED], t, rate)
+    return bool(ends[0] - ends[1] > SUDDEN * push)
+
+
+def _sharpest(t: Array, bend: Array, place: int, after: float = NEAR) -> int:
+    """Returns the place at which the rate falls most steeply, near another."""
+    near = np.flatnonzero((t > t[place] - NEAR) & (t <= t[place] + after))
+    return int(near[np.argmin(bend[near])])
 
 
 def smooth_rate(t: Array, values: Array) -> tuple[Array, Array]:
@@ -94,26 +132,17 @@ def _strong(rate: Array) -> Array:
     """Returns the places of peaks that are not much lower than the highest."""
     highest = float(rate.max())
     padded = np.concatenate([[rate.min()], rate, [rate.min()]])  # a peak may be at an end
-    peaks, _ = find_peaks(padded, height=STRONG * highest, prominence=0.5 * STRONG * highest)
+    peaks, _ = find_peaks(padded, height=max(STRONG * highest, SLOWEST), prominence=0.5 * STRONG * highest)
     return np.asarray(peaks - 1)
 
 
 def _phases(log: Log, events: Sequence[tuple[float, str]]) -> list[LogPhase]:
     """Returns the phases between events; those at the ends of the log are not whole."""
-    kept: list[tuple[float, str]] = []
-    for time, name in events:  # of several in a row the first touchdown and the last push-off count
-        if not kept and name == STANCE and time - log.t[0] < SHORTEST:
-            continue  # the log begins with the touchdown itself
-        if kept and kept[-1][1] == name:
-            if name == FLIGHT:
-                kept[-1] = (time, name)
-        else:
-            kept.append((time, name))
-    if not kept:
+    if not events:
         raise BadFile(log.source, "it has no hop: the leg neither touches down nor lifts off")
     first, last = float(log.t[0]), float(log.t[-1])
-    begins = [(first, STANCE if kept[0][1] == FLIGHT else FLIGHT), *kept]
-    ends = [*(time for time, _ in kept), last]
+    begins = [(first, STANCE if events[0][1] == FLIGHT else FLIGHT), *events]
+    ends = [*(time for time, _ in events), last]
     found = []
     for (begin, name), end in zip(begins, ends, strict=True):
         inside = log.t[(log.t >= begin) & (log.t <= end)]

@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, make_dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
-from spear_pin.hybrid.domain import Domain, Held, Law
+from spear_pin.hybrid.domain import Domain, Held, Law, Mount, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.phases import touchdown
 from spear_pin.hybrid.pull import Pull
-from spear_pin.hybrid.springs import spring_of
+from spear_pin.hybrid.springs import spring_of, values_along
 from spear_pin.model.robot import Robot
 from spear_pin.model.springs import places_of
 from spear_pin.studies.logs.phases import FLIGHT, STANCE
@@ -138,7 +139,9 @@ def _built(system: HybridSystem, robot: Robot, motors: tuple[str, ...], law: Any
     def build(robot: Robot, law: Any, spring: Any, contact: Any) -> HybridSystem:
         return _built(system, robot, motors, law, spring)
 
-    domains = tuple(_domain(given, name, motors) for name in (STANCE, FLIGHT))
+    stance, flight = (_domain(given, name, motors) for name in (STANCE, FLIGHT))
+    lands = Reset(impact=robot.toes, latch=partial(_latched, robot, stance.mounts), phase=STANCE)
+    domains = stance, replace(flight, guards=(touchdown(robot.toes[0], lands),))
     return HybridSystem("played", full, law, given.springs, given.contact, domains, "", (), build, given.guess, sprung=True)
 
 
@@ -151,3 +154,8 @@ def _domain(system: HybridSystem, name: str, motors: tuple[str, ...]) -> Domain:
     mounts = tuple(replace(mount, taut=None, way=None) for mount in own.mounts)
     law: Law = Playing(robot.coordinates, robot.units, motors, springs, one_way)
     return replace(own, name=name, phase=name, law=law, mounts=mounts, guards=(), switch=None)
+
+
+def _latched(robot: Robot, mounts: Sequence[Mount], q: Sequence[float], *_: Any) -> Held:
+    """Returns where springs rest that touchdown latches."""
+    return {mount.rest: values_along(mount.along, robot, q) for mount in mounts if isinstance(mount.rest, str)}

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import least_squares
 
 from spear_pin.arrays import Array
@@ -140,7 +141,8 @@ def _replayed(shooter: Shooter, joints: Measured, arc: Arc, window: float, zeros
     some = arc.t[:first], arc.torques[:first]
 
     def shown(y: Array) -> Array:
-        return y[:, rows] - lag * y[:, [nv + row for row in rows]] + zeros
+        t = arc.t[: len(y)]
+        return CubicHermiteSpline(t, y[:, rows], y[:, [nv + row for row in rows]])(t - lag) + zeros
 
     def missed(x: Array) -> Array:
         y = joints.state(STANCE, x[:m], x[m:], arc.near)

@@ -1,0 +1,164 @@
+"""Values fitted to synthetic logs, whose truth is known; what is doubted and refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin import hopping, load, simulate, vary
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.hybrid.dry_friction import with_dry_friction
+from spear_pin.hybrid.parameters import number
+from spear_pin.studies.logs import Log, identify_motion
+from tests.studies.logs.crank_leg import DEGREE, configured, sampled, spring, synthetic
+
+pytestmark = pytest.mark.extra("heyoka")
+NOISE = 5e-4  # rad
+LEG = {"torque_scale": 1.0, "crank_armature": 0.00473, "crank_viscous": 0.021}
+SPRING = {"stiffness": 400.0, "rest": spring().rest}
+
+
+def noisy(log, seed=0, size=NOISE):
+    angle = log["crank"] + size * np.random.default_rng(100 + seed).standard_normal(len(log.t))
+    return replace(log, values={**log.values, "crank": angle})
+
+
+def test_without_noise_the_truth_comes_back(bare, plain_log):
+    found = identify_motion(bare, plain_log[0], list(LEG))
+    assert {name: found[name].value for name in LEG} == pytest.approx(LEG, rel=1e-3)
+    assert found.converged
+    assert found.rms < 1e-5
+    assert number(found.system, "crank_armature") == found["crank_armature"].value
+    assert [found[name].unit for name in LEG] == ["1", "kg·m²", "N·m·s/rad"]
+
+
+def lagging(crank, plain_log):
+    _, trajectory = plain_log
+    t, angle, torque = sampled(trajectory, crank)
+    late = np.interp(t - 0.003, t, angle)
+    return Log("late", t[3:], {"crank": late[3:], "crank_torque": torque[3:]})
+
+
+def irregular(log):
+    draws = np.random.default_rng(4)
+    kept = draws.random(len(log.t)) < 0.9
+    kept[400:406] = False
+    return Log("irregular", log.t[kept], {name: each[kept] for name, each in log.values.items()})
+
+
+def quantised(log):
+    return replace(log, values={**log.values, "crank": np.round(log["crank"] / (0.02 * DEGREE)) * 0.02 * DEGREE})
+
+
+def stronger(log):
+    return replace(log, values={**log.values, "crank_torque": log["crank_torque"] / 1.1})
+
+
+def turned(log):
+    return replace(log, values={**log.values, "crank": log["crank"] + DEGREE})
+
+
+@pytest.fixture(scope="module")
+def cases(crank, bare, sprung, plain_log):
+    """Systems, logs and truths by name."""
+    log = plain_log[0]
+    rough = synthetic(with_dry_friction(configured(crank), {"crank": 0.08}))[0]
+    springy = synthetic(configured(crank, springs={"leg": spring()}))[0]
+    softer = hopping(crank, spring={"leg": spring(200.0, SPRING["rest"] + 0.005)})
+    heavy = vary(crank, crank_armature=0.004, crank_viscous=0.03)
+    elsewhere = hopping(heavy, spring={"leg": replace(spring(), stiffness=0.0)})
+    return {
+        "noise": (bare, noisy(log), LEG),
+        "noise, another": (bare, noisy(log, 1, 2e-3), LEG),
+        "rounded": (bare, quantised(log), LEG),
+        "late": (bare, noisy(lagging(crank, plain_log), 2), {**LEG, "lag": 0.003}),
+        "zero": (bare, noisy(turned(log), 3), {**LEG, "crank_zero": DEGREE}),
+        "torque": (bare, noisy(stronger(log), 4), {**LEG, "torque_scale": 1.1}),
+        "friction": (bare, noisy(rough, 5), {**LEG, "crank_friction": 0.08}),
+        "irregular": (bare, noisy(irregular(log), 6), LEG),
+        "begun elsewhere": (elsewhere, noisy(log, 7), LEG),
+        "spring": (softer, noisy(springy, 8), SPRING),
+        "spring and leg": (sprung, noisy(springy, 9), {**LEG, **SPRING}),
+        "spring, rounded": (softer, quantised(springy), SPRING),
+    }
+
+
+@pytest.mark.slow
+def test_most_values_are_within_two_deviations(cases):
+    away = {
+        (name, what): (found[what].value - value) / found[what].deviation
+        for name, (system, log, truth) in cases.items()
+        for found in [identify_motion(system, log, list(truth))]
+        for what, value in truth.items()
+    }
+    outside = {name: each for name, each in away.items() if abs(each) > 2.0}
+    assert len(outside) <= 0.1 * len(away), outside
+    assert max(map(abs, away.values())) < 5.0
+
+
+@pytest.mark.slow
+def test_a_leg_of_two_joints_with_a_switched_spring():
+    """SPEAR-II, hip and knee measured; where its spring was latched follows from the log."""
+    robot = load("spear_ii", locked=["boom_x"])
+    system = hopping(robot)
+    run = simulate(system, system.guess(), 3, samples=2000, progress=False)
+    t, first = np.unique(run.t, return_index=True)
+    times = np.arange(0.0, t[-1], 0.00025)
+    named = {"hip": run.q[:, 1], "knee": run.q[:, 2], "hip_torque": run.u[:, 0], "knee_torque": run.u[:, 1]}
+    log = Log("two joints", times, {name: np.interp(times, t, each[first]) for name, each in named.items()})
+    softer = hopping(robot, spring=replace(system.spring, stiffness=40.0))
+    found = identify_motion(softer, log, ["stiffness", "damping"])
+    assert found["stiffness"].value == pytest.approx(48.84, rel=1e-3)
+    assert found["damping"].value == pytest.approx(1.3, rel=5e-3)
+
+
+def test_what_is_hardly_told_apart_is_said(bare, plain_log):
+    found = identify_motion(bare, noisy(plain_log[0]), [*LEG, "crank_friction"])
+    assert any(each.startswith("crank_viscous and crank_friction are hardly told apart") for each in found.doubts)
+    assert "masses were held: torque_scale and all inertias and forces go with them" in found.doubts
+
+
+def test_what_is_not_told_apart_at_all_is_refused(bare, plain_log):
+    """Every force and inertia is one scale: forces, rotor, friction and masses together have none."""
+    masses = ["boom_z_mass", "slide_mass", "crank_mass", "rod_mass", "crank_inertia", "rod_inertia", "rod_com_z", "crank_com_x"]
+    with pytest.raises(BadValue, match="the log does not tell .* apart; hold one, such as a mass that was weighed"):
+        identify_motion(bare, plain_log[0], [*LEG, *masses])
+
+
+def test_a_wrong_mass_scales_all_forces(crank, plain_log):
+    heavier = vary(crank, boom_z_mass=1.1 * number(hopping(crank), "boom_z_mass"), slide_mass=1.1 * 0.15)
+    system = hopping(heavier, spring={"leg": replace(spring(), stiffness=0.0)})
+    found = identify_motion(system, plain_log[0], list(LEG))
+    expected = {name: 1.1 * value for name, value in LEG.items()}
+    assert {name: each.value for name, each in found.found.items()} == pytest.approx(expected, rel=2e-3)
+    assert "masses were held: torque_scale and all inertias and forces go with them" in found.doubts
+
+
+def test_a_spring_that_is_not_there_has_no_stiffness(sprung, plain_log):
+    found = identify_motion(sprung, plain_log[0], ["stiffness"])
+    assert abs(found["stiffness"].value) < 2.0 * found["stiffness"].deviation < 0.01
+
+
+def test_a_phase_that_is_something_else_is_told(bare, plain_log):
+    log = plain_log[0]
+    bent = log["crank"] + np.where(abs(log.t - 0.5) < 0.05, 0.05 * np.cos(10 * np.pi * (log.t - 0.5)) ** 2, 0.0)
+    found = identify_motion(bare, replace(log, values={**log.values, "crank": bent}), list(LEG))
+    assert any("the stance from 0.415 s of synthetic fits worse than the others" in each for each in found.doubts)
+
+
+@pytest.mark.parametrize(
+    "error, over, options, text",
+    [
+        (UnknownName, ["weight"], {}, "unknown number of the leg 'weight'; nearest of"),
+        (BadValue, [], {}, "over is []; expected names of some numbers, each once"),
+        (BadValue, ["lag", "lag"], {}, "names of some numbers, each once"),
+        (BadValue, ["lag"], {"phases": ["apex"]}, "phases is ['apex']; expected 'stance', 'flight' or both"),
+        (BadValue, ["lag"], {"settle": -1.0}, "settle is -1.0; expected a number >= 0, in s"),
+        (UnknownName, ["lag"], {"start": {"mass": 1.0}}, "unknown number of the leg 'mass'"),
+    ],
+)
+def test_refuses(bare, plain_log, error, over, options, text):
+    with pytest.raises(error) as caught:
+        identify_motion(bare, plain_log[0], over, **options)
+    assert text in str(caught.value)
+    assert "\n" not in str(caught.value)

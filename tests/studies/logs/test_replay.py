@@ -1,0 +1,47 @@
+"""Replays: of logs that the model made itself, with other numbers, and by the values of a fit."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.studies.logs import identify_motion, replay
+
+pytestmark = pytest.mark.extra("heyoka")
+
+
+def test_the_model_s_own_log_comes_back(bare, plain_log):
+    log, trajectory = plain_log
+    found = replay(bare, log)
+    assert len(found.hops) == 3
+    for name in ("compression", "stance", "push_off"):
+        assert abs(found.off(name)) < 2e-3
+    lift_offs = [event.time for event in trajectory.events if event.name == "lift_off"]
+    assert [hop.lift_off for hop in found.hops] == pytest.approx(lift_offs, abs=2e-3)
+    assert max(hop.rms for hop in found.hops) < 2e-2
+    assert repr(found).startswith("Replay('synthetic': 3 hops; model less log: compression ")
+
+
+def test_a_weaker_motor_pushes_off_slower(bare, plain_log):
+    weak = replay(bare, plain_log[0], {"torque_scale": 0.9})
+    assert weak.off("push_off") < -0.02
+    assert weak.off("compression") > 0.02
+
+
+def test_a_fit_is_replayed_with_its_values(bare, plain_log):
+    log = plain_log[0]
+    stronger = replace(log, values={**log.values, "crank_torque": log["crank_torque"] / 1.1})
+    fit = identify_motion(bare, stronger, ["torque_scale"])
+    assert fit["torque_scale"].value == pytest.approx(1.1, rel=1e-4)
+    assert abs(replay(fit, stronger).off("push_off")) < 2e-3 < abs(replay(bare, stronger).off("push_off"))
+
+
+def test_refuses(bare, plain_log):
+    log = plain_log[0]
+    with pytest.raises(BadValue, match="window is 0.0; expected a number > 0, in s"):
+        replay(bare, log, window=0.0)
+    with pytest.raises(UnknownName, match="'mass'"):
+        replay(bare, log, {"mass": 1.0})
+    with pytest.raises(BadFile, match="it has no hop"):
+        replay(bare, replace(log, values={**log.values, "crank": np.zeros_like(log.t)}))
