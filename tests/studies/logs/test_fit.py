@@ -70,7 +70,7 @@ def cases(crank, bare, sprung, plain_log):
     return {
         "noise": (bare, noisy(log), LEG),
         "noise, another": (bare, noisy(log, 1, 2e-3), LEG),
-        "rounded": (bare, quantised(log), LEG),
+        "rounded": (bare, quantised(noisy(log, 10, 2e-4)), LEG),
         "late": (bare, noisy(lagging(crank, plain_log), 2), {**LEG, "lag": 0.003}),
         "zero": (bare, noisy(turned(log), 3), {**LEG, "crank_zero": DEGREE}),
         "torque": (bare, noisy(stronger(log), 4), {**LEG, "torque_scale": 1.1}),
@@ -79,7 +79,7 @@ def cases(crank, bare, sprung, plain_log):
         "begun elsewhere": (elsewhere, noisy(log, 7), LEG),
         "spring": (softer, noisy(springy, 8), SPRING),
         "spring and leg": (sprung, noisy(springy, 9), {**LEG, **SPRING}),
-        "spring, rounded": (softer, quantised(springy), SPRING),
+        "spring, rounded": (softer, quantised(noisy(springy, 11, 2e-4)), SPRING),
     }
 
 
