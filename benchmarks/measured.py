@@ -59,7 +59,9 @@ def main() -> None:
     if not plain:
         print("no folder with logs of the leg is named: nothing is compared")
         return
-    config = json.loads(next(folder / "configs.json" for folder in folders if (folder / "configs.json").is_file()).read_text())
+    config = json.loads(
+        next(folder / "configs.json" for folder in folders if (folder / "configs.json").is_file()).read_text()
+    )
     fits = {each.name: identify_motion(leg(each.mass), each.whole, FREE) for each in plain}
     table(("fit", *FREE, "rms, deg", "phases"), [fitted(name, fit) for name, fit in fits.items()])
     first = fits[plain[0].name]
@@ -108,7 +110,7 @@ def replayed(condition: Condition, system: HybridSystem, values: Mapping[str, fl
 
 
 def with_spring(condition: Condition, values: Mapping[str, float], folders: list[Path]) -> list[tuple[str, ...]]:
-    """Rows of hops with a spring: fitted on the first hop, with and without hysteresis, and the bench's map as it is."""
+    """Rows of hops with a spring, fitted on the first hop with and without hysteresis, and by the bench's map."""
     own = load("crank_hopper").settings.springs["leg"]
     first, others = condition.hops[0], condition.hops[1:]
     system = leg(condition.mass, replace(own, damping=0.0))
@@ -122,7 +124,9 @@ def with_spring(condition: Condition, values: Mapping[str, float], folders: list
         rows.append(replayed(last, fit.source, {**values, **{name: fit[name].value for name in over}}, by))
     for folder in folders:
         if (folder / BENCH).is_file():
-            rows.append(replayed(condition, leg(condition.mass, bench(folder / BENCH)), values, "the bench's map as it is"))
+            rows.append(
+                replayed(condition, leg(condition.mass, bench(folder / BENCH)), values, "the bench's map as it is")
+            )
     return rows
 
 
@@ -137,7 +141,9 @@ def bench(path: Path) -> Spring:
     return replace(own, stiffness=0.0, damping=0.0, unilateral=False, rest=GRID + zero, table=tuple(points))
 
 
-def configured_rows(condition: Condition, config: Mapping[str, Any], values: Mapping[str, float]) -> list[tuple[str, ...]]:
+def configured_rows(
+    condition: Condition, config: Mapping[str, Any], values: Mapping[str, float]
+) -> list[tuple[str, ...]]:
     """Rows that compare the hop by its configuration, a limit cycle, with the log; events found alike in both."""
     said = config["controller"][condition.name]
     _, flight, stance = said["kp_Nm_per_rad_startup_flight_stance"]
@@ -166,7 +172,12 @@ def configured_rows(condition: Condition, config: Mapping[str, Any], values: Map
     if run.reason != "complete":
         return [(condition.name, run.reason, "", "")]
     return [
-        (f"{condition.name}, {name}", f"{model[name]:.4f}", f"{log[name]:.4f}", f"{100 * (model[name] / log[name] - 1):+.1f}")
+        (
+            f"{condition.name}, {name}",
+            f"{model[name]:.4f}",
+            f"{log[name]:.4f}",
+            f"{100 * (model[name] / log[name] - 1):+.1f}",
+        )
         for name in model
     ]
 

@@ -1,4 +1,4 @@
-"""What the measured joints of a leg say of its whole configuration and motion, while its toe is on the ground or not."""
+"""What the measured joints of a leg say of its whole configuration and motion, in stance and in flight."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Measured:
         return {name: self._leading(self._rows(name, q)) for name in (STANCE, FLIGHT)}
 
     def _leading(self, rows: Array) -> list[int]:
-        found = []
+        found = list[int]()
         for row in self.rows:
             more = np.vstack([rows, np.eye(self.robot.nv)[row]])
             if np.linalg.matrix_rank(more, RANK) > np.linalg.matrix_rank(rows, RANK):

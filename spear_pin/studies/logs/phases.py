@@ -1,4 +1,4 @@
-"""Cuts a log into stance and flight by the motion of the leg alone: not by the controller's modes, which may be wrong."""
+"""Cuts a log into stance and flight by the motion of the leg alone: the controller's modes may be wrong."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def _first(t: Array, rate: Array, bend: Array) -> int | None:
 
 
 def _falls(t: Array, rate: Array, place: int, push: float) -> bool:
-    """Tells whether the rate falls as at a touchdown, by some of that of a push, within the time that it is smoothed."""
+    """Tells whether the rate falls at once by some of that of a push, as at a touchdown."""
     ends = np.interp([t[place] - SMOOTHED, t[place] + SMOOTHED], t, rate)
     return bool(ends[0] - ends[1] > SUDDEN * push)
 

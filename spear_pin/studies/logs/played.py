@@ -6,7 +6,7 @@ of a spring are smooth here, c tanh(v / w), with a rate w that is slow for a hop
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, make_dataclass, replace
 from functools import lru_cache, partial
 from typing import Any
@@ -16,12 +16,13 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Held, Law, Mount, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.phases import touchdown
 from spear_pin.hybrid.pull import Pull
 from spear_pin.hybrid.springs import spring_of, values_along
 from spear_pin.model.robot import Robot
 from spear_pin.model.springs import places_of
-from spear_pin.studies.logs.phases import FLIGHT, STANCE
+from spear_pin.studies.logs.measured import FLIGHT, STANCE
 
 SLOW = {"rad": 0.02, "m": 0.004}  # rad/s, m/s: the rate w, far below those of a hop
 SCALE, FRICTION, HYSTERESIS, SHIFT, TORQUE = "torque_scale", "_friction", "_hysteresis", "_shift", "_torque"
@@ -32,8 +33,8 @@ def numbers_type(joints: Sequence[str], springs: Sequence[str], motors: Sequence
     """Returns the dataclass of the numbers of a played leg.
 
     These are `torque_scale`, by which measured torques are multiplied; Coulomb's friction of each joint, such as
-    "crank_friction"; of each spring the hysteresis, and by how much longer it rests than its file says, "leg_shift"; and
-    the motors' torques.
+    "crank_friction"; of each spring the hysteresis, and by how much longer it rests than its file says,
+    "leg_shift"; and the motors' torques.
 
     Args:
         joints: names of all joints.
@@ -68,9 +69,7 @@ class Playing:
     springs: tuple[tuple[str, str], ...]
     one_way: tuple[str, ...]
 
-    def __call__(
-        self, t: Any, q: Any, v: Any, held: Held, p: Any, dyn: Dynamics, ops: Operations
-    ) -> Sequence[Any]:
+    def __call__(self, t: Any, q: Any, v: Any, held: Held, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         """Returns the force on each joint besides those of the equations of motion, in N·m or N."""
         rates = zip(self.joints, v, self.units, strict=True)
         forces = [-getattr(p, f"{name}{FRICTION}") * ops.tanh(rate / SLOW[unit]) for name, rate, unit in rates]
@@ -79,7 +78,9 @@ class Playing:
             forces[i] = forces[i] + getattr(p, SCALE) * getattr(p, f"{motor}{TORQUE}")
         for mount, spring in self.springs:
             pull = dyn.pull(mount)
-            change = self._whole(pull, getattr(p, f"{spring}{SHIFT}"), getattr(p, f"{spring}{HYSTERESIS}"), ops) - pull.spring.torque(pull.stretch, ops)
+            change = self._whole(
+                pull, getattr(p, f"{spring}{SHIFT}"), getattr(p, f"{spring}{HYSTERESIS}"), ops
+            ) - pull.spring.torque(pull.stretch, ops)
             for i, lever in pull.slope.items():
                 forces[i] = forces[i] + change * lever
         return forces
@@ -133,7 +134,12 @@ def number_of(system: HybridSystem, name: str) -> tuple[str, float]:
 
 def _built(system: HybridSystem, robot: Robot, motors: tuple[str, ...], law: Any, springs: Any) -> HybridSystem:
     own = robot.with_model(robot.model, actuated=motors, base=robot.base, varied=robot.varied)
-    given = system.build(own, law=system.law, spring=springs if system.sprung else next(iter(springs.values()), None), contact=system.contact)
+    given = system.build(
+        own,
+        law=system.law,
+        spring=springs if system.sprung else next(iter(springs.values()), None),
+        contact=system.contact,
+    )
     full = own.with_model(own.model, actuated=own.coordinates, base=own.base, varied=own.varied)
 
     def build(robot: Robot, law: Any, spring: Any, contact: Any) -> HybridSystem:
@@ -142,7 +148,9 @@ def _built(system: HybridSystem, robot: Robot, motors: tuple[str, ...], law: Any
     stance, flight = (_domain(given, name, motors) for name in (STANCE, FLIGHT))
     lands = Reset(impact=robot.toes, latch=partial(_latched, robot, stance.mounts), phase=STANCE)
     domains = stance, replace(flight, guards=(touchdown(robot.toes[0], lands),))
-    return HybridSystem("played", full, law, given.springs, given.contact, domains, "", (), build, given.guess, sprung=True)
+    return HybridSystem(
+        "played", full, law, given.springs, given.contact, domains, "", (), build, given.guess, sprung=True
+    )
 
 
 def _domain(system: HybridSystem, name: str, motors: tuple[str, ...]) -> Domain:
@@ -159,3 +167,15 @@ def _domain(system: HybridSystem, name: str, motors: tuple[str, ...]) -> Domain:
 def _latched(robot: Robot, mounts: Sequence[Mount], q: Sequence[float], *_: Any) -> Held:
     """Returns where springs rest that touchdown latches."""
     return {mount.rest: values_along(mount.along, robot, q) for mount in mounts if isinstance(mount.rest, str)}
+
+
+def played_with(leg: HybridSystem, system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
+    """Returns a played leg with other numbers, by the names of `identify_motion`."""
+    named = {name: number_of(system, name) for name in values}
+    return with_numbers(leg, {named[name][0]: value - named[name][1] for name, value in values.items()})
+
+
+def with_own(system: HybridSystem, leg: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
+    """Returns the user's system with those fitted values that it has itself."""
+    of_law = {*type(leg.law).__dataclass_fields__}
+    return with_numbers(system, {name: value for name, value in values.items() if name not in of_law})

@@ -1,4 +1,4 @@
-"""Replays a log: the model moves from where a stance began, driven by the measured torques, until the log ends.
+"""Replays a log: the model moves from where a stance began, driven by the measured torques or by its own law.
 
 The model's own lift-off ends its stance. Model and log are then compared by numbers that are found in the same way of
 both, from the length of the leg alone.
@@ -16,17 +16,25 @@ from scipy.optimize import least_squares
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.clutch import Clock
+from spear_pin.hybrid.result import Moment
+from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
-from spear_pin.studies.logs.fit import LAG, MARGIN, RATE, SETTLE, ZERO, Arc, MotionFit, arcs_of, played_with, rates_of
+from spear_pin.studies.logs.arcs import MARGIN, RATE, SETTLE, Arc, arcs_of, rates_of
+from spear_pin.studies.logs.fit import MotionFit
 from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.measured import FLIGHT, STANCE, Measured, measured
 from spear_pin.studies.logs.phases import LogPhase
-from spear_pin.studies.logs.played import played
+from spear_pin.studies.logs.played import played, played_with, with_own
+from spear_pin.studies.logs.residuals import LAG, ZERO
 from spear_pin.studies.logs.shooting import Shooter
 
 MEASURES = "compression", "stance", "push_off"
 PUSH = 0.012  # s before lift-off, over which the leg's rate is taken
+MEASURED, LAW = "measured", "law"
+SAMPLES = 400  # of each phase, between which a simulated motion is interpolated
 WINDOW = 0.04  # s, on which the first state is fitted: some periods of the ringing after a touchdown
 
 
@@ -95,15 +103,18 @@ def replay(
     log: Log,
     values: Mapping[str, float] | None = None,
     *,
+    motors: str = MEASURED,
     window: float = WINDOW,
     settle: float = SETTLE,
 ) -> Replay:
-    """Drives a leg by the measured torques of a log, from a state that is fitted to the beginning of each stance.
+    """Drives a leg by the torques of a log, or by its law, from a state fitted to the beginning of each stance.
 
     Args:
         system: the leg, or a fit whose values it has.
         log: the log.
         values: numbers as `identify_motion` names them, for a leg that is not a fit.
+        motors: "measured", or "law" for the event-exact simulation by the system's law, with those of the values that
+            the system has itself.
         window: time on which the first state is fitted, in s.
         settle: time after each touchdown that is left out, in s.
 
@@ -113,6 +124,8 @@ def replay(
         UnknownName: there is no number of a name.
     """
     require("window", window, lambda time: time > 0, "a number > 0, in s")
+    if motors not in (MEASURED, LAW):
+        raise BadValue("motors", motors, f"{MEASURED!r} or {LAW!r}")
     given = dict(values or {})
     if isinstance(system, MotionFit):
         leg, user = system.leg, system.source
@@ -125,24 +138,34 @@ def replay(
     zeros = np.array([sensors[f"{joint}{ZERO}"] for joint in joints.joints])
     arcs, left_out = arcs_of(user, joints, log, settle, whole=True)
     shooter, hops = Shooter(leg), list[Hop]()
+    own = with_own(user, leg, given) if motors == LAW else None
     for arc in arcs:
         if arc.phase.name == STANCE:
-            hops.append(_replayed(shooter, joints, arc, window, zeros, sensors[LAG]))
+            hops.append(_replayed(shooter, own, joints, arc, window, zeros, sensors[LAG]))
     if not hops:
         raise BadValue("log", log.source, "one with a stance that can be used")
     units = tuple(user.robot.units[row] for row in joints.rows)
     return Replay(log, joints.joints, units, tuple(hops), tuple(left_out))
 
 
-def _replayed(shooter: Shooter, joints: Measured, arc: Arc, window: float, zeros: Array, lag: float) -> Hop:
-    """Returns a stance and what follows, from a state fitted to its first instants."""
+def _replayed(
+    shooter: Shooter,
+    system: HybridSystem | None,
+    joints: Measured,
+    arc: Arc,
+    window: float,
+    zeros: Array,
+    lag: float,
+) -> Hop:
+    """Returns a stance and what follows, from a state fitted to its first instants; by the law of a given system."""
     m, rows, nv = len(joints.rows), joints.rows, joints.robot.nv
     first = max(RATE, int(np.searchsorted(arc.t, arc.t[0] + window)))
     some = arc.t[:first], arc.torques[:first]
 
     def shown(y: Array) -> Array:
         t = arc.t[: len(y)]
-        return CubicHermiteSpline(t, y[:, rows], y[:, [nv + row for row in rows]])(t - lag) + zeros
+        seen: Array = CubicHermiteSpline(t, y[:, rows], y[:, [nv + row for row in rows]])(t - lag) + zeros
+        return seen
 
     def missed(x: Array) -> Array:
         y = joints.state(STANCE, x[:m], x[m:], arc.near)
@@ -151,21 +174,9 @@ def _replayed(shooter: Shooter, joints: Measured, arc: Arc, window: float, zeros
 
     begin = np.concatenate([arc.positions[0] - zeros, rates_of(joints, STANCE, some[0], arc.positions[:first], 0)])
     found = least_squares(missed, begin, x_scale="jac").x
-    y, states, lift_off = joints.state(STANCE, found[:m], found[m:], arc.near), list[Array](), np.nan
-    states.append(y)
-    place, none = 0, np.zeros((2 * nv, 1))
-    for y, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, arc.latched):
-        if force[-1] < 0.0:  # at the step's beginning, where the state is the last that was kept
-            lift_off = float(arc.t[place])
-            break
-        states.append(y)
-        place += 1
-    if place < len(arc.t) - 1:
-        rest = slice(place, None)
-        states += [
-            y for y, _, _ in shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states[-1], none, arc.latched)
-        ]
-    modelled = shown(np.array(states))
+    y = joints.state(STANCE, found[:m], found[m:], arc.near)
+    states, lift_off = _driven(shooter, arc, y) if system is None else _by_law(system, arc, y)
+    modelled = shown(states)
     model, log = (joints.lengths(each - zeros, arc.near) for each in (modelled, arc.positions))
     leaves = float(np.interp(arc.phase.end - MARGIN, arc.t, log))
     touchdown = joints.length(arc.latched)
@@ -176,6 +187,38 @@ def _replayed(shooter: Shooter, joints: Measured, arc: Arc, window: float, zeros
         )
     }
     return Hop(arc.phase, arc.t, arc.positions, modelled, lift_off, measures)
+
+
+def _driven(shooter: Shooter, arc: Arc, y: Array) -> tuple[Array, float]:
+    """Returns states at all samples, (n, 2 nv), with the measured torques, and when the toe lifts off."""
+    states, lift_off, none = [y], np.nan, np.zeros((len(y), 1))
+    for after, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, arc.latched):
+        if force[-1] < 0.0:  # at the step's beginning, where the state is the last that was kept
+            lift_off = float(arc.t[len(states) - 1])
+            break
+        states.append(after)
+    if len(states) < len(arc.t):
+        rest = slice(len(states) - 1, None)
+        flight = shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states[-1], none, arc.latched)
+        states += [after for after, _, _ in flight]
+    return np.array(states), lift_off
+
+
+def _by_law(system: HybridSystem, arc: Arc, y: Array) -> tuple[Array, float]:
+    """Returns what `_driven` does, with the system's law from touchdown on; NaN after the next touchdown."""
+    nv, reset = system.robot.nv, system.landing[1]
+    clock = Clock(0.0, system.springs, system)
+    rates = y[nv:].tolist()
+    held = latched({}, [reset], arc.latched.tolist(), rates, system.law, begins=True, clock=clock)
+    since = float(arc.t[0]) - arc.phase.begin
+    run = simulate(system, Moment(y[:nv], y[nv:], str(reset.phase), held, since), samples=SAMPLES, progress=False)
+    t, first = np.unique(run.t - run.t[0] + arc.t[0], return_index=True)
+    line = CubicHermiteSpline(
+        t, np.hstack([run.q, run.v])[first], np.gradient(np.hstack([run.q, run.v])[first], t, axis=0)
+    )
+    leaves = [event.time - run.t[0] + arc.t[0] for event in run.events if event.name == "lift_off"]
+    inside = arc.t <= t[-1]
+    return np.where(inside[:, None], line(arc.t), np.nan), float(leaves[0]) if leaves else np.nan
 
 
 def _measures(arc: Arc, length: Array, touchdown: float, leaves: float) -> tuple[float, float, float]:

@@ -154,5 +154,3 @@ def with_torques(log: Any, motors: Sequence[str], ratios: Mapping[str, float]) -
         torque = log.values.get(name, np.zeros(len(log.t)))
         found.append(torque * (ratios[motor] if name in log.at_motor else 1.0))
     return np.column_stack(found) if found else np.empty((len(log.t), 0))
-
-

@@ -84,15 +84,15 @@ def configured(robot, law=None, springs=None):
     )
 
     def guess():
-        at = Measured(robot, ("crank",)).state("stance", np.array([-20.8 * DEGREE]), np.array([7.0]), robot.closed(np.zeros(4)))
+        at = Measured(robot, ("crank",)).state(
+            "stance", np.array([-20.8 * DEGREE]), np.array([7.0]), robot.closed(np.zeros(4))
+        )
         return at[: robot.nv], at[robot.nv :]
 
     def build(robot, law, spring, contact):
         return configured(robot, law, spring)
 
-    return HybridSystem(
-        "configured", robot, law, given, Contact(), domains, "touchdown", (), build, guess, sprung=True
-    )
+    return HybridSystem("configured", robot, law, given, Contact(), domains, "touchdown", (), build, guess, sprung=True)
 
 
 def spring(stiffness=400.0, rest=0.1459):

@@ -120,7 +120,16 @@ def test_what_is_hardly_told_apart_is_said(bare, plain_log):
 
 def test_what_is_not_told_apart_at_all_is_refused(bare, plain_log):
     """Every force and inertia is one scale: forces, rotor, friction and masses together have none."""
-    masses = ["boom_z_mass", "slide_mass", "crank_mass", "rod_mass", "crank_inertia", "rod_inertia", "rod_com_z", "crank_com_x"]
+    masses = [
+        "boom_z_mass",
+        "slide_mass",
+        "crank_mass",
+        "rod_mass",
+        "crank_inertia",
+        "rod_inertia",
+        "rod_com_z",
+        "crank_com_x",
+    ]
     with pytest.raises(BadValue, match="the log does not tell .* apart; hold one, such as a mass that was weighed"):
         identify_motion(bare, plain_log[0], [*LEG, *masses])
 

@@ -22,7 +22,9 @@ def test_in_stance_the_toe_is_at_rest(crank):
     y = leg.state("stance", np.array([-0.2]), np.array([3.0]), leg.configuration(np.array([-0.2]), None))
     q, v = y[:4], y[4:]
     assert v[crank.index("crank")] == pytest.approx(3.0)
-    assert np.concatenate([crank.toe_jacobian(q, "toe") @ v, crank.loop_jacobian(q) @ v]) == pytest.approx(0.0, abs=1e-12)
+    assert np.concatenate([crank.toe_jacobian(q, "toe") @ v, crank.loop_jacobian(q) @ v]) == pytest.approx(
+        0.0, abs=1e-12
+    )
     assert crank.toe_position(q, "toe")[-1] == pytest.approx(0.0, abs=1e-12)
 
 

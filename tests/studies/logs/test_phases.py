@@ -35,7 +35,10 @@ def test_a_leg_that_is_drawn_in_while_it_still_rises_has_not_landed(crank, plain
     log, trajectory = plain_log
     lift_off = next(event.time for event in trajectory.events if event.name == "lift_off")
     drawn = log["crank"] + 0.1 * np.exp(-(((log.t - lift_off - 0.06) / 0.015) ** 2))
-    assert [phase.name for phase in find_phases(crank, replace(log, values={"crank": drawn}))] == ["stance", "flight"] * 3
+    assert [phase.name for phase in find_phases(crank, replace(log, values={"crank": drawn}))] == [
+        "stance",
+        "flight",
+    ] * 3
 
 
 def test_refuses_what_is_no_hop(crank, plain_log):

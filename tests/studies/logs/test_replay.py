@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from spear_pin import hopping, load, simulate
 from spear_pin.errors import BadFile, BadValue, UnknownName
-from spear_pin.studies.logs import identify_motion, replay
+from spear_pin.hybrid.parameters import with_numbers
+from spear_pin.studies.logs import Log, identify_motion, replay
 
 pytestmark = pytest.mark.extra("heyoka")
 
@@ -37,10 +39,30 @@ def test_a_fit_is_replayed_with_its_values(bare, plain_log):
     assert abs(replay(fit, stronger).off("push_off")) < 2e-3 < abs(replay(bare, stronger).off("push_off"))
 
 
+def test_the_law_makes_the_log_that_it_made():
+    """SPEAR-II: the law acts from the fitted state on, and the spring was latched where the log says."""
+    robot = load("spear_ii", locked=["boom_x"])
+    system = hopping(robot)
+    run = simulate(system, system.guess(), 2, samples=2000, progress=False)
+    t, first = np.unique(run.t, return_index=True)
+    times = np.arange(0.0, t[-1], 0.001)
+    named = {"hip": run.q[:, 1], "knee": run.q[:, 2], "hip_torque": run.u[:, 0], "knee_torque": run.u[:, 1]}
+    log = Log("by law", times, {name: np.interp(times, t, each[first]) for name, each in named.items()})
+    found = replay(system, log, motors="law")
+    lift_offs = [event.time for event in run.events if event.name == "lift_off"]
+    assert [hop.lift_off for hop in found.hops] == pytest.approx(lift_offs, abs=2e-3)
+    assert max(hop.rms for hop in found.hops) < 2e-2
+    assert abs(found.off("push_off")) < 1e-2
+    weaker = replay(with_numbers(system, {"stance_torque": 6.0}), log, motors="law")
+    assert weaker.off("push_off") < -0.03
+
+
 def test_refuses(bare, plain_log):
     log = plain_log[0]
     with pytest.raises(BadValue, match="window is 0.0; expected a number > 0, in s"):
         replay(bare, log, window=0.0)
+    with pytest.raises(BadValue, match="motors is 'both'; expected 'measured' or 'law'"):
+        replay(bare, log, motors="both")
     with pytest.raises(UnknownName, match="'mass'"):
         replay(bare, log, {"mass": 1.0})
     with pytest.raises(BadFile, match="it has no hop"):

@@ -13,7 +13,13 @@ from spear_pin.studies.logs.shooting import Shooter
 from tests.studies.logs.crank_leg import spring
 
 pytestmark = pytest.mark.extra("heyoka")
-FORCES = {"torque_scale": 1.1, "crank_friction": 0.08, "boom_z_friction": 1.7, "leg_hysteresis": 2.0, "leg_shift": -0.004}
+FORCES = {
+    "torque_scale": 1.1,
+    "crank_friction": 0.08,
+    "boom_z_friction": 1.7,
+    "leg_hysteresis": 2.0,
+    "leg_shift": -0.004,
+}
 OVER = ("torque_scale", "crank_armature", "crank_viscous", "crank_friction", "stiffness", "leg_hysteresis", "leg_shift")
 
 
