@@ -93,7 +93,7 @@ def identify_motion(
 ) -> MotionFit:
     """Fits numbers of a leg to logs of hops, by least squares of the measured positions.
 
-    Measured torques drive the model over each stance and flight, each from a state that is fitted as well: touchdown and
+    Measured torques drive the model over each stance and flight, each from a state that is fitted, too: touchdown and
     lift-off need not be modelled. Derivatives are exact.
 
     Args:

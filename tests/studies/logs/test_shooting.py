@@ -56,7 +56,7 @@ def test_is_the_motion_of_the_crank_s_equation(leg):
         return -a * np.sin(x) + root, slope, bend
 
     def rates(t, y):
-        (x, v), (length, slope, bend) = y, along(y[0])
+        (_, v), (length, slope, bend) = y, along(y[0])
         stretch = c - length - rest
         pull = 400.0 * stretch - FORCES["leg_hysteresis"] * np.tanh(slope * v / SLOW["m"])
         rub = FORCES["boom_z_friction"] * np.tanh(slope * v / SLOW["m"])
