@@ -27,6 +27,7 @@ from spear_pin.cli import (
     payoff,
     push_test,
     replay,
+    references,
     report,
     robots,
     search,
@@ -54,6 +55,7 @@ COMMANDS: dict[str, tuple[Callable[[Commands], None], ...]] = {
     ),
     "study: vary, optimise and compare gaits": (
         *(measures.add, compare.add, sweep.add, family.add, sensitivity.add, uncertainty.add, design.add, payoff.add),
+        references.add,
     ),
     "lab: push tests and logs of a leg, real or simulated": (push_test.add, identify.add, fit.add, replay.add),
     "look: web pages, films, tables, figures": (explore.add, export.add, report.add),

@@ -85,7 +85,7 @@ class Springing:
 
     def switches(self, mounts: Sequence[Mount]) -> tuple[Guard, ...]:
         """Returns the events at which springs go slack, taut or turn, and those at which late switches act."""
-        first, found = next(iter(self.springs)), list[Guard]()
+        first, found = next(iter(self.springs), ""), list[Guard]()
         for mount in mounts:
             found += spring_switches(mount, "spring_switch" if mount.of == first else f"spring_switch:{mount.of}")
             clutch = self.springs[mount.of].clutch if mount.on is not None else None

@@ -8,7 +8,7 @@ from spear_pin.cli import _parser
 from tests.cli.calls import printed, refused
 
 # robots are listed, gaits are files of numbers, and what a shell reads is no page
-WITHOUT = {"robots", "measures", "dynamics", "search", "doctor", "completion"}
+WITHOUT = {"robots", "measures", "dynamics", "search", "references", "doctor", "completion"}
 
 
 def commands():

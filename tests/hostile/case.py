@@ -28,7 +28,7 @@ class Hostile(Command):
         return f"{self.what} ({super().name})"
 
     def verdict(self, answer: Answer) -> str:
-        return withstood(answer, (0, 2))
+        return withstood(answer, (0, 1, 2))
 
 
 @dataclass(frozen=True)

@@ -169,6 +169,14 @@ def _gait(change: Callable[[dict[str, Any]], Any]) -> Damage:
     return damage
 
 
+ANSWERS: Mapping[str, Callable[[], bytes]] = {
+    "brackets": lambda: b"[" * 1_000_000,
+    "an exponent of a million digits": lambda: b'{"leg_hops": [{"event": "slip", "time_s": 1e' + b"9" * 1_000_000,
+    "a name that acts on a terminal": lambda: b'{"\\u001b]0;x\\u0007": []}',
+    "an event that acts on a terminal": lambda: b'{"leg_hops": [{"event": "\\u001b]0;x\\u0007"}]}',
+    "a million events": lambda: b'{"leg_hops": [' + b",".join([b'{"event": "slip"}'] * 1_000_000) + b"]}",
+    "a million numbers": lambda: b'{"a": [{"event": "slip", "position": [' + b",".join([b"0"] * 1_000_000) + b"]}]}",
+}
 GAIT: Mapping[str, Damage] = {
     "brackets": lambda content: b"[" * 1_000_000,
     "objects 100,000 deep": lambda content: b'{"a":' * 100_000,
@@ -273,6 +281,8 @@ def cases() -> Iterator[Hostile]:
             yield Hostile(("export", "a.npz", "--mcap"), _damaged("a.npz", damage), f"trajectory: {what}, logged")
     for what, damage in GAIT.items():
         yield Hostile(("bound", "--gait", "./a.json", "--cycles", "1"), _damaged("a.json", damage), f"gait: {what}")
+    for what, content in ANSWERS.items():
+        yield Hostile(("references", "a.json"), put("a.json", content), f"answers: {what}")
     for what, damage in CSV.items():
         yield Hostile(("identify", "a.csv"), _damaged("a.csv", damage), f"log: {what}")
     for what, content in MAT.items():
@@ -280,6 +290,7 @@ def cases() -> Iterator[Hostile]:
     for words, name, first in (
         (("export", "a.npz", "--csv"), "a.npz", b"PK\x03\x04"),
         (("bound", "--gait", "./a.json"), "a.json", b"{}"),
+        (("references", "a.json"), "a.json", b"{}"),
         (("identify", "a.csv"), "a.csv", b"time_s,knee_rad\n"),
         (("identify", "a.mat"), "a.mat", _mat(10)),
     ):

@@ -4,6 +4,15 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
+        "references/check",
+        ["references/test_check"],
+        {
+            "answers have twice the bounds": ("if each.off > each.bound]", "if each.off > 2.1 * each.bound]"),
+            "NaN is right": ('else float("inf")', "else 0.0"),
+            "events that are left out are right": ("if not wrong and not others:", "if not wrong:"),
+        },
+    ),
+    *mistakes_in(
         "printable",
         ["test_printable"],
         {

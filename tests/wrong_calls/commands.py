@@ -57,6 +57,7 @@ RISING = ("", "x", "0", "-1", "nan", "inf", ",", "2,1", "1,1")  # of numbers bet
 OPTIONS = {
     "robots": {},
     "doctor": {},
+    "references": {"--out": FOLDER},
     "dynamics spear_ii": {
         "--q": ("1", *NUMBER),
         "--v": ("1", *NUMBER),
