@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.signal import find_peaks, savgol_filter
@@ -23,6 +24,7 @@ NEAR = 0.02  # s, within which a touchdown is where free fall has it, and before
 SHORTEST = 0.03  # s of a phase
 GRAVITY = 9.81  # m/s²
 GAP = 0.012  # s without a sample, which a phase may have
+SPLIT, FEWEST = 0.1, 20  # s without a sample, from which on a log is cut, and samples of a part
 
 
 @dataclass(frozen=True)
@@ -68,21 +70,59 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
     joints = measured(robot, log)
     positions = np.column_stack([log[name] for name in joints.joints])
     good = np.isfinite(positions).all(axis=1)
-    heights = joints.heights(positions[good])
-    t, rate = smooth_rate(log.t[good], heights)
-    height, bend = np.interp(t, log.t[good], heights), np.gradient(rate, t)
-    events = list[tuple[float, str]]()
-    landed = _first(t, rate, bend)
+    t, heights = log.t[good], joints.heights(positions[good])
+    cuts = np.flatnonzero(np.diff(t) > SPLIT) + 1
+    parts = [
+        _Part(*part) for part in zip(np.split(t, cuts), np.split(heights, cuts), strict=True) if len(part[0]) > FEWEST
+    ]
+    fastest, slowest = (float(max((way * part.rate).max() for part in parts)) for way in (1.0, -1.0))
+    found = [phase for part in parts for phase in _phases(part, _events(part, STRONG * fastest, STRONG * slowest))]
+    if not any(phase.whole or phase.name == FLIGHT for phase in found):
+        raise BadFile(log.source, "it has no hop: the leg neither touches down nor lifts off")
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """A part of a log without long gaps: its times, (n,), and the height of the centre of mass above the toe."""
+
+    t: Array
+    heights: Array
+
+    @cached_property
+    def _smooth(self) -> tuple[Array, Array]:
+        return smooth_rate(self.t, self.heights)
+
+    @property
+    def even(self) -> Array:
+        """Even times, (m,)."""
+        return self._smooth[0]
+
+    @property
+    def rate(self) -> Array:
+        """Rate of the height at them, (m,)."""
+        return self._smooth[1]
+
+    @cached_property
+    def bend(self) -> Array:
+        """Rate of that, (m,)."""
+        return np.asarray(np.gradient(self.rate, self.even))
+
+
+def _events(part: _Part, push: float, strike: float) -> list[tuple[float, str]]:
+    """Returns when which phase begins, from pushes and strikes that are at least so fast."""
+    t, rate, bend = part.even, part.rate, part.bend
+    height, events = np.interp(t, part.t, part.heights), list[tuple[float, str]]()
+    pushes = _peaks(rate, push)
+    landed = _first(part, pushes, strike)
     if landed is not None:
         events.append((float(t[landed]), STANCE))
     begin = 0 if landed is None else landed
-    for push in _strong(rate):
-        if push < begin:
+    for place in pushes:
+        falls = np.flatnonzero(bend[place:] < -GRAVITY)
+        if place < begin or not falls.size:
             continue
-        falls = np.flatnonzero(bend[push:] < -GRAVITY)
-        if not falls.size:
-            break
-        leaves = push + int(falls[0])
+        leaves = place + int(falls[0])
         events.append((float(t[leaves]), FLIGHT))
         since = t[leaves:] - t[leaves]
         toe = height[leaves] + rate[leaves] * since - 0.5 * GRAVITY * since**2 - height[leaves:]
@@ -90,20 +130,21 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
         if not below.size:
             break
         begin = _sharpest(t, bend, leaves + int(below[0]))
-        if not _falls(t, rate, begin, rate[push]):
+        if not _falls(t, rate, begin, rate[place]):
             break
         events.append((float(t[begin]), STANCE))
-    return tuple(_phases(log, events))
+    return events
 
 
-def _first(t: Array, rate: Array, bend: Array) -> int | None:
-    """Returns the place of a touchdown before the first push, None where the log begins on the ground."""
-    pushes, strikes = _strong(rate), _strong(-rate)
-    early = [int(i) for i in strikes if not pushes.size or i < pushes[0]]
+def _first(part: _Part, pushes: Array, strike: float) -> int | None:
+    """Returns the place of a touchdown before the first push, None where the part begins on the ground."""
+    t, rate = part.even, part.rate
+    early = [int(i) for i in _peaks(-rate, strike) if not len(pushes) or i < pushes[0]]
     if not early:
         return None
-    place = _sharpest(t, bend, early[-1], after=0.0)
-    return place if t[place] - t[0] > SHORTEST and _falls(t, rate, place, rate[pushes].max(initial=0.0)) else None
+    place = _sharpest(t, part.bend, early[-1], after=0.0)
+    sudden = _falls(t, rate, place, rate[pushes].max(initial=0.0))
+    return place if t[place] - t[0] > SHORTEST and sudden else None
 
 
 def _falls(t: Array, rate: Array, place: int, push: float) -> bool:
@@ -128,24 +169,23 @@ def smooth_rate(t: Array, values: Array) -> tuple[Array, Array]:
     return times, savgol_filter(np.interp(times, t, values), width, 2, deriv=1, delta=step)
 
 
-def _strong(rate: Array) -> Array:
-    """Returns the places of peaks that are not much lower than the highest."""
-    highest = float(rate.max())
-    padded = np.concatenate([[rate.min()], rate, [rate.min()]])  # a peak may be at an end
-    peaks, _ = find_peaks(padded, height=max(STRONG * highest, SLOWEST), prominence=0.5 * STRONG * highest)
+def _peaks(rate: Array, least: float) -> Array:
+    """Returns the places of peaks that are at least so high; one may be at an end."""
+    padded = np.concatenate([[rate.min()], rate, [rate.min()]])
+    peaks, _ = find_peaks(padded, height=max(least, SLOWEST), prominence=0.5 * least)
     return np.asarray(peaks - 1)
 
 
-def _phases(log: Log, events: Sequence[tuple[float, str]]) -> list[LogPhase]:
-    """Returns the phases between events; those at the ends of the log are not whole."""
+def _phases(part: _Part, events: Sequence[tuple[float, str]]) -> list[LogPhase]:
+    """Returns the phases between events; those at its ends are not whole."""
     if not events:
-        raise BadFile(log.source, "it has no hop: the leg neither touches down nor lifts off")
-    first, last = float(log.t[0]), float(log.t[-1])
+        return []
+    first, last = float(part.t[0]), float(part.t[-1])
     begins = [(first, STANCE if events[0][1] == FLIGHT else FLIGHT), *events]
     ends = [*(time for time, _ in events), last]
     found = []
     for (begin, name), end in zip(begins, ends, strict=True):
-        inside = log.t[(log.t >= begin) & (log.t <= end)]
+        inside = part.t[(part.t >= begin) & (part.t <= end)]
         why = ""
         if end - begin < SHORTEST or len(inside) < 5:
             why = f"it lasts {1e3 * (end - begin):.0f} ms only"
