@@ -35,6 +35,9 @@ def main() -> None:
         print(f"{command}  ({', '.join(page.name for page in pages)})", flush=True)
         if not asked.list:
             tables = made_by(command)
+            if tables is None:
+                print("it prints no table, for want of what it needs: the pages stay as they are")
+                continue
             for page in pages:
                 text = page.read_text(encoding="utf-8")
                 page.write_text(put(text, command, tables, stamp()), encoding="utf-8")
@@ -50,8 +53,8 @@ def commands() -> dict[str, list[Path]]:
     return found
 
 
-def made_by(command: str) -> Iterator[str]:
-    """Tables that a command prints.
+def made_by(command: str) -> Iterator[str] | None:
+    """Tables that a command prints; None if it prints none.
 
     Raises:
         SystemExit: it fails.
@@ -61,7 +64,8 @@ def made_by(command: str) -> Iterator[str]:
     print(done.stdout)
     if done.returncode:
         raise SystemExit(f"{command} ends with {done.returncode}")
-    return iter(TABLE.findall(done.stdout))
+    found = TABLE.findall(done.stdout)
+    return iter(found) if found else None
 
 
 def put(text: str, command: str, tables: Iterator[str], made: str) -> str:
