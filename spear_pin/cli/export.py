@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import ROBOT as ROBOT_HELP
-from spear_pin.cli.arguments import Commands, add_command, add_loading, add_open, add_out, check_out, loading
+from spear_pin.cli.arguments import Commands, add_command, add_loading, add_open, add_out, check_out, folder, loading
 from spear_pin.cli.gaits import BOUND
 from spear_pin.cli.legs import add_cut, cut_out
 from spear_pin.cli.output import aligned
@@ -42,7 +42,7 @@ NEEDS = {
 def add(commands: Commands) -> None:
     """Declare the command and its arguments."""
     example = ("spear export hop.npz --mp4 --speed 0.25", "write a film of a saved motion in slow motion")
-    summary = "write a motion as a film or CSV table, or a robot for MuJoCo"
+    summary = "write a motion as film or table, a robot as MJCF, or a law in C"
     parser = add_command(commands, "export", run, summary, example)
     parser.add_argument(
         "what", metavar="WHAT", help="a robot by name or path, or a saved gait (.json) or motion (.npz)"
@@ -54,6 +54,8 @@ def add(commands: Commands) -> None:
     robot.add_argument("--srdf", action="store_true", help="write legs, postures and rotors, to go with the URDF")
     add_loading(robot)
     add_cut(parser)
+    gait = parser.add_argument_group("gait")
+    gait.add_argument("--c", type=folder, metavar="DIR", help="write the law as a C99 controller into this folder")
     motion = parser.add_argument_group("motion")
     motion.add_argument("--csv", action="store_true", help="write its samples as a table")
     motion.add_argument("--mat", action="store_true", help="write samples, events and energies for MATLAB")
@@ -74,6 +76,8 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Write the files."""
     check_out(arguments)
+    if arguments.c is not None:
+        return _controller(arguments)
     moves = Path(arguments.what).suffix == ".npz"
     fitting, other = (TRAJECTORY, ROBOT) if moves else (ROBOT, TRAJECTORY)
     asked = [name for name in (*ROBOT, *TRAJECTORY) if getattr(arguments, name)]
@@ -85,10 +89,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise SpearError(f"{arguments.what} is a {kind}; choose what to write: {valid}")
     if misfit:
         raise BadValue("format", ", ".join(f"--{name}" for name in asked), f"a format for a {kind}: {valid}")
-    for option, formats in NEEDS.items():
-        if getattr(arguments, option) not in (None, False) and not set(asked) & set(formats):
-            valid = " or ".join(f"--{name}" for name in formats)
-            raise BadValue(f"--{option}", getattr(arguments, option), f"only with {valid}")
+    _check_options(arguments, asked)
     name = Path(arguments.what).stem if {"/", "\\", "."} & set(arguments.what) else arguments.what
     part = f"_{arguments.leg}" if arguments.leg else "_plane" if arguments.plane else ""
     paths = {form: arguments.out / f"{name}{part}.{fitting[form]}" for form in asked}
@@ -96,6 +97,31 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     files = [str(path) for path in paths.values()]
     rows = [*result.pop("rows"), ("files", ", ".join(files))]
     return result | {"files": files, "opened": paths.get("mp4", paths.get("png")), "text": aligned(rows)}
+
+
+def _check_options(arguments: argparse.Namespace, asked: Sequence[str]) -> None:
+    """Refuse an option that goes with other formats than those asked for."""
+    for option, formats in NEEDS.items():
+        if getattr(arguments, option) not in (None, False) and not set(asked) & set(formats):
+            valid = " or ".join(f"--{name}" for name in formats)
+            raise BadValue(f"--{option}", getattr(arguments, option), f"only with {valid}")
+
+
+def _controller(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Write the law of a saved gait."""
+    from spear_pin.gaits.gait import Gait
+    from spear_pin.viz.controller.writing import write_controller
+
+    if Path(arguments.what).suffix != GAIT:
+        raise BadValue("--c", str(arguments.c), f"only with a saved gait ({GAIT}), not with {arguments.what}")
+    if others := [f"--{name}" for name in (*ROBOT, *TRAJECTORY) if getattr(arguments, name)]:
+        raise BadValue("format", ", ".join(others), "--c alone: other formats are of robots and trajectories")
+    _check_options(arguments, [])
+    gait = Gait.load(arguments.what)
+    files = [str(path) for path in write_controller(gait, arguments.c)]
+    rows = [("gait", f"{gait.system.kind} of {gait.system.robot.name}"), ("files", ", ".join(files))]
+    test = f"cd {arguments.c} && gcc -O2 controller.c test.c -o test -lm && ./test"
+    return {"robot": gait.system.robot.name, "files": files, "text": aligned([*rows, ("try it", test)])}
 
 
 def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:

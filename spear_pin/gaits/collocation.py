@@ -20,8 +20,11 @@ Progress = Callable[[int, float, float], object]
 Guess = Callable[[str], Array | None]
 
 
-def casadi() -> Any:
+def casadi(purpose: str = "gait search") -> Any:
     """Returns the CasADi module.
+
+    Args:
+        purpose: what needs it, in words.
 
     Raises:
         MissingExtra: CasADi is not installed.
@@ -29,7 +32,7 @@ def casadi() -> Any:
     try:
         import casadi as module
     except ImportError:
-        raise MissingExtra("casadi", "optimize", "gait search") from None
+        raise MissingExtra("casadi", "optimize", purpose) from None
     return module
 
 

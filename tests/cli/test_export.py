@@ -88,6 +88,24 @@ class TestRobots:
         assert [each.name for each in tmp_path.iterdir()] == ["mine.json"]
 
 
+class TestControllers:
+    @pytest.mark.extra("casadi")
+    def test_files(self, capsys, tmp_path):
+        path = Gait.load("long_stride").save(tmp_path / "bound.json")
+        result = printed(capsys, "export", path, "--c", tmp_path / "c")
+        names = ["controller.h", "controller.c", "test.c", "README.md"]
+        assert result["files"] == [str(tmp_path / "c" / name) for name in names]
+        assert sorted(path.name for path in (tmp_path / "c").iterdir()) == sorted(names)
+
+    def test_parts_that_do_not_fit(self, capsys, tmp_path):
+        path = Gait.load("long_stride").save(tmp_path / "bound.json")
+        assert "--mjcf" in refused(capsys, "export", path, "--c", tmp_path / "c", "--mjcf")
+        assert "--leg is 'x'" in refused(capsys, "export", path, "--c", tmp_path / "c", "--leg", "x")
+        trot = Gait.load("trot").save(tmp_path / "trot.json")
+        assert "gait is 'trotting'" in refused(capsys, "export", trot, "--c", tmp_path / "c")
+        assert not (tmp_path / "c").exists()
+
+
 class TestTrajectories:
     def test_tables(self, capsys, tmp_path, bound):
         stride, path = bound
@@ -143,6 +161,8 @@ class TestMistakes:
             (["spear_ii", "--mjcf", "--lock", "ankle"], ["unknown joint 'ankle'"]),
             (["spear_ii", "--mjcf", "--time", "1"], ["--time is 1.0", "--png"]),
             (["spear_ii", "--mjcf", "--out", "nowhere"], ["--out", "nowhere"]),
+            (["spear_ii", "--c", "new"], ["--c is 'new'", "a saved gait (.json), not with spear_ii"]),
+            (["missing.json", "--c", "new"], ["missing.json"]),
             (["missing.urdf", "--mjcf"], ["missing.urdf"]),
             (["missing.npz", "--csv"], ["missing.npz"]),
         ],

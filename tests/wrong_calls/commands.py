@@ -403,6 +403,8 @@ LINES = (
     "export spear_ii",
     "export spear_ii --png",
     "export hop.npz --mjcf",
+    "export hop.npz --c new",
+    "export a_file --c new",
     "export hop.npz",
     "export hop.npz --mat --size 10x10",
 )
