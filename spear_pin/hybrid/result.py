@@ -134,6 +134,8 @@ class Options:
         max_evaluations: most evaluations of right-hand sides.
         keep: whether to keep the motion, as dense output, for sampling.
         max_step: longest step of the integrator, in s; None leaves it to the integrator, which takes 0.05 s at most.
+        sample_time: time from sample to sample of the law, in s, see `hybrid.sampled`; None for a continuous law.
+        latency: time from a sample until its torques act, in s.
     """
 
     rtol: float = 1e-9
@@ -141,6 +143,8 @@ class Options:
     max_evaluations: int = 2_000_000
     keep: bool = False
     max_step: float | None = None
+    sample_time: float | None = None
+    latency: float = 0.0
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -152,3 +156,7 @@ class Options:
             raise BadValue("atol", self.atol, "a number above 0 and at most 1e-2")
         if self.max_step is not None and not SHORTEST_STEP <= self.max_step <= 0.5:
             raise BadValue("max_step", self.max_step, f"a number from {SHORTEST_STEP:g} to 0.5, in s")
+        if self.sample_time is not None and not 1e-5 <= self.sample_time <= 1.0:
+            raise BadValue("sample_time", self.sample_time, "None, or a number from 1e-5 to 1, in s")
+        if not 0.0 <= self.latency <= (0.0 if self.sample_time is None else 1.0):
+            raise BadValue("latency", self.latency, "from 0 to 1, in s, and 0 without a sample_time")

@@ -29,6 +29,7 @@ from spear_pin.hybrid.rules import cycles as rules
 from spear_pin.hybrid.rules.entry import GLIMPSES, NONE, ahead
 from spear_pin.hybrid.rules.jumping import jumped
 from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.sampled import Loop
 from spear_pin.hybrid.stored import in_inductances, in_mechanism, in_springs
 from spear_pin.hybrid.strikes import Overlap, struck
 from spear_pin.hybrid.trajectory import Event
@@ -80,6 +81,8 @@ class _Runner:
     ) -> None:
         if not cycles >= 1 or cycles % 1:
             raise BadValue("cycles", cycles, "a whole number, at least 1")
+        self.loop = None if options.sample_time is None else Loop(system, options.sample_time, options.latency)
+        system = system if self.loop is None else self.loop.system
         self.robot = system.robot
         self.system, self.options, self.wanted, self.on_cycle = system, options, cycles, on_cycle
         self.nw = len(flow_names(system))
@@ -100,6 +103,7 @@ class _Runner:
         self.instant: list[Reset] = []  # resets into other phases in the present instant
         self.tried: list[Domain] = []  # motions of toes at rest that began in this instant
         self.on_section = bool(system.section) and phase in system.section_phases and begun == 0.0
+        held = held if self.loop is None else self.loop.begin(phase, held, self.t, self.y)
         self.flow = choose(system, phase, held, self.t, self.y)
         self.run = Run((q, v), (q, v), held, self.flow.domain)
         self.energy, self.inductive = self._energy(), in_inductances(self.system, self.y)
@@ -119,6 +123,11 @@ class _Runner:
     # one domain, from its entry to the event that ends it
 
     def _segment(self, segment: Segment) -> None:
+        if self.loop is not None and self.loop.is_due(self._now()):
+            held = self.loop.passed(self._now(), self.flow.domain, self.flow.held, self.t, self.y)
+            if held is not self.flow.held:
+                self._choose(Reset(), self.flow.domain.phase, held)
+            return
         watch = Watch(self.flow, self.t, self.y)
         if watch.at_once != NONE:
             y = self.y
@@ -127,7 +136,9 @@ class _Runner:
             self._leave(segment.ended)
             return
         until = min(
-            rules.due(self.flow.domain, self.switches, self.system.law, self.flow.held), self.system.phase_limit
+            rules.due(self.flow.domain, self.switches, self.system.law, self.flow.held),
+            self.system.phase_limit,
+            math.inf if self.loop is None else self.loop.next - self.began,
         )
         if until <= self.t:
             self._overdue()
@@ -171,7 +182,8 @@ class _Runner:
         """Returns the scheduled event that is due now."""
         switch = self.flow.domain.switch
         if switch is None or self.t < rules.due(self.flow.domain, self.switches, self.system.law, self.flow.held):
-            self._overdue()
+            if self.loop is None or not self.loop.is_due(self._now()):
+                self._overdue()
             return None
         self.switches += 1
         return Guard(switch.name, _never, switch.reset)

@@ -30,6 +30,8 @@ def simulate(
     max_step: float | None = None,
     samples: int = SAMPLES,
     progress: bool = True,
+    sample_time: float | None = None,
+    latency: float = 0.0,
 ) -> Trajectory:
     """Simulates whole cycles from a state on the section, or in the air before the first touchdown.
 
@@ -45,6 +47,9 @@ def simulate(
         max_step: longest step of the integrator, in s, for laws that act for a shorter time than its steps; None leaves
             it to the integrator, which takes 0.05 s at most.
         samples: least number of samples of each phase, evenly spaced in time. They take most of a long run's memory.
+        sample_time: time from sample to sample of a law that a computer runs, in s; between samples torques stay as
+            they are. The law reads what events latch at its next sample. None for a continuous law.
+        latency: time from a sample until its torques act, in s.
         progress: whether to show a progress bar on long runs, if stderr is a terminal.
 
     Raises:
@@ -60,7 +65,9 @@ def simulate(
     from tqdm import tqdm
 
     sampler = Sampler(system, int(samples))
-    options = Options(rtol, atol, max_evaluations, keep=True, max_step=max_step)
+    options = Options(
+        rtol, atol, max_evaluations, keep=True, max_step=max_step, sample_time=sample_time, latency=latency
+    )
     with tqdm(total=cycles, unit="cycle", delay=1.0, disable=None if progress else True, leave=False) as bar:
         result = run(system, state, cycles, options, lambda n: bar.update(1), sampler.add)
     return _trajectory(system, result, sampler)

@@ -57,6 +57,9 @@ class Compiled:
         event = self.call("step", ctypes.c_double(t), array(q), array(v), self._u)
         return event, list(self._u)
 
+    def begin(self, t, q, v):
+        self.call("init", 1, ctypes.c_double(t), array(q), array(v))
+
     def closed(self):
         """The system whose torques, and what its events latch for them, the controller computes."""
         domains = []
@@ -81,7 +84,7 @@ class Compiled:
         def latch(q, v, held, p):
             found = {} if reset.latch is None else dict(reset.latch(q, v, held, p))
             if "c" not in held:  # a run begins
-                self.call("init", 1, ctypes.c_double(0.0), array(q), array(v))
+                self.begin(0.0, q, v)
             else:
                 self.own.phase, self.own.held[:] = phase, held["c"]
                 event = self.events.index(f"SPEAR_{name.upper()}")
