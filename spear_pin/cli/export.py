@@ -36,6 +36,7 @@ NEEDS = {
     "open": ("png", "mp4"),
     "fps": ("mp4",),
     "speed": ("mp4",),
+    "rows": ("table",),
 }
 
 
@@ -56,6 +57,10 @@ def add(commands: Commands) -> None:
     add_cut(parser)
     gait = parser.add_argument_group("gait")
     gait.add_argument("--c", type=folder, metavar="DIR", help="write the law as a C99 controller into this folder")
+    gait.add_argument(
+        "--table", type=Path, metavar="FILE", help="write a cycle for tracking: a table as .csv, .npz or .mcap"
+    )
+    gait.add_argument("--rows", type=float, metavar="HZ", help="rows of the table in a second (default: 1000)")
     motion = parser.add_argument_group("motion")
     motion.add_argument("--csv", action="store_true", help="write its samples as a table")
     motion.add_argument("--mat", action="store_true", help="write samples, events and energies for MATLAB")
@@ -76,8 +81,8 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Write the files."""
     check_out(arguments)
-    if arguments.c is not None:
-        return _controller(arguments)
+    if arguments.c is not None or arguments.table is not None:
+        return _gait(arguments)
     moves = Path(arguments.what).suffix == ".npz"
     fitting, other = (TRAJECTORY, ROBOT) if moves else (ROBOT, TRAJECTORY)
     asked = [name for name in (*ROBOT, *TRAJECTORY) if getattr(arguments, name)]
@@ -107,21 +112,29 @@ def _check_options(arguments: argparse.Namespace, asked: Sequence[str]) -> None:
             raise BadValue(f"--{option}", getattr(arguments, option), f"only with {valid}")
 
 
-def _controller(arguments: argparse.Namespace) -> dict[str, Any]:
-    """Write the law of a saved gait."""
+def _gait(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Write the law of a saved gait, or what it asks of the motors."""
     from spear_pin.gaits.gait import Gait
+    from spear_pin.viz.controller.tracking import RATE, write_table
     from spear_pin.viz.controller.writing import write_controller
 
+    asked = {name: value for name in ("c", "table") if (value := getattr(arguments, name)) is not None}
     if Path(arguments.what).suffix != GAIT:
-        raise BadValue("--c", str(arguments.c), f"only with a saved gait ({GAIT}), not with {arguments.what}")
+        option, value = next(iter(asked.items()))
+        raise BadValue(f"--{option}", str(value), f"only with a saved gait ({GAIT}), not with {arguments.what}")
     if others := [f"--{name}" for name in (*ROBOT, *TRAJECTORY) if getattr(arguments, name)]:
-        raise BadValue("format", ", ".join(others), "--c alone: other formats are of robots and trajectories")
-    _check_options(arguments, [])
-    gait = Gait.load(arguments.what)
-    files = [str(path) for path in write_controller(gait, arguments.c)]
-    rows = [("gait", f"{gait.system.kind} of {gait.system.robot.name}"), ("files", ", ".join(files))]
-    test = f"cd {arguments.c} && gcc -O2 controller.c test.c -o test -lm && ./test"
-    return {"robot": gait.system.robot.name, "files": files, "text": aligned([*rows, ("try it", test)])}
+        raise BadValue("format", ", ".join(others), "--c and --table alone: other formats are of robots and motions")
+    _check_options(arguments, list(asked))
+    gait, files = Gait.load(arguments.what), list[str]()
+    rows = [("gait", f"{gait.system.kind} of {gait.system.robot.name}")]
+    if arguments.table is not None:
+        rate = RATE if arguments.rows is None else arguments.rows
+        files.append(str(write_table(gait, arguments.table, rate)))
+    if arguments.c is not None:
+        files += map(str, write_controller(gait, arguments.c))
+        rows.append(("try it", f"cd {arguments.c} && gcc -O2 controller.c test.c -o test -lm && ./test"))
+    text = aligned([*rows, ("files", ", ".join(files))])
+    return {"robot": gait.system.robot.name, "files": files, "text": text}
 
 
 def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:

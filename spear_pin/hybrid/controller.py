@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
+from spear_pin.hybrid.arc import states_over
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Domain, Held, Reset
+from spear_pin.hybrid.dual import NUMBERS, Dual, derivative_of, value_of
 from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.filippov import flow_of
-from spear_pin.hybrid.result import Options, State
+from spear_pin.hybrid.flow_names import flow_names
+from spear_pin.hybrid.result import Options, Segment, State
 from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.run import run
@@ -56,6 +60,28 @@ class Row(NamedTuple):
     q: Array
     v: Array
     u: Array
+
+
+class Command(NamedTuple):
+    """What a gait asks of the motors at an instant.
+
+    Attributes:
+        t: time since the cycle began, in s.
+        q: positions of the joints with motors, (nu,).
+        v: their rates, (nu,).
+        u: torques, in N·m, (nu,).
+        contacts: whether each toe is on the ground.
+        stiffness: -∂u/∂q of the law, in N·m/rad, (nu, nu).
+        damping: -∂u/∂v of the law, in N·m·s/rad, (nu, nu).
+    """
+
+    t: float
+    q: Array
+    v: Array
+    u: Array
+    contacts: tuple[bool, ...]
+    stiffness: Array
+    damping: Array
 
 
 def happenings(domain: Domain) -> tuple[Happening, ...]:
@@ -140,19 +166,50 @@ def recorded(system: HybridSystem, state: State, samples: int = ALONG) -> list[R
     Raises:
         BadValue: the cycle is not whole.
     """
-    found = run(system, state, 1, Options(keep=True))
-    if found.reason != "complete":
-        raise BadValue("gait", found.message, "a gait whose cycle is whole")
-    nq, nv, rows, event = system.robot.nq, system.robot.nv, list[Row](), ""
-    for segment in found.segments:
-        flow = flow_of(system, segment.domain, segment.held)
-        begin, end = segment.pieces[0].begin, segment.pieces[-1].end
-        for t in np.linspace(begin, end, samples if end > begin else 1):
-            piece = next(piece for piece in segment.pieces if t <= piece.end)
-            y = np.array(piece.state(np.array([t])))[:, 0]
-            flow(t, y)
-            rows.append(Row(event, segment.began + t, y[:nq], y[nq : nq + nv], np.array(flow.u)))
+    nv, rows, event = system.robot.nv, list[Row](), ""
+    for segment in _cycle(system, state):
+        flow, (begin, end) = flow_of(system, segment.domain, segment.held), _ends(segment)
+        times = np.linspace(begin, end, samples if end > begin else 1)
+        for t, x in zip(times, states_over(segment.pieces, 2 * nv)(times).T, strict=True):
+            flow(t, np.concatenate([x, np.zeros(len(flow_names(system)))]))
+            rows.append(Row(event, segment.began + t, x[:nv], x[nv:], np.array(flow.u)))
             event = ""
         ended = None if segment.ended is None else segment.ended.reset
         event = next((each.name for each in happenings(segment.domain) if each.reset is ended), event)
     return rows
+
+
+def commands(system: HybridSystem, state: State, rate: float) -> list[Command]:
+    """Returns what one cycle asks of the motors, at a rate in Hz from the beginning of the cycle.
+
+    Raises:
+        BadValue: the cycle is not whole.
+    """
+    robot = system.robot
+    nv, found, times, unit = robot.nv, list[Command](), count(), np.eye(2 * robot.nv)
+    motors, time = [robot.index(joint) for joint in robot.actuated], next(times) / rate
+    for segment in _cycle(system, state):
+        states, end = states_over(segment.pieces, 2 * nv), segment.began + _ends(segment)[1]
+        while time < end:
+            (x,) = states(np.array([time - segment.began])).T
+            duals = [Dual(value, slope) for value, slope in zip(x.tolist(), unit, strict=True)]
+            own = time - segment.began, duals[:nv], duals[nv:], segment.held
+            u = motion(system, segment.domain.phase, *own, NUMBERS).u
+            slopes = np.array([np.zeros(2 * nv) + derivative_of(torque) for torque in u])
+            contacts = tuple(i in segment.domain.on_ground for i in range(len(robot.toes)))
+            gains = 0.0 - slopes[:, motors], 0.0 - slopes[:, [nv + i for i in motors]]
+            torques = np.array([value_of(torque) for torque in u])
+            found.append(Command(time, x[motors], x[nv:][motors], torques, contacts, *gains))
+            time = next(times) / rate
+    return found
+
+
+def _cycle(system: HybridSystem, state: State) -> list[Segment]:
+    found = run(system, state, 1, Options(keep=True))
+    if found.reason != "complete":
+        raise BadValue("gait", found.message, "a gait whose cycle is whole")
+    return found.segments
+
+
+def _ends(segment: Segment) -> tuple[float, float]:
+    return segment.pieces[0].begin, segment.pieces[-1].end

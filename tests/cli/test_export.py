@@ -101,9 +101,17 @@ class TestControllers:
         path = Gait.load("long_stride").save(tmp_path / "bound.json")
         assert "--mjcf" in refused(capsys, "export", path, "--c", tmp_path / "c", "--mjcf")
         assert "--leg is 'x'" in refused(capsys, "export", path, "--c", tmp_path / "c", "--leg", "x")
+        assert "--rows is 100.0" in refused(capsys, "export", path, "--c", tmp_path / "c", "--rows", "100")
+        assert ".csv, .npz, .mcap" in refused(capsys, "export", path, "--table", tmp_path / "a.txt")
+        assert "rate is 0.0" in refused(capsys, "export", path, "--table", tmp_path / "a.csv", "--rows", "0")
         trot = Gait.load("trot").save(tmp_path / "trot.json")
         assert "gait is 'trotting'" in refused(capsys, "export", trot, "--c", tmp_path / "c")
         assert not (tmp_path / "c").exists()
+
+    def test_a_table(self, capsys, tmp_path):
+        path, table = Gait.load("long_stride").save(tmp_path / "bound.json"), tmp_path / "bound.csv"
+        result = printed(capsys, "export", path, "--table", table, "--rows", "20")
+        assert result["files"] == [str(table)] and len(table.read_text().splitlines()) == 9
 
 
 class TestTrajectories:
@@ -162,6 +170,8 @@ class TestMistakes:
             (["spear_ii", "--mjcf", "--time", "1"], ["--time is 1.0", "--png"]),
             (["spear_ii", "--mjcf", "--out", "nowhere"], ["--out", "nowhere"]),
             (["spear_ii", "--c", "new"], ["--c is 'new'", "a saved gait (.json), not with spear_ii"]),
+            (["spear_ii", "--table", "new.csv"], ["--table is 'new.csv'", "a saved gait (.json)"]),
+            (["spear_ii", "--mjcf", "--rows", "10"], ["--rows is 10.0", "--table"]),
             (["missing.json", "--c", "new"], ["missing.json"]),
             (["missing.urdf", "--mjcf"], ["missing.urdf"]),
             (["missing.npz", "--csv"], ["missing.npz"]),

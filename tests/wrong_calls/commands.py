@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from spear_pin import Gait
 from tests.wrong_calls.case import Command
 from tests.wrong_calls.files import record, trajectory
 
@@ -48,6 +49,8 @@ def prepared(words):
             record(folder / "lab.csv")
         if "hop.npz" in words:
             trajectory(folder / "hop.npz")
+        if "bound.json" in words:
+            Gait.load("long_stride").save(folder / "bound.json")
 
     return prepare
 
@@ -289,6 +292,7 @@ OPTIONS = {
         "--fps": ("30",),
         "--robot": ("q_spear",),
     },
+    "export bound.json --table a.csv": {"--rows": POSITIVE, "--table": ("", "a.txt", "no/where.csv"), "--fps": ("30",)},
     "export hop.npz --png": {
         "--time": NUMBER,
         "--size": ("", "x", "10", "0x0", "10x", "-1x5", "1e3x1e3", "99999x99999"),
