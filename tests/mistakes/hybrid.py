@@ -4,6 +4,27 @@ from tests.mistakes.mutation import mistakes_in
 
 MUTATIONS = [
     *mistakes_in(
+        "hybrid/sampled",
+        ["hybrid/test_sampled"],
+        {
+            "torques act before their latency": (
+                "self._sample_time + self._latency, tuple",
+                "self._sample_time, tuple",
+            ),
+            "a sample reads the torques that act": ("self._domains.get(domain.key) or", "domain or"),
+            "a sample is left out": ("            self._taken += 1\n", "            self._taken += 2\n"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/controller",
+        ["viz/controller/test_tracking", "viz/controller/test_controller"],
+        {
+            "gains push away": ("gains = 0.0 - slopes[:, motors]", "gains = 0.0 + slopes[:, motors]"),
+            "damping is that of the coordinates before": ("nv + i for i in motors", "nv + i - 1 for i in motors"),
+            "toes bear in the air": ("i in segment.domain.on_ground", "i not in segment.domain.on_ground"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/engines/sliding",
         ["hybrid/test_equations_of_motion", "gaits/orbits/test_embedding"],
         {

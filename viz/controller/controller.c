@@ -118,8 +118,9 @@ static int estimate(spear_controller *c, double t, const double *q, const double
   if (c->switches < scheduled[c->phase] && t - c->began >= schedule[c->phase][c->switches])
     return scheduled_event[c->phase];
   for (i = 0; i < watched[c->phase]; ++i) {
-    if (values[i] > tolerance[c->phase][i] + c->threshold) c->armed[i] = 1;
-    else if (c->armed[i] && found == SPEAR_NOTHING) found = event_of[c->phase][i];
+    const double near = tolerance[c->phase][i] + c->threshold;
+    if (values[i] > near) c->armed[i] = 1;
+    else if (found == SPEAR_NOTHING && (c->armed[i] || values[i] < -near)) found = event_of[c->phase][i];
   }
   return found;
 }

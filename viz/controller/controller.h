@@ -48,8 +48,8 @@ typedef struct {
   double began;                 /* time at which the phase began, in s */
   int switches;                 /* scheduled events of the phase so far */
   double held[SPEAR_HELD];      /* values latched at events */
-  int armed[SPEAR_WATCHED];     /* whether a watched value has been above its threshold */
-  double threshold;             /* added to the thresholds of the event estimator, >= 0, for signals with noise */
+  int armed[SPEAR_WATCHED];     /* whether a watched value has been above zero */
+  double threshold;             /* how near to zero a watched value counts as zero, >= 0, for signals with noise */
 } spear_controller;
 
 /* Begins at time t, in the air before the section (standing = 0) or on it, just after touchdown (standing = 1). */
