@@ -11,6 +11,8 @@ from spear_pin import Gait, HoppingLaw, hopping, load, simulate
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.hybrid.parameters import with_hardware
+from spear_pin.hybrid.result import Moment
+from spear_pin.hybrid.sampled import COMMANDED
 from spear_pin.model.actuator import Actuator
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Gearbox
@@ -84,6 +86,14 @@ class TestOfFlight:
         assert motion.u[0].tolist() == pytest.approx(
             [54.77 * (0.5 - hip) - 1.37 * hip_rate, 63.25 * (1.0 - knee) - 0.52 * knee_rate]
         )
+
+    def test_a_moment_goes_on_with_its_torques(self, system):
+        q, v = in_the_air(system)
+        moment = Moment(q, v, "flight", {"speed": 0.0, COMMANDED: (1.0, -2.0)})
+        motion = simulate(system, moment, sample_time=SAMPLE, latency=0.003)
+        late, second = motion.t < 0.003, (motion.t > 0.0031) & (motion.t < 0.008)
+        assert (motion.u[late] == [1.0, -2.0]).all() and late.sum() > 1
+        assert (motion.u[second] == motion.u[second][0]).all() and motion.u[second][0, 0] != 1.0
 
 
 class TestOfHops:

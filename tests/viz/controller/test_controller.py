@@ -2,12 +2,13 @@
 
 import shutil
 import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
 
 from spear_pin import Clutch, Gait, HoppingLaw, Spring, hopping, load
-from spear_pin.errors import BadFile, BadValue
+from spear_pin.errors import BadFile, BadValue, MissingExtra
 from spear_pin.hybrid.event_feedback import EventFeedback, with_feedback
 from spear_pin.hybrid.periodic import residual
 from spear_pin.viz.controller.writing import FILES, write_controller
@@ -32,6 +33,12 @@ class TestFiles:
         assert "stance_torque = 7.826187875301223 [N.m]" in header and "SPEAR_STANCE,\n  SPEAR_FLIGHT\n" in header
         assert all(path.read_text().isascii() for path in files)
         assert "malloc" not in files[1].read_text()
+
+    def test_without_casadi(self, tmp_path, first_hop, monkeypatch):
+        monkeypatch.setitem(sys.modules, "casadi", None)
+        with pytest.raises(MissingExtra, match="a controller in C needs casadi"):
+            write_controller(first_hop, tmp_path / "none")
+        assert not (tmp_path / "none").exists()
 
     def test_refusals(self, tmp_path, first_hop):
         feedback = EventFeedback(("stance_torque",), (6 * (0.0,),), 6 * (0.0,), (1.0,))
