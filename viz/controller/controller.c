@@ -120,26 +120,28 @@ static int estimate(spear_controller *c, double t, const double *q, const double
   for (i = 0; i < watched[c->phase]; ++i) {
     const double near = tolerance[c->phase][i] + c->threshold;
     if (values[i] > near) c->armed[i] = 1;
-    else if (found == SPEAR_NOTHING && (c->armed[i] || values[i] < -near)) found = event_of[c->phase][i];
+    else if (found == SPEAR_NOTHING && values[i] <= (c->armed[i] ? near : -near)) found = event_of[c->phase][i];
   }
   return found;
 }
 
 int spear_step(spear_controller *c, double t, const double *q, const double *v, double *u)
 {
-  int i, count, event, last = SPEAR_NOTHING;
-  for (count = 0; count < MOST_AT_ONCE; ++count) {
+  int i, count, event, last = SPEAR_NOTHING, sound = fabs(t) < HUGE_VAL;
+  for (i = 0; i < SPEAR_COORDINATES; ++i) sound = sound && fabs(q[i]) < HUGE_VAL && fabs(v[i]) < HUGE_VAL;
+  for (count = 0; sound && count < MOST_AT_ONCE; ++count) {
     event = estimate(c, t, q, v, u);
     if (event == SPEAR_NOTHING) break;
     spear_event(c, event, t, q, v);
     last = event;
   }
-  for (i = 0; i < SPEAR_JOINTS; ++i) {
-    if (!(t - c->began <= SPEAR_LONGEST) || !(fabs(u[i]) < HUGE_VAL)) last = SPEAR_STOPPED;
+  sound = sound && t - c->began <= SPEAR_LONGEST;
+  for (i = 0; sound && i < SPEAR_JOINTS; ++i) {
+    sound = fabs(u[i]) < HUGE_VAL;
     u[i] = fmax(-limit[i], fmin(limit[i], u[i]));
   }
-  if (last == SPEAR_STOPPED)
-    for (i = 0; i < SPEAR_JOINTS; ++i) u[i] = 0.0;
-  return last;
+  if (sound) return last;
+  for (i = 0; i < SPEAR_JOINTS; ++i) u[i] = 0.0;
+  return SPEAR_STOPPED;
 }
 {% endautoescape %}

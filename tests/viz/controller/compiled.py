@@ -53,6 +53,9 @@ class Compiled:
         self.call("torques", ctypes.c_double(t), array(q), array(v), self._u)
         return list(self._u)
 
+    def tell(self, event, t, q, v):
+        return self.call("event", self.events.index(event), ctypes.c_double(t), array(q), array(v))
+
     def step(self, t, q, v):
         event = self.call("step", ctypes.c_double(t), array(q), array(v), self._u)
         return event, list(self._u)
@@ -87,8 +90,7 @@ class Compiled:
                 self.begin(0.0, q, v)
             else:
                 self.own.phase, self.own.held[:] = phase, held["c"]
-                event = self.events.index(f"SPEAR_{name.upper()}")
-                assert self.call("event", event, ctypes.c_double(0.0), array(q), array(v))
+                assert self.tell(f"SPEAR_{name.upper()}", 0.0, q, v)
             return found | {"c": tuple(self.own.held)}
 
         return replace(reset, latch=latch)

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from spear_pin import Clutch, Gait, HoppingLaw, Spring, hopping, load
@@ -77,3 +78,15 @@ class TestCompiled:
         gait = hop() if name == "hop" else Gait.load(name)
         assert residual(gait.system, gait.state) < 1e-9
         assert residual(Compiled(gait, tmp_path).closed(), gait.state) < 1e-9
+
+    def test_limits(self, tmp_path, first_hop):
+        controller, (q, v) = Compiled(first_hop, tmp_path), first_hop.state
+        controller.begin(0.0, q, v)
+        stance, flight = 0, 1
+        assert controller.step(0.001, q, [np.nan, *v[1:]]) == (-2, [0.0, 0.0]) and controller.own.phase == stance
+        assert controller.tell("SPEAR_TOUCHDOWN", 0.002, q, v) == 0 and controller.own.phase == stance
+        assert controller.tell("SPEAR_LIFT_OFF", 0.1, q, v) == 1 and controller.own.phase == flight
+        high = q + [0.1, 0.0, 0.0]
+        _, torques = controller.step(0.2, high, [0.0, 1e3, -1e3])
+        assert torques == [-60.0, 60.0]
+        assert controller.step(5.2, high, v) == (-2, [0.0, 0.0])
