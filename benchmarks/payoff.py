@@ -49,7 +49,7 @@ def beside(point: Point, hops: int) -> tuple[object, ...]:
     motors = Motors(**drives)
     robot = fitted(robot, motors)
     task = task_of(robot, motors, "electricity", Search(point, None, HOPS.meshes))
-    first = led_to(point, SWITCHED, next(first_hops(robot, (FLIGHT,))))
+    first = led_to(point, SWITCHED, next(first_hops(HOPS.system(robot), (FLIGHT,))))
     begun = process_time()
     best = best_hop(task, [first])
     unit, between = work(robot, FLIGHT), process_time()

@@ -66,7 +66,12 @@ def add(commands: Commands) -> None:
         "--stiffnesses",
         type=numbers,
         metavar="A,B,...",
-        help="stiffnesses of a leg's spring, in N·m/rad (default: five around the optimum)",
+        help="stiffnesses of a leg's spring, in N·m/rad, or N/m along a path (default: five around the optimum)",
+    )
+    parser.add_argument(
+        "--spring",
+        metavar="NAME",
+        help="spring of the TOML file, such as one along a path; for hops (default: the only one, or the knee's)",
     )
     parser.add_argument(
         "--over",
@@ -129,7 +134,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     drives = given_drives(arguments, robot)
     program = Program()
     given = {"speeds": speeds, "stiffnesses": arguments.stiffnesses, "drives": drives or None, "bus": arguments.bus}
-    given["over"] = once(arguments.over, "--over") or None
+    given |= {"over": once(arguments.over, "--over") or None, "spring": arguments.spring}
     own = {name: value for name, value in given.items() if value is not None} | {
         "n_jobs": arguments.workers or os.cpu_count()
     }
@@ -187,7 +192,7 @@ def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study],
     from spear_pin.gaits.collocation import casadi
     from spear_pin.studies.payoff import bounds
 
-    for option in ("body", "flight_times", "over"):
+    for option in ("body", "flight_times", "over", "spring"):
         _only(arguments, option, "only with --leg")
     casadi()
     if arguments.robot == QUADRUPED:
@@ -305,7 +310,7 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
         assert figures is not None
         knee, hip = (most(figures.peak, part) for part in ("knee", "hip"))
         unstable = ": unstable" if figures.multiplier > 1.0 else ""
-        spring = f"{figures.stiffness:.3g} N·m/rad, " if finding.point.kind != "none" else ""
+        spring = f"{figures.stiffness:.3g} {words.unit}, " if finding.point.kind != "none" else ""
         spring += "".join(f"{name} {value:.3g}, " for name, value in figures.chosen.items())
         return (
             f"{figures.cost:.4f}, {study.gaits.energy(study.robot, figures):.3g} J:"

@@ -196,7 +196,7 @@ class Gait(Shown):
             build, law = kinds[data["kind"]]
             robot = robot_of(data["robot"])
             contact = Ground if data["contact"].keys() & {"slope", "height"} else Contact
-            system = build(robot, _part(law, data["law"]), _springs(data), _part(contact, data["contact"]))
+            system = build(robot, _part(law, data["law"]), springs_of(data), _part(contact, data["contact"]))
             if "feedback" in data:
                 system = with_feedback(system, _part(EventFeedback, data["feedback"]))
             system = replace(system, **data.get("limits", {}))
@@ -268,14 +268,22 @@ def _numbers(name: str, values: Any, count: int | None = None) -> NDArray[np.flo
 
 def _parts(system: HybridSystem) -> dict[str, Any]:
     """Returns law, springs and contact, as a file has them."""
+    return {"law": asdict(system.law), **springs_data(system), "contact": asdict(system.contact)}
+
+
+def springs_data(system: HybridSystem) -> dict[str, Any]:
+    """Returns a system's springs, as a file has them."""
     springs = {name: spring_data(spring) for name, spring in system.springs.items()}
     alone = not system.sprung or [*springs] == [KNEE]
-    named = {"spring": next(iter(springs.values()))} if alone else {"springs": springs}
-    return {"law": asdict(system.law), **named, "contact": asdict(system.contact)}
+    return {"spring": next(iter(springs.values()))} if alone else {"springs": springs}
 
 
-def _springs(data: Mapping[str, Any]) -> Spring | dict[str, Spring]:
-    """Returns what `_parts` wrote of springs."""
+def springs_of(data: Mapping[str, Any]) -> Spring | dict[str, Spring]:
+    """Returns what `springs_data` wrote.
+
+    Raises:
+        BadValue, UnknownName: a spring is not valid.
+    """
     if "spring" in data:
         return _spring(data["spring"])
     return {name: _spring(values) for name, values in data["springs"].items()}

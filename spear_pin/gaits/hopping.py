@@ -244,7 +244,7 @@ def hopping(
     _check(robot)
     if robot.reach is not None and law.hip_touchdown is None:
         law = replace(law, hip_touchdown=0.0)
-    lands = posed(robot, *_landing(law))
+    lands = posed(robot, *commanded(law))
     rise, scale = robot.index("boom_z"), _scale(robot, lands)
     forward = robot.index("boom_x") if "boom_x" in robot.coordinates else None
     if forward is None and law.foot_placement != 0.0:
@@ -359,8 +359,8 @@ def _usual(robot: Robot) -> Spring | Mapping[str, Spring]:
     return springs
 
 
-def _landing(law: HoppingLaw) -> tuple[float, float]:
-    """Returns the commanded angles of hip and knee at touchdown."""
+def commanded(law: HoppingLaw) -> tuple[Any, Any]:
+    """Returns the commanded angles of hip and knee at touchdown, in rad."""
     return 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown, law.knee_touchdown
 
 

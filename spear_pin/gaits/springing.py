@@ -168,7 +168,7 @@ def springing(robot: Robot, springs: Springs) -> Springing:
     Raises:
         UnknownName: there is no joint, or no frame, of a name.
     """
-    return Springing(robot, springs, tuple(_mounted(name, name, path, springs) for name, path in _paths(springs)))
+    return Springing(robot, springs, tuple(_mounted(name, name, path, springs) for name, path in paths_of(springs)))
 
 
 def springing_in_space(robot: Robot, springs: Springs, leg: Legged) -> Springing:
@@ -196,12 +196,13 @@ def springing_of(robot: Robot, springs: Springs, leg: Legged) -> Springing:
     names |= {"hip": leg.above, KNEE: leg.joint, "toe": leg.toe}
     mounts = [
         _mounted(leg.joint if name == KNEE else f"{leg.name}_{name}", name, path.on(names, leg.side), springs)
-        for name, path in _paths(springs)
+        for name, path in paths_of(springs)
     ]
     return Springing(robot, springs, tuple(mounts))
 
 
-def _paths(springs: Springs) -> list[tuple[str, Path]]:
+def paths_of(springs: Springs) -> list[tuple[str, Path]]:
+    """Returns name and path of each spring; one without a path acts on the joint of its name."""
     return [(name, spring.path or Joints({name: 1.0})) for name, spring in springs.items()]
 
 

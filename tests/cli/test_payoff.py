@@ -1,6 +1,7 @@
 """`spear payoff`: the page, what is printed, and that it goes on where it was broken off."""
 
 import json
+from dataclasses import replace
 
 import pytest
 
@@ -46,6 +47,14 @@ class TestPayoff:
         assert all(unit in page for unit in ("Stiffness of a leg (N·m/rad)", "N·m for ever"))
         exec(found["python"], {})
         assert capsys.readouterr().out.strip() == said["sentence"]
+
+    @pytest.mark.slow
+    def test_a_stiffness_along_a_path_has_its_own_unit(self, capsys, tmp_path, stub, monkeypatch):
+        monkeypatch.setattr(Stubbed, "words", replace(Stubbed.words, unit="N/m", place="along cable"))
+        status, out, _ = run(capsys, *CALL, "--out", tmp_path)
+        page = (tmp_path / "payoff.html").read_text(encoding="utf-8")
+        assert status == 0 and "a switchable spring of 50 N/m per leg" in out and "N·m/rad" not in page + out
+        assert "Would a switchable parallel spring along cable pay off?" in page and "Stiffness of a leg (N/m)" in page
 
     @pytest.mark.slow
     def test_a_second_call_searches_nothing(self, capsys, tmp_path, stub):

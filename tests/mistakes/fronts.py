@@ -143,6 +143,18 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "studies/payoff/knee",
+        ["studies/payoff/test_paths", "studies/payoff/test_hop_search"],
+        {
+            "a fixed spring stays where it rested": (
+                "else _resting(other)\n\n\ndef with_knee",
+                "else other\n\n\ndef with_knee",
+            ),
+            "a cable counts as a knee": ("float(levers(system)[-1]) ** 2", "1.0"),
+            "a cable is lost": ("unilateral=False, path=spring.path)", "unilateral=False)"),
+        },
+    ),
+    *mistakes_in(
         "studies/hop_led",
         ["studies/test_hop_led"],
         {"a way goes on beyond a fold": ("/ span < -BACK", "/ span < -9.0")},

@@ -23,7 +23,7 @@ from spear_pin.viz.plots.paper import BLUE, GREEN, VERMILLION, style
 
 TITLES = {NONE: "No spring", FIXED: "Fixed spring", SWITCHED: "Switchable spring"}
 COLORS = {NONE: VERMILLION, FIXED: GREEN, SWITCHED: BLUE}
-STIFFNESS = "Stiffness of a leg (N·m/rad)"
+STIFFNESS = "Stiffness of a leg ({})"
 
 
 def cost_map(study: Study) -> Figure:
@@ -40,7 +40,7 @@ def cost_map(study: Study) -> Figure:
             drawn = _cells(panel, table, study, scale, form, "cividis")
             panel.set_title(TITLES[kind])
             if kind != NONE:
-                panel.set_xlabel(STIFFNESS)
+                panel.set_xlabel(STIFFNESS.format(study.gaits.words.unit))
         panels[0].set_ylabel(study.gaits.words.axis)
         figure.colorbar(drawn, ax=panels, label=study.gaits.words.cost)
         return figure
@@ -58,7 +58,7 @@ def saving_map(study: Study) -> Figure:
         for panel, (kind, table) in zip(panels, tables.items(), strict=True):
             drawn = _cells(panel, table, study, Normalize(-largest, largest), "{:.0f}", "RdBu")
             panel.set_title(TITLES[kind])
-            panel.set_xlabel(STIFFNESS)
+            panel.set_xlabel(STIFFNESS.format(study.gaits.words.unit))
         panels[0].set_ylabel(study.gaits.words.axis)
         figure.colorbar(drawn, ax=panels, label="Saved of the electricity (%)")
         return figure

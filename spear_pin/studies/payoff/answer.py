@@ -48,7 +48,8 @@ class Answer:
 
 def answer(study: Study) -> Answer:
     """Returns the conclusions of a study."""
-    by_speed = {speed: judge(_table(study, speed), study.grid.stiffnesses) for speed in study.grid.speeds}
+    stiffnesses, unit = study.grid.stiffnesses, study.gaits.words.unit
+    by_speed = {speed: judge(_table(study, speed), stiffnesses, unit) for speed in study.grid.speeds}
     found = by_speed[study.speed]
     everywhere = [share for point in study.tries if (share := spread_of(study.tries[point])) > 0.0] or [0.0]
     return Answer(
@@ -120,10 +121,10 @@ def _does(study: Study, kind: str, found: Judgement) -> str:
     best, name = study.best.get(kind), {FIXED: "fixed", SWITCHED: "switchable"}[kind]
     if best is None or best.figures is None:
         return f"with a {name} spring no gait was found"
-    share, tried = 100.0 * found.saving[kind], study.grid.stiffnesses
+    share, tried, unit = 100.0 * found.saving[kind], study.grid.stiffnesses, study.gaits.words.unit
     does = f"saves {share:.1f} % of" if share >= 0.0 else f"adds {-share:.1f} % to"
     outside = f", outside the {tried[0]:.3g} to {tried[-1]:.3g} of the grid," if kind in found.outside else ""
-    return f"a {name} spring of {best.figures.stiffness:.3g} N·m/rad per leg{outside} {does} the electricity"
+    return f"a {name} spring of {best.figures.stiffness:.3g} {unit} per leg{outside} {does} the electricity"
 
 
 def _peak(finding: SearchEnd) -> float:

@@ -21,7 +21,7 @@ class Figures:
     """Figures of a gait, of one cycle of its simulation. Torques are those of one motor; joints by their names.
 
     Attributes:
-        stiffness: stiffness of a leg's spring, in N·m/rad.
+        stiffness: stiffness of a leg's spring, in N·m/rad, or N/m along a path whose length is in m.
         speed: mean forward speed, in m/s; for a hop in place its flight time, in s.
         cost: electricity that knees and hips draw over the work to which the cost refers, with no storage of returned
             energy; for a bound the cost of transport.

@@ -36,6 +36,8 @@ class Words:
         since: label of the axis of time in a cycle, with its unit.
         joint: format with "part" for what the limits of the file belong to.
         rests: assumptions of a study of such gaits, as names and texts.
+        place: where the spring is, in words.
+        unit: unit of its stiffness.
     """
 
     one: str
@@ -50,10 +52,12 @@ class Words:
     since: str
     joint: str
     rests: tuple[tuple[str, str], ...]
+    place: str = "in the knee"
+    unit: str = "N·m/rad"
 
     def of(self, point: Point) -> str:
         """Returns a point in words."""
-        return point.said(self.pace)
+        return point.said(self.pace, self.unit)
 
 
 Found = tuple[Gait, Figures, Solution | None]
@@ -102,7 +106,7 @@ class Gaits(ABC):
 
     @abstractmethod
     def stiffness(self, robot: Robot) -> float:
-        """Returns the stiffness of a leg's spring for the robot's size, in N·m/rad."""
+        """Returns the stiffness of a leg's spring for the robot's size, in the unit of the words."""
 
     @abstractmethod
     def check(self, robot: Robot, speeds: Sequence[float]) -> None:

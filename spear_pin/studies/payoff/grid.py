@@ -18,27 +18,29 @@ class Point:
     Attributes:
         kind: one of `KINDS`.
         speed: wanted mean forward speed, in m/s; for a hop in place, which has none, its flight time, in s.
-        stiffness: stiffness of a leg's spring, in N·m/rad; 0 without one, None where the optimiser chooses it.
+        stiffness: stiffness of a leg's spring, in N·m/rad, or N/m along a path whose length is in m; 0 without one,
+            None where the optimiser chooses it.
     """
 
     kind: str
     speed: float
     stiffness: float | None = 0.0
 
-    def said(self, pace: str) -> str:
+    def said(self, pace: str, unit: str) -> str:
         """Returns the point in words.
 
         Args:
             pace: format for its speed, such as "at {:.3g} m/s".
+            unit: unit of its stiffness.
         """
-        spring = "the best stiffness" if self.stiffness is None else f"{self.stiffness:.3g} N·m/rad"
+        spring = "the best stiffness" if self.stiffness is None else f"{self.stiffness:.3g} {unit}"
         own = "" if self.kind == NONE else f" of {spring}"
         return f"{WORDS[self.kind]}{own} {pace.format(self.speed)}"
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Speeds, see `Point`, and stiffnesses of a leg in N·m/rad, both rising; knees without a spring are added."""
+    """Speeds and stiffnesses of a leg, see `Point`, both rising; knees without a spring are added."""
 
     speeds: tuple[float, ...]
     stiffnesses: tuple[float, ...]

@@ -20,7 +20,7 @@ from spear_pin.gaits.codesign.optimize_design import optimize_design
 from spear_pin.gaits.codesign.problem import Problem
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.leading import Way, led
-from spear_pin.gaits.measures.catalogue import described
+from spear_pin.gaits.measures.catalogue import described, unit_in
 from spear_pin.gaits.search import gait_beside
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, rebuilt
@@ -28,9 +28,9 @@ from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.motor import NO_MOTORS
 from spear_pin.model.robot import Robot
-from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
+from spear_pin.studies.hop_of_another import hop_of
 from spear_pin.studies.payoff.grid import Point
-from spear_pin.studies.payoff.knee import released, tied, with_knee, with_values
+from spear_pin.studies.payoff.knee import levers, released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, Motors, geared
 
 TORQUE = "stance_torque"  # what is solved for the flight time
@@ -38,7 +38,7 @@ FOOTING = 0.05  # of the weight: what the law lets rest on the toe at least whil
 TREAD, TAUT = 0.02, 0.005  # of the weight, rad: how far a descent keeps from a toe that leaves, a spring that is slack
 CLEAR = 0.005  # m: how far it keeps knee and hip from the ground
 LOADED = "margin_lift_off_before_torque_switch"
-FREQUENCIES = (1.0, 1.3)  # of SPEAR-II's, scaled, that a first hop is looked for with, in turn
+FREQUENCIES = (1.0, 1.3)  # of the law's, that a first hop is looked for with, in turn
 FIRST, SHORTEST = 0.5, 0.03  # of the way to another point: the first step, and the least
 LEAST = 1e-3  # of a range of stiffness: without any a spring has no derivative
 MISSED = 1e-3  # of limits, together: a hop that misses more keeps them not
@@ -116,7 +116,7 @@ def best_hop(task: Task, begun: Sequence[Gait]) -> Best:
     within = [each for each in found if each[1].missed <= MISSED]
     if not within:
         nearest, design, _ = min(found, key=lambda each: each[1].missed)
-        cause = f"in the nearest one {_missed(design)}"
+        cause = f"in the nearest one {_missed(design, nearest.system)}"
         remedy = "a stronger motor, another spring, or another flight time"
         raise NoGait("every hop exceeds a limit", nearest.residual, cause, remedy)
     gait, design, _ = min(within, key=lambda each: each[1].objective)
@@ -133,7 +133,7 @@ def _apart(task: Task, one: Gait, other: Gait) -> bool:
     return max(shares) >= APART
 
 
-def _missed(design: codesign.Design) -> str:
+def _missed(design: codesign.Design, system: HybridSystem) -> str:
     """Names the bound that a design misses most, relative to the bound, with value and bound."""
 
     def miss(label: str) -> float:
@@ -143,7 +143,7 @@ def _missed(design: codesign.Design) -> str:
     worst = max(design.bounds, key=miss)
     value, bound = design.bounds[worst]
     measure = worst.rsplit(" ", 2)[0]
-    unit = "N" if measure == LOADED else described(measure).unit
+    unit = "N" if measure == LOADED else unit_in(system, described(measure), measure)
     return f"{measure.replace('_', ' ')} is {value:.3g} instead of {worst[len(measure) + 1 :]} {bound:.3g} {unit}"
 
 
@@ -224,7 +224,8 @@ def problem(task: Task, system: HybridSystem) -> Problem:
     at_least[LOADED] = TREAD * system.robot.weight
     at_least |= {f"margin_fall:{part}": CLEAR for part in PARTS}
     if system.spring.rest is None:
-        at_least["deflection_knee"] = TAUT
+        at_least |= {f"deflection_{name}": TAUT for name in system.springs}
+        at_least[f"deflection_{next(iter(system.springs))}"] *= float(np.linalg.norm(levers(system)))
     drives = NO_MOTORS if task.motors is None else geared(task.motors, system.robot)
     over = dict[str, tuple[float, float]]()
     for name in task.chosen:
@@ -275,7 +276,9 @@ def led_to(point: Point, kind: str, gait: Gait) -> Gait:
         NoGait: the way ends before.
     """
     spring, law, here = gait.system.spring, gait.system.law, gait.durations["flight"]
-    own = point.stiffness if point.stiffness is not None else spring.stiffness or law.virtual_stiffness
+    own = point.stiffness
+    if own is None:
+        own = spring.stiffness or law.virtual_stiffness / float(np.sum(levers(gait.system) ** 2))
     if kind != point.kind:
         gait = _towards(gait, kind, 0.0, here)
     return _towards(gait, point.kind, own, point.speed)
@@ -300,13 +303,12 @@ def _towards(begun: Gait, kind: str, stiffness: float, flight_time: float) -> Ga
     return way.end
 
 
-def first_hops(robot: Robot, flight_times: Sequence[float]) -> Iterator[Gait]:
-    """Yields hops by SPEAR-II's scaled law, for some frequencies of its square wave and flight times.
+def first_hops(system: HybridSystem, flight_times: Sequence[float]) -> Iterator[Gait]:
+    """Yields hops by a law like SPEAR-II's, for some frequencies of its square wave and flight times.
 
     Raises:
         NoGait: there is none.
     """
-    system = scaled_hopping(robot)
     failures = []
     for wanted in flight_times:
         for share in FREQUENCIES:
@@ -314,7 +316,7 @@ def first_hops(robot: Robot, flight_times: Sequence[float]) -> Iterator[Gait]:
                 system.law,
                 frequency=share * system.law.frequency,
                 hold_extension=True,
-                minimum_force=FOOTING * robot.weight,
+                minimum_force=FOOTING * system.robot.weight,
             )
             try:
                 hop = hop_of(rebuilt(system, law=law), wanted)

@@ -1,5 +1,7 @@
 """Payoff study of a hop of one leg in place: the hop of least electricity for each knee, stiffness and flight time.
 
+The spring is at the knee, or along a path of the robot's file.
+
 The cost of a hop is the electricity of a cycle over m g h with h = g T²/8, the rise of a body with flight time T. So
 all hops with one flight time refer to the same work.
 """
@@ -12,25 +14,29 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from spear_pin.errors import BadValue, NoGait, UnknownName
+import numpy as np
+
+from spear_pin.errors import BadValue, NoGait, UnknownName, listed
 from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.hopping import HoppingLaw
+from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.gaits.springing import KNEE
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch
+from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.simulate import simulate
+from spear_pin.model.path import Path as AnyPath
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
-from spear_pin.model.settings import refuse_special
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import parameters_of, value_of, vary
-from spear_pin.studies.hop_of_another import scaled_hopping
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
 from spear_pin.studies.payoff.hop_search import NO_RANGES, TORQUE, Best, Task, best_hop, first_hops, led_to
+from spear_pin.studies.payoff.knee import levers
 from spear_pin.studies.payoff.motors import Motors, as_built
 from spear_pin.studies.payoff.searches import Search, rebuilt
 from spear_pin.studies.payoff.study import Study, studied
@@ -40,7 +46,7 @@ SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
 TOLERANCES = {MESH: 1e-4, FINER: 1e-5}  # of the search: the relative gain that ends a descent
 COLD, FREELY = {NONE: 1, FIXED: 16, SWITCHED: 1}, 4  # random starts: beside SPEAR-II's law, with a chosen stiffness
-KNEE, HIP = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
+KNEES, HIPS = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 RATES, TORQUES, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
 WORDS = Words(
     one="hop",
@@ -81,12 +87,13 @@ def work(robot: Robot, flight_time: float) -> float:
     return robot.weight * gravity * flight_time**2 / 8.0
 
 
-def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
+def ranges(robot: Robot, free: bool, usual: float | None = None) -> dict[str, tuple[float, float]]:
     """Returns least and most of each chosen number.
 
     Args:
         robot: a leg.
         free: whether the stiffness of the spring is among them.
+        usual: its usual stiffness, if it is not at the knee.
     """
     law, stiffness = HoppingLaw.scaled(robot), Spring.scaled(robot).stiffness
 
@@ -99,12 +106,12 @@ def ranges(robot: Robot, free: bool) -> dict[str, tuple[float, float]]:
 
     chosen = {
         TORQUE: times(TORQUES, law.stance_torque),
-        "knee_touchdown": angles("knee", *KNEE),
-        "hip_touchdown": angles("hip", *HIP),
+        "knee_touchdown": angles("knee", *KNEES),
+        "hip_touchdown": angles("hip", *HIPS),
         "frequency": times(RATES, law.frequency),
         "virtual_stiffness": times(STIFFNESS, stiffness),
     }
-    return chosen | ({"stiffness": times(STIFFNESS, stiffness)} if free else {})
+    return chosen | ({"stiffness": times(STIFFNESS, usual or stiffness)} if free else {})
 
 
 def figures_of(
@@ -151,8 +158,8 @@ def _held(design: codesign.Design, work: float) -> tuple[str, ...]:
     )
 
 
-def _begun(robot: Robot, asked: Search) -> list[Gait]:
-    """Returns hops at the point of a search: the start's, or without one those by SPEAR-II's scaled law.
+def _begun(system: HybridSystem, asked: Search) -> list[Gait]:
+    """Returns hops at the point of a search: the start's, or without one those of a system by SPEAR-II's scaled law.
 
     The flight time of the latter is SPEAR-II's for the leg's size, or the wanted one; from there they are led.
 
@@ -160,10 +167,11 @@ def _begun(robot: Robot, asked: Search) -> list[Gait]:
         NoGait: there is none; the first failure is raised.
     """
     point, start, found, failures = asked.point, asked.start, list[Gait](), list[NoGait]()
+    robot = system.robot
     if start is not None and start.gait is not None:
         return [led_to(point, start.point.kind, rebuilt(Hops.kind, robot, start.gait))]
     try:
-        for hop in first_hops(robot, sorted({USUAL * scale_of(robot).time, point.speed})):
+        for hop in first_hops(system, sorted({USUAL * scale_of(robot).time, point.speed})):
             try:
                 found.append(led_to(point, SWITCHED, hop))
             except NoGait as error:
@@ -181,6 +189,7 @@ def task_of(
     measure: str,
     asked: Search,
     over: Mapping[str, tuple[float, float]] = NO_RANGES,
+    usual: float | None = None,
 ) -> Task:
     """Returns what a search minimises, where, and how far."""
     point, (mesh,) = asked.point, asked.meshes
@@ -188,7 +197,7 @@ def task_of(
         flight_time=point.speed,
         measure=measure,
         motors=motors,
-        ranges={**ranges(robot, free=point.stiffness is None), **over},
+        ranges={**ranges(robot, point.stiffness is None, usual), **over},
         tolerance=TOLERANCES[mesh],
         starts=COLD[point.kind] if asked.start is None else FREELY if point.stiffness is None else 0,
         seed=int(asked.key[:8], 16),
@@ -201,12 +210,15 @@ class Hops(Gaits):
 
     Attributes:
         over: least and greatest values of further numbers that are chosen at each point, such as `knee_motor_size`.
+        along: name and path of the spring; None for the knee's.
+        words: words for them.
     """
 
     over: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    along: tuple[str, AnyPath] | None = None
+    words: Words = WORDS
 
     kind = "hopping"
-    words = WORDS
     meshes = (MESH,)
     finer = (FINER,)
     begins = (SWITCHED, NONE)  # a motor that is too weak for any hop alone may do with a spring
@@ -214,13 +226,14 @@ class Hops(Gaits):
 
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
         """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
-        best = best_hop(task_of(robot, motors, "electricity", asked, self.over), _begun(robot, asked))
+        task = task_of(robot, motors, "electricity", asked, self.over, self.stiffness(robot))
+        best = best_hop(task, _begun(self.system(robot), asked))
         return best.gait, figures_of(best.gait, motors, best, asked.meshes[0], self.over, robot), None
 
     def reference(self, robot: Robot, speed: float) -> Gait:
         """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
         asked = Search(Point(NONE, speed), None, self.meshes)
-        return best_hop(task_of(robot, None, "effort", asked), _begun(robot, asked)).gait
+        return best_hop(task_of(robot, None, "effort", asked), _begun(self.system(robot), asked)).gait
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
         """Returns default flight times for the robot's size."""
@@ -233,11 +246,21 @@ class Hops(Gaits):
 
     def stiffness(self, robot: Robot) -> float:
         """Returns the stiffness of a leg's spring for the robot's size, in N·m/rad."""
-        return Spring.scaled(robot).stiffness
+        return Spring.scaled(robot).stiffness / float(np.sum(levers(self.system(robot)) ** 2))
+
+    def system(self, robot: Robot) -> HybridSystem:
+        """Returns the hop of a robot by SPEAR-II's scaled law, with its spring; one that is not the knee's is slack."""
+        law, usual = HoppingLaw.scaled(robot), Spring.scaled(robot)
+        knee = _own(robot).get(KNEE, usual)
+        if self.along is None:
+            return hopping(robot, law, knee)
+        name, path = self.along
+        springs = {name: Spring(0.0, damping=0.0, path=path), KNEE: Spring(0.0, damping=knee.damping)}
+        return hopping(robot, replace(law, virtual_stiffness=usual.stiffness), springs)
 
     def check(self, robot: Robot, speeds: Sequence[float]) -> None:
         """Refuses flight times that no such gait has, and numbers that cannot be chosen."""
-        system = scaled_hopping(robot)
+        system = self.system(robot)
         for flight in speeds:
             check_wanted(system, {"flight_time": flight})
         for name, ends in self.over.items():
@@ -261,6 +284,7 @@ class Hops(Gaits):
             "gait": "hop",
             "search": "descents from several starts, with springs held taut",
             "ranges": {name: list(ends) for name, ends in {**ranges(robot, free=True), **self.over}.items()},
+            **({} if self.along is None else {"spring": str(self.along)}),
         }
 
     def energy(self, robot: Robot, figures: Figures) -> float:
@@ -271,12 +295,56 @@ class Hops(Gaits):
 HOPS = Hops()
 
 
-def hops(robot: Robot, path: Path, *, over: Mapping[str, tuple[float, float]] = NO_RANGES, **options: Any) -> Study:
+def _own(robot: Robot) -> Mapping[str, Spring]:
+    """Returns the springs of a robot's file."""
+    return {} if robot.settings is None else robot.settings.springs
+
+
+def _along(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
+    """Returns name and path of a robot's spring; None for the knee's.
+
+    Raises:
+        UnknownName: its file has no such spring.
+        BadValue: its file has several, and none is named, or the spring has a switch of its own.
+    """
+    own = _own(robot)
+    paths = {each: spring.path for each, spring in own.items() if spring.path is not None}
+    known = [*paths, *[KNEE] * (KNEE in own or not paths)]
+    if name is None and len(known) > 1:
+        raise BadValue("spring", None, f"the name of one, as the robot's file has several: {listed(known)}")
+    name = known[0] if name is None else name
+    if name not in (KNEE, *paths):
+        raise UnknownName("spring", name, [KNEE, *paths])
+    if name in own and own[name].clutch is not None:
+        raise BadValue(f"clutch of the spring {name!r}", own[name].clutch, "None: this study switches at once")
+    return (name, paths[name]) if name in paths else None
+
+
+def words_along(along: tuple[str, AnyPath] | None) -> Words:
+    """Returns the words of hops with a spring at the knee, or along a path."""
+    if along is None:
+        return WORDS
+    name, path = along
+    said = f"{name}, alone: others of the file are left out. The virtual spring and the damper are at the knee"
+    unit = Spring(0.0, path=path).units["stiffness"]
+    return replace(WORDS, place=f"along {name}", unit=unit, rests=(*WORDS.rests, ("the spring", said)))
+
+
+def hops(
+    robot: Robot,
+    path: Path,
+    *,
+    spring: str | None = None,
+    over: Mapping[str, tuple[float, float]] = NO_RANGES,
+    **options: Any,
+) -> Study:
     """Finds hops of least electricity without a spring, with fixed and with switchable ones.
 
     Args:
         robot: a leg with boom_x locked, as `spear_pin.monopod` cuts it, or SPEAR-II.
         path: path of the store; searches in it are not repeated.
+        spring: name of a spring of the robot's file; its other springs are left out. None: the only one it has, or one
+            at the knee. Stiffnesses are in N/m if the spring's path is a length.
         over: least and greatest values of further numbers of the robot that each search chooses, such as
             `knee_motor_size`, with the mass of that motor. With ratios a motor keeps its greatest speed behind the
             greatest one. Costs refer to the work of the robot as it is.
@@ -284,8 +352,9 @@ def hops(robot: Robot, path: Path, *, over: Mapping[str, tuple[float, float]] = 
 
     Raises:
         NoGait, BadFile, BadValue: see `studied`.
+        UnknownName: the robot's file has no such spring.
         MissingExtra: heyoka, or for several processes joblib, is not installed.
     """
-    refuse_special(robot, "the knees of this study replace")
+    along = _along(robot, spring)
     batch.require()
-    return studied(Hops(dict(over)), robot, path, **options)
+    return studied(Hops(dict(over), along, words_along(along)), robot, path, **options)

@@ -13,7 +13,7 @@ ALWAYS = (
     (
         "springs",
         "without mass, and without damping of their own. A switchable one is latched at touchdown and let go at"
-        " lift-off at no cost; a fixed one rests at the knee's angle of touchdown, the only angle tried, and pulls both"
+        " lift-off at no cost; a fixed one rests where the law lets the leg land, the only rest tried, and pulls both"
         " ways, in swing too",
     ),
 )

@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 
 from spear_pin.gaits.collocation import Solution
-from spear_pin.gaits.gait import KINDS, Gait
-from spear_pin.model.path_data import spring_data
+from spear_pin.gaits.gait import KINDS, Gait, springs_data, springs_of
 from spear_pin.model.robot import Robot
-from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
 from spear_pin.studies.payoff.figures import Figures
 from spear_pin.studies.payoff.grid import Point
@@ -76,7 +74,7 @@ def written(gait: Gait) -> dict[str, Any]:
     return {
         "varied": dict(gait.system.robot.varied),
         "law": asdict(gait.system.law),
-        "spring": spring_data(gait.system.spring),
+        **springs_data(gait.system),
         "state": [part.tolist() for part in gait.state],
         "parameters": dict(gait.parameters),
         "residual": gait.residual,
@@ -89,11 +87,10 @@ def rebuilt(kind: str, robot: Robot, said: Mapping[str, Any]) -> Gait:
     """Returns the gait of a robot that `written` wrote, of a kind among ``KINDS`` of `spear_pin.gaits.gait`."""
     build, law_of = KINDS[kind]
     law = law_of(**{name: _tuples(value) for name, value in said["law"].items()})
-    spring = Spring(**{name: _tuples(value) for name, value in said["spring"].items()})
     q, v = (np.array(part, dtype=float) for part in said["state"])
     multipliers = np.array([complex(*pair) for pair in said["multipliers"]])
     varied = said.get("varied", robot.varied)
-    system = build(robot if varied == dict(robot.varied) else vary(robot, **varied), law, spring)
+    system = build(robot if varied == dict(robot.varied) else vary(robot, **varied), law, springs_of(said))
     return Gait(system, (q, v), said["parameters"], said["residual"], multipliers, said["durations"])
 
 

@@ -46,7 +46,7 @@ class Study:
         finer: the same on a finer mesh; a failed search has a reason.
         changes: for each kind, by how much the finer mesh changed its cost; NaN where there is no gait on it.
         speed: speed of the answer: mean forward speed, in m/s; for a hop in place its flight time, in s.
-        chosen: stiffness of a leg's switchable spring that the optimiser chose for the grid, in N·m/rad; None where
+        chosen: stiffness of a leg's switchable spring that the optimiser chose for the grid; None where
             stiffnesses were given, or none was found.
     """
 
@@ -116,7 +116,7 @@ def studied(
         robot: a robot in the plane.
         path: path of the store; searches in it are not repeated.
         speeds: rising speeds in m/s, or flight times in s for a hop in place; by default for the robot's size.
-        stiffnesses: rising stiffnesses of a leg's spring, in N·m/rad; by default `STEPS` of the one that the optimiser
+        stiffnesses: rising stiffnesses of a leg's spring; by default `STEPS` of the one that the optimiser
             chooses.
         drives: drives of "knee" and "hip"; those left out are the robot's own, or assumed.
         bus: voltage of the supply, in V, for motors that are not given.

@@ -31,7 +31,7 @@ class Outcome:
 
     Attributes:
         kind: kind of the knee, one of ``KINDS`` of `grid`.
-        stiffness: stiffness of a leg's spring, in N·m/rad; 0 without one.
+        stiffness: stiffness of a leg's spring; 0 without one.
         cost: cost of the gait; a value that is not a finite number > 0 means no gait.
         chosen: whether the optimiser chose the stiffness.
         again: whether the search began with a gait of the same knee, on a finer mesh: then it is not a start of its
@@ -91,6 +91,7 @@ class _Knee(NamedTuple):
     kind: str
     groups: tuple[_Group, ...]
     doubt: str
+    unit: str
 
     @property
     def least(self) -> float:
@@ -102,7 +103,7 @@ class _Knee(NamedTuple):
         group = min(self.groups, key=lambda group: min(group.costs))
         low, high = min(group.costs), max(group.costs)
         cost = f"{low:.3g}" if high == low else f"{low:.3g} to {high:.3g}"
-        return f"{cost} {_said(self.kind, group.stiffness)}"
+        return f"{cost} {_said(self.kind, group.stiffness, self.unit)}"
 
 
 class _Comparison(NamedTuple):
@@ -112,15 +113,16 @@ class _Comparison(NamedTuple):
     why: str
 
 
-def judge(outcomes: Iterable[Outcome], stiffnesses: Sequence[float]) -> Judgement:
+def judge(outcomes: Iterable[Outcome], stiffnesses: Sequence[float], unit: str = "N·m/rad") -> Judgement:
     """Judges searches at one speed.
 
     Args:
         outcomes: outcomes of all searches, with those without a gait.
-        stiffnesses: given stiffnesses of a leg's spring, rising, in N·m/rad.
+        stiffnesses: given stiffnesses of a leg's spring, rising.
+        unit: unit of stiffnesses.
     """
     table = [outcome for outcome in outcomes if outcome.found]
-    knees = {kind: _knee(kind, table, (0.0,) if kind == NONE else stiffnesses) for kind in KINDS}
+    knees = {kind: _knee(kind, table, (0.0,) if kind == NONE else stiffnesses, unit) for kind in KINDS}
     best = {
         kind: min(own, key=lambda outcome: outcome.cost)
         for kind in KINDS
@@ -169,13 +171,14 @@ def _within(stiffness: float, low: float, high: float) -> bool:
     return low <= stiffness <= high or _same(stiffness, low) or _same(stiffness, high)
 
 
-def _knee(kind: str, table: Sequence[Outcome], stiffnesses: Sequence[float]) -> _Knee:
+def _knee(kind: str, table: Sequence[Outcome], stiffnesses: Sequence[float], unit: str) -> _Knee:
     """Returns what was found for one kind of knee.
 
     Args:
         kind: kind of `grid`.
         table: outcomes that have a gait.
         stiffnesses: given stiffnesses; each needs as many starts as agree.
+        unit: unit of stiffnesses.
     """
     own = [outcome for outcome in table if outcome.kind == kind]
     groups, doubts = [], []
@@ -186,19 +189,19 @@ def _knee(kind: str, table: Sequence[Outcome], stiffnesses: Sequence[float]) -> 
         if here:
             groups.append(_Group(stiffness, tuple(outcome.cost for outcome in here)))
         if not asked:
-            doubts.append(f"no gait was found {_said(kind, stiffness)}")
+            doubts.append(f"no gait was found {_said(kind, stiffness, unit)}")
         elif starts < STARTS:
-            doubts.append(f"one search only found a gait {_said(kind, stiffness)}")
+            doubts.append(f"one search only found a gait {_said(kind, stiffness, unit)}")
     rest = [each for each in own if not any(_same(each.stiffness, stiffness) for stiffness in stiffnesses)]
     while rest:
         here = [each for each in rest if _same(each.stiffness, rest[0].stiffness)]
         groups.append(_Group(rest[0].stiffness, tuple(each.cost for each in here)))
         rest = [each for each in rest if each not in here]
-    return _Knee(kind, tuple(groups), next(iter(doubts), ""))
+    return _Knee(kind, tuple(groups), next(iter(doubts), ""), unit)
 
 
-def _said(kind: str, stiffness: float) -> str:
-    return WITH[kind] if kind == NONE else f"{WITH[kind]} of {stiffness:.3g} N·m/rad"
+def _said(kind: str, stiffness: float, unit: str) -> str:
+    return WITH[kind] if kind == NONE else f"{WITH[kind]} of {stiffness:.3g} {unit}"
 
 
 def _compare(knee: _Knee, other: _Knee) -> _Comparison:

@@ -1,0 +1,146 @@
+"""Payoff studies of hops with a spring along a path: beside the knee's spring, by hand, and beside a search alone."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from spear_pin import Spring, find_gait, hopping, load, simulate
+from spear_pin.errors import SpearError
+from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.parameters import rebuilt as of_law
+from spear_pin.model.path import Joints
+from spear_pin.studies.design import energy_drawn, points_of
+from spear_pin.studies.payoff import Motors, Search, hop_search
+from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
+from spear_pin.studies.payoff.hop_search import TAUT, descended, led_to, problem
+from spear_pin.studies.payoff.hopping import HOPS, Hops, figures_of, hops, task_of, words_along
+from spear_pin.studies.payoff.knee import levers, released, tied, with_knee, with_values
+from spear_pin.studies.payoff.motors import PARTS, known
+from spear_pin.studies.payoff.searches import rebuilt, written
+
+CABLE = Joints({"knee": 0.03, "hip": 0.006})  # m
+
+
+def along(path):
+    return Hops(along=("cable", path))
+
+
+@pytest.fixture(scope="module")
+def motors(robot):
+    return Motors(*(known(robot, part)[0] for part in PARTS), own=PARTS)
+
+
+class TestSystem:
+    def test_its_size_is_that_of_a_knee_spring_behind_its_levers(self, robot):
+        assert levers(along(CABLE).system(robot)) == pytest.approx([0.006, 0.03])
+        assert along(CABLE).stiffness(robot) == pytest.approx(48.84 / (0.006**2 + 0.03**2))
+        assert along(Joints({"knee": 1.0})).stiffness(robot) == HOPS.stiffness(robot) == pytest.approx(48.84)
+
+    def test_it_is_called_by_its_name_and_unit(self):
+        for path, unit in ((CABLE, "N/m"), (Joints({"hip": 1.0}), "N·m/rad")):
+            words = words_along(("cable", path))
+            assert (words.place, words.unit) == ("along cable", unit)
+            assert words.of(Point(FIXED, 0.2, 5.0)) == f"a fixed spring of 5 {unit} 0.2 s in the air"
+
+    def test_a_virtual_spring_gives_what_it_lacks_at_the_knee(self, robot):
+        system = with_knee(along(CABLE).system(robot), SWITCHED, 2e4)
+        assert system.law.virtual_stiffness == pytest.approx(48.84 - 2e4 * 0.03**2)
+        assert system.spring == Spring(2e4, damping=0.0, unilateral=False, path=CABLE)
+        assert system.springs["knee"] == Spring(0.0, damping=1.3, unilateral=False)
+        assert all(spring.unilateral for spring in released(system).springs.values())
+
+    def test_a_fixed_one_rests_at_its_length_where_the_leg_lands(self, robot):
+        fixed = with_knee(along(CABLE).system(robot), FIXED, 2e4)
+        moved = with_values(fixed, {"knee_touchdown": 0.8, "hip_touchdown": 0.3, "stiffness": 3e4})
+        assert moved.spring.rest == pytest.approx(0.03 * 0.8 + 0.006 * 0.3) and moved.spring.stiffness == 3e4
+        assert moved.springs["knee"].rest == pytest.approx(0.8)
+
+    def test_a_descent_keeps_cable_and_knee_taut(self, robot, motors):
+        found = along(CABLE)
+        task = task_of(robot, motors, "electricity", Search(Point(SWITCHED, 0.2, None), None, found.meshes))
+        at_least = problem(task, found.system(robot)).at_least
+        assert at_least["deflection_knee"] == TAUT
+        assert at_least["deflection_cable"] == pytest.approx(TAUT * np.hypot(0.03, 0.006))
+
+    def test_a_limit_along_it_that_is_missed_is_told_in_m(self, robot):
+        design = SimpleNamespace(bounds={"deflection_cable at least": (1e-5, 2e-4)})
+        told = hop_search._missed(design, along(CABLE).system(robot))
+        assert told == "deflection cable is 1e-05 instead of at least 0.0002 m"
+
+
+@pytest.mark.parametrize("kind", [SWITCHED, FIXED, NONE])
+def test_along_the_knee_alone_it_is_the_knee_s(hop, motors, kind):
+    """Both engines' cycles, the electricity and what a store keeps."""
+    robot, own = hop.system.robot, 0.0 if kind == NONE else 30.0
+    found = []
+    for gaits in (HOPS, along(Joints({"knee": 1.0}))):
+        system = with_knee(gaits.system(robot), kind, own)
+        law = replace(hop.system.law, virtual_stiffness=48.84 - own, hip_touchdown=0.5)
+        springs = {name: replace(spring, rest=spring.rest and 1.0) for name, spring in system.springs.items()}
+        system = hopping(robot, law, springs)
+        gait = replace(hop, system=system)
+        again = rebuilt("hopping", robot, written(gait)).system
+        assert again.springs == system.springs
+        found.append((simulate(again, hop.state).q[-1], figures_of(gait, motors)))
+    (one, knee), (other, cable) = found
+    np.testing.assert_allclose(other, one, rtol=0.0, atol=1e-9)
+    assert cable.stiffness == own and cable.cost == pytest.approx(knee.cost, rel=1e-9)
+
+
+OF_FILE = 'robot = "spear_ii"\nlocked = ["boom_x"]\n'
+SPRING = "\n[springs.{}]\npath = {{ knee = 0.03, hip = 0.006 }}\nstiffness = 5e4\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "why"),
+    [
+        (SPRING.format("cable"), "rope", "unknown spring 'rope'; valid: knee, cable"),
+        (SPRING.format("cable") + SPRING.format("rope"), None, "as the robot's file has several: cable, rope"),
+        (SPRING.format("cable") + "clutch = { on_delay = 0.01 }", None, "None: this study switches at once"),
+    ],
+)
+def test_springs_that_cannot_be_studied(tmp_path, text, name, why):
+    (tmp_path / "leg.toml").write_text(OF_FILE + text)
+    with pytest.raises(SpearError, match=why):
+        hops(load(tmp_path / "leg.toml"), tmp_path / "payoff.jsonl", spring=name)
+
+
+@pytest.mark.slow
+@pytest.mark.extra("heyoka")
+class TestDescent:
+    @pytest.mark.parametrize("stiffness", [45e3, 54e3])
+    def test_its_end_is_the_hop_that_a_search_finds_alone(self, hop, motors, stiffness):
+        """Of a system that is made by hand; its electricity is that of samples."""
+        found, robot = along(CABLE), hop.system.robot
+        point = Point(SWITCHED, 0.2, stiffness)
+        task = replace(task_of(robot, motors, "electricity", Search(point, None, found.meshes)), tolerance=1e-2)
+        system = found.system(robot)
+        law = replace(system.law, hold_extension=True, minimum_force=0.05 * robot.weight)
+        begun = find_gait(of_law(system, law=law), ["stance_torque"], {"flight_time": 0.2})
+        end, design = descended(task, led_to(point, SWITCHED, begun))
+        springs = {"cable": Spring(stiffness, damping=0.0, path=CABLE), "knee": Spring(0.0, damping=1.3)}
+        law = replace(end.system.law, stance_torque=1.02 * end.system.law.stance_torque)
+        beside = end.state[0] + 2e-3, end.state[1] + 2e-2
+        made = hopping(robot, law, springs)
+        alone = find_gait(made, ["stance_torque"], {"flight_time": 0.2}, guess=beside)
+        assert alone.system.law.stance_torque == pytest.approx(end.system.law.stance_torque, rel=1e-6)
+        cycle = simulate(alone.system, alone.state, samples=480, progress=False)
+        drawn = sum(energy_drawn(points_of(robot, cycle, part), getattr(motors, part)) for part in PARTS)
+        assert drawn == pytest.approx(design.objective, rel=1e-4) and design.missed < 1e-3
+        assert min(cycle.springs.stretch[cycle.phase == "stance", 0][1:]) > 0.0
+
+    def test_a_tied_one_has_the_derivative_by_the_hip_s_commanded_angle(self, hop):
+        """Against cycles in which the spring was put there by hand."""
+        system = with_knee(along(CABLE).system(hop.system.robot), FIXED, 2e4)
+        law = replace(system.law, hold_extension=True, minimum_force=3.3)
+        system = of_law(system, law=law)
+        orbit, h = Orbit(tied(system), hop.state, ("hip_touchdown",)), 1e-4
+
+        def end(step):
+            return Orbit(with_values(system, {"hip_touchdown": law.hip_touchdown + step}), hop.state, ()).cycle.y
+
+        beside = [end(k * h) for k in (1, -1, 2, -2)]
+        expected = (8.0 * (beside[0] - beside[1]) - (beside[2] - beside[3])) / (12.0 * h)
+        assert orbit.cycle.dy[:, -1] == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
