@@ -39,9 +39,7 @@ def add(commands: Commands) -> None:
     wanted.add_argument(
         "--stance-torque", type=float, metavar="N·m", help="knee torque in stance, instead of a flight time"
     )
-    parser.add_argument(
-        "--knee", type=float, default=1.0, metavar="RAD", help="commanded knee angle at touchdown (default: 1.0)"
-    )
+    parser.add_argument("--knee", type=float, metavar="RAD", help="commanded knee angle at touchdown (default: 1.0)")
     parser.add_argument(
         "--frequency", type=float, metavar="HZ", help="frequency of the torque in stance (default: 2.56)"
     )
@@ -103,6 +101,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         return hop_round.run(arguments)
     locked = [] if arguments.free_x else ["boom_x"]
     other = one_leg(arguments, locked)
+    for option in ("free_x", "hardware") if other is not None and other.reach is not None else ():
+        if getattr(arguments, option):
+            raise BadValue(f"--{option.replace('_', '-')}", True, "to be left out for a robot whose file has [reach]")
     robot = other or load("spear_ii", locked=locked)
     rig = _rig(arguments, other)
     if rig is not None and arguments.save:
@@ -158,10 +159,10 @@ def _system(arguments: argparse.Namespace, robot: Robot, usual: HybridSystem | N
                 f"--{name}", value, f"no number of the spring {first!r}, which is on a path: give it in the file"
             )
     given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
-    lean = robot.legs[0].lean(arguments.knee) if arguments.free_x or usual is not None else None
-    law = replace(
-        law, knee_touchdown=arguments.knee, hip_touchdown=lean, foot_placement=arguments.foot_placement, **given
-    )
+    knee = law.knee_touchdown if arguments.knee is None else arguments.knee
+    turned = robot.reach is None and (arguments.free_x or usual is not None)
+    lean = robot.legs[0].lean(knee) if turned else law.hip_touchdown
+    law = replace(law, knee_touchdown=knee, hip_touchdown=lean, foot_placement=arguments.foot_placement, **given)
     if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
         law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
     spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
@@ -210,14 +211,13 @@ def _found(
     """Find the hop, and say how, in words and in Python."""
     from spear_pin import find_gait
     from spear_pin.cli.hop_led import continue_hop
-    from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop_led import lead_hop
-    from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of
+    from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, usual_flight
 
     notes: list[tuple[str, str]] = []
     try:
         if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
-            wanted = scale_of(other).time * FLIGHT_TIME
+            wanted = usual_flight(other)
             with progress() as show:
                 show(f"looking for a hop of {called(other)}")
                 gait = hop_of(
@@ -292,7 +292,7 @@ def _rows(summary: dict[str, Any]) -> Rows:
         *([("apex of the hip", f"{summary['apex_height']:.4f} m")] if summary["apex_height"] is not None else []),
         *(("" if i else "spring", text) for i, text in enumerate(summary["springs"].values())),
         ("peak ground force", f"{summary['peak_force']:.1f} N"),
-        ("spring's share", f"{100 * summary['spring_share']:.1f} % of the push"),
+        *_share(summary["spring_share"]),
         ("multipliers", ", ".join(f"{value:.4f}" for value in summary["multipliers"])),
         ("", stability(summary["multipliers"], summary["implausible"])),
         ("fixed point", f"residual {summary['residual']:.1e}"),
@@ -300,6 +300,10 @@ def _rows(summary: dict[str, Any]) -> Rows:
         *_electrical(summary),
         ("simulated", f"{summary['cycles']} hops ({summary['reason']}){_touches(summary)}"),
     ]
+
+
+def _share(share: float | None) -> Rows:
+    return [] if share is None else [("spring's share", f"{100 * share:.1f} % of the push")]
 
 
 def _touches(summary: dict[str, Any]) -> str:

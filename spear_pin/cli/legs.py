@@ -83,7 +83,7 @@ def in_the_plane(arguments: argparse.Namespace) -> Robot | None:
 
 
 def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
-    """The leg as a monopod, as of `add_leg`; None if no robot is named.
+    """The leg as a monopod, or the robot itself if its file has `[reach]`; None if no robot is named.
 
     Raises:
         UnknownName: there is no such robot, or it has no such leg.
@@ -92,7 +92,12 @@ def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
     if arguments.robot is not None:
         _check_body(arguments.body)
     robot = _loaded(arguments, "fixed")
-    return None if robot is None else _leg(robot, arguments.leg, arguments.bends, arguments.body, locked)
+    if robot is None or robot.reach is None:
+        return None if robot is None else _leg(robot, arguments.leg, arguments.bends, arguments.body, locked)
+    for name in OPTIONS[:3]:
+        if (value := getattr(arguments, name)) is not None:
+            raise BadValue(f"--{name}", value, "to be left out: [reach] of the robot's file is about one leg")
+    return robot
 
 
 def cut_out(source: str, arguments: argparse.Namespace, options: dict[str, Any]) -> Robot:
@@ -141,9 +146,10 @@ def write_leg(program: Program, arguments: argparse.Namespace, robot: Robot, loc
     """
     from spear_pin import load
 
-    if arguments.robot is None or robot.cut is None:
+    if arguments.robot is None or robot.source == "spear_ii":
         return program.let("robot", program.call(load, "spear_ii", locked=locked))
-    return _write_leg(program, _write_load(program, arguments, "fixed"), arguments, robot, locked)
+    whole = _write_load(program, arguments, "fixed")
+    return program.let("robot", whole) if robot.cut is None else _write_leg(program, whole, arguments, robot, locked)
 
 
 def _write_leg(program: Program, whole: Code, arguments: argparse.Namespace, robot: Robot, locked: list[str]) -> Code:
@@ -273,6 +279,8 @@ def _unsaid(source: str, base: str) -> dict[str, Any]:
     from spear_pin.model.loading import sidecar_of
 
     said = sidecar_of(source)
+    if said.reach:  # its motors are not on all joints
+        return {}
     unsaid: dict[str, Any] = {"base": base} if said.base is None else {}
     return unsaid | ({"motors": "all"} if said.motors is None else {})
 

@@ -12,6 +12,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, listed, require
 from spear_pin.gaits.inputs import ANGLE, Input
+from spear_pin.gaits.proportions import proportions
 from spear_pin.gaits.reaching import angles, driving, landing, posed, seeing
 from spear_pin.gaits.springing import springing
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, HybridSystem
@@ -23,7 +24,7 @@ from spear_pin.hybrid.phases import contact_domains, fall, rate, toggle, touchdo
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-from spear_pin.model.scale import Scale, only_leg, scale_of, shipped, touchdown_inertia
+from spear_pin.model.scale import Scale, scale_of, shipped, touchdown_inertia
 from spear_pin.model.spring import Spring
 from spear_pin.model.springs import springs_by_name
 
@@ -118,10 +119,10 @@ class HoppingLaw:
 
         In flight hip and knee oscillate as often in √(l/g) as SPEAR-II's and with the same damping, each with its own
         inertia, the diagonal entry of D at touchdown. The toe lands below the hip. A flight that corresponds to
-        SPEAR-II's 0.2 s is longer by the ratio of √(l/g).
+        SPEAR-II's 0.2 s is longer by the ratio of √(l/g). For a leg with `[reach]` see `gaits.proportions`.
 
         Args:
-            robot: a robot with one leg, as `spear_pin.monopod` cuts it.
+            robot: a robot with one leg, as `spear_pin.monopod` cuts it, or with `[reach]`.
             damping_ratio: damping ratio of hip and knee in flight, by their own inertias; None: SPEAR-II's, 0.24 and
                 0.16.
 
@@ -129,7 +130,7 @@ class HoppingLaw:
             BadValue: the robot does not have one leg with hip and knee, or the damping ratio is not a number >= 0.
         """
         law = cls()
-        scale, inertia = scale_of(robot), touchdown_inertia(robot, law.knee_touchdown)
+        hip, knee, scale, torque, inertia = proportions(robot, law.knee_touchdown)
         heavier = inertia / touchdown_inertia(shipped("spear_ii"), law.knee_touchdown)
         gains = np.array([law.hip_gain, law.knee_gain]) * heavier / scale.time**2
         dampings = np.array([law.hip_damping, law.knee_damping]) * heavier / scale.time
@@ -138,8 +139,9 @@ class HoppingLaw:
             dampings = 2.0 * damping_ratio * np.sqrt(gains * inertia)
         return replace(
             law,
-            hip_touchdown=only_leg(robot).lean(law.knee_touchdown),
-            stance_torque=law.stance_torque * scale.torque,
+            knee_touchdown=knee,
+            hip_touchdown=hip,
+            stance_torque=law.stance_torque * torque,
             frequency=law.frequency / scale.time,
             hip_gain=float(gains[0]),
             hip_damping=float(dampings[0]),

@@ -11,6 +11,7 @@ from spear_pin.errors import UnknownName
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.measures.curves import Curves
 from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.gaits.reaching import angles
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.trajectory import Trajectory
@@ -28,19 +29,21 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         joint, friction_used, work, positive_work, effort (see `spear_pin.gaits.measures.catalogue`),
         peak_compression of the spring, spring_share (see there), energy by flow, all measures by name; of all of them
         energy_residual, the largest, and retouches, how often the toe left the ground too briefly for a flight.
-        Without an apex, or a whole cycle, what needs one is None, and energy is empty.
+        Without an apex, or a whole cycle, what needs one is None, and energy is empty. So is the spring's share where
+        no motor drives the knee alone, as of a leg with closed loops.
 
     Raises:
-        UnknownName: the robot has no joint "knee", as one with closed loops.
+        UnknownName: the robot has neither a joint "knee" nor `[reach]`.
     """
-    if "knee" not in trajectory.coordinates:
+    robot = gait.system.robot
+    if "knee" not in trajectory.coordinates and robot.reach is None:
         raise UnknownName("joint", "knee", trajectory.coordinates)
     law, ledger, whole = gait.system.law, trajectory.ledger, trajectory.cycles > 0
     first = trajectory.cycle == 1
     apexes = [event.q for event in trajectory.named("apex") if event.time >= trajectory.t[first][0]]
-    knee, height = trajectory.coordinates.index("knee"), trajectory.coordinates.index("boom_z")
-    touchdown = trajectory.q[first, knee][0]
-    sampled = Sampled(gait.system.robot, trajectory)
+    height = trajectory.coordinates.index("boom_z")
+    _, knee = angles(robot, [*trajectory.q.T])
+    sampled = Sampled(robot, trajectory)
     stance = sampled.curves.among(trajectory.phase == "stance")
     return {
         "stance_torque": law.stance_torque,
@@ -61,8 +64,8 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         **{name: sampled.largest(name) for name in ("peak_force", "friction_used")},
         **{name: sampled.of(name) for name in ("peak_torque", "peak_speed")},
         **{name: sampled.largest(name) for name in ("work", "positive_work", "effort")},
-        "peak_compression": stance.peak(trajectory.q[:, knee]) - touchdown,
-        "spring_share": spring_share(trajectory),
+        "peak_compression": stance.peak(knee) - knee[first][0],
+        "spring_share": spring_share(trajectory) if "knee" in trajectory.actuated else None,
         "energy_flows": {name: float(ledger[name][0]) for name in ledger.flows} if whole else {},
         "energy_residual": float(np.abs(ledger.residual).max()) if whole else None,
         "measures": sampled.values() if whole else {},

@@ -13,6 +13,7 @@ from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.gaits.diagnosis import Reached, explained
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.gaits.proportions import proportions
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
@@ -38,13 +39,19 @@ def scaled_hopping(robot: Robot, contact: Contact | None = None) -> HybridSystem
     """Returns the hop of a leg by SPEAR-II's scaled law, with the leg's own springs from a TOML file, or SPEAR-II's.
 
     Args:
-        robot: a leg, as `spear_pin.monopod` cuts it.
+        robot: a leg, as `spear_pin.monopod` cuts it, or one with `[reach]`.
         contact: friction of level ground.
     """
     own = {} if robot.settings is None else robot.settings.springs
     paths = {name: spring for name, spring in own.items() if spring.path is not None}
-    knee = {"knee": own["knee"]} if "knee" in own else {} if paths else {"knee": Spring.scaled(robot)}
-    return hopping(robot, HoppingLaw.scaled(robot), {**knee, **paths}, contact)
+    lacks = paths or robot.reach is not None
+    knee = {"knee": own["knee"]} if "knee" in own else {} if lacks else {"knee": Spring.scaled(robot)}
+    return hopping(robot, HoppingLaw.scaled(robot), {**knee, **paths} or None, contact)
+
+
+def usual_flight(robot: Robot) -> float:
+    """Returns the flight time of a leg's hop that is like SPEAR-II's, in s."""
+    return FLIGHT_TIME * proportions(robot, HoppingLaw().knee_touchdown).scale.time
 
 
 @typed

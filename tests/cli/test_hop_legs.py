@@ -12,6 +12,7 @@ from spear_pin import Gait, HoppingLaw, Spring, Trajectory, hopping, load, monop
 from spear_pin.cli import main
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.origin import robot_of
+from spear_pin.studies.hop_of_another import usual_flight
 from tests.cli.calls import printed, refused, run, words
 
 
@@ -45,6 +46,22 @@ def test_a_leg_hops(hopped, cut):
     np.testing.assert_allclose(hop.q[-1], trajectory.q[trajectory.cycle == 1][-1], rtol=0, atol=1e-8)
     page = (folder / "hop.html").read_text(encoding="utf-8")
     assert "made, leg HR, hopping in place" in page and "not drawn" not in page and "drawn as bones" not in page
+
+
+@pytest.mark.slow
+def test_a_leg_with_a_loop_hops(capsys, tmp_path):
+    found = printed(capsys, "hop", "--robot", "crank_hopper", "--cycles", "2", "--out", tmp_path)
+    assert found["cycles"] == 2 and found["residual"] < 1e-9 and found["peak_speed"].keys() == {"crank"}
+    assert found["flight_time"] == pytest.approx(usual_flight(load("crank_hopper")))
+    names: dict[str, object] = {}
+    exec(found["python"], names)
+    assert names["gait"].parameters["stance_torque"] == pytest.approx(found["stance_torque"])
+
+
+@pytest.mark.parametrize("option", ["--leg=leg", "--bends=1", "--body=2", "--free-x", "--hardware"])
+def test_a_leg_with_a_loop_has_no_such_option(capsys, option):
+    said = refused(capsys, "hop", "--robot", "crank_hopper", option)
+    assert said.startswith(f"spear: {option.split('=')[0]} is ") and "to be left out" in said
 
 
 @pytest.mark.slow

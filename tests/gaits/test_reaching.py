@@ -134,12 +134,18 @@ def test_a_guess_hangs_below_its_motors_with_its_toe_at_rest(systems, name):
     assert np.abs(robot.loop_gap(q)).max() < 1e-12 and np.abs(robot.loop_jacobian(q) @ v).max() < 1e-12
 
 
-def test_what_needs_a_knee_says_so(gaits):
-    gait = gaits["crank_hopper"]
+@pytest.mark.parametrize("name", slow_but(NAMES, "crank_hopper"))
+def test_figures_are_those_of_its_motors(gaits, name):
+    gait = gaits[name]
     hops = simulate(gait.system, gait.state, cycles=1)
-    for ask in (lambda: hop_summary(hops), lambda: summarize(gait, hops)):
-        with pytest.raises(UnknownName, match=r"unknown joint '(hip|knee)'; valid: boom_z, crank, rod, slide"):
-            ask()
+    said, motors = summarize(gait, hops), gait.system.robot.actuated
+    flexion = hops.q[:, hops.coordinates.index(motors[0])]
+    flexion = flexion if name == "crank_hopper" else flexion - hops.q[:, hops.coordinates.index(motors[1])]
+    deepest = np.max(flexion[hops.phase == "stance"]) - flexion[0]
+    assert said["peak_compression"] == pytest.approx(deepest, rel=1e-3) and said["spring_share"] is None
+    assert [*said["peak_torque"]] == [*motors]
+    drawn = [axes.get_ylabel() for axes in hop_summary(hops, gait).axes]
+    assert all(f"{motor.replace('_', ' ').capitalize()} angle (rad)" in drawn for motor in motors)
 
 
 GEARED = """[loops.gears]

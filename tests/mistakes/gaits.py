@@ -237,6 +237,14 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "gaits/proportions",
+        ["gaits/test_proportions"],
+        {
+            "a leg with loops lands stretched": ("share * depths.get", "depths.get"),
+            "its torques do not know its lever": ("scale.force * _slope(depth, lands) /", "scale.force /"),
+        },
+    ),
+    *mistakes_in(
         "gaits/springing",
         [
             "gaits/test_hopping",

@@ -76,7 +76,8 @@ def draw_torque(axes: Axes, trajectory: Trajectory, joint: str = "knee") -> None
     """Draws the torques on a knee over time."""
     _row(trajectory, joint)
     motor = trajectory.u[:, trajectory.actuated.index(joint)]
-    spring = trajectory.spring[:, trajectory.spring_joints.index(joint)]
+    sprung = joint in trajectory.spring_joints
+    spring = trajectory.spring[:, trajectory.spring_joints.index(joint)] if sprung else 0.0 * motor
     total = trajectory.tau[:, trajectory.actuated.index(joint)]
     over(axes, trajectory, f"{_words(joint)} torque{PAIR * of_a_pair(f'u_{joint}')} (N·m)")
     axes.axhline(0.0, color="0.6", linewidth=0.5)
@@ -192,7 +193,7 @@ def _runs(trajectory: Trajectory, chosen: NDArray[np.bool_]) -> list[Span]:
 def _commanded(trajectory: Trajectory, joint: str, gait: Gait) -> list[tuple[Span, float]]:
     """Returns the flights, and the commands of a `HoppingLaw` in each: the hip's depends on the speed at lift-off."""
     law = gait.system.law
-    if not isinstance(law, HoppingLaw):
+    if not isinstance(law, HoppingLaw) or joint not in ("hip", "knee"):
         return []
     hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
     levels = []

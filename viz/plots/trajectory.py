@@ -79,6 +79,8 @@ def boom_height(trajectory: Trajectory) -> Figure:
 def hop_summary(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
     """Plots everything at a glance: height and energy of all hops; force, angles and torque of the first two.
 
+    A leg with closed loops has the angles of its motors, and the torque of the last.
+
     Args:
         trajectory: motion of the robot.
         gait: if given, the angles that its law commands in flight are drawn as well.
@@ -92,13 +94,17 @@ def hop_summary(trajectory: Trajectory, gait: Gait | None = None) -> Figure:
         (height, energy), (hip, knee), (force, torque) = axes
         draw_height(height, trajectory)
         draw_energy(energy, trajectory)
-        draw_angle(hip, trajectory, "hip", gait)
-        draw_angle(knee, trajectory, "knee", gait)
+        *others, last = trajectory.actuated if len(trajectory.actuated) <= 2 else ("hip", "knee")
+        for joint in others:
+            draw_angle(hip, trajectory, joint, gait)
+        if not others:
+            hip.set_axis_off()
+        draw_angle(knee, trajectory, last, gait)
         draw_force(force, trajectory)
-        draw_torque(torque, trajectory)
+        draw_torque(torque, trajectory, last)
         shown = trajectory.t[trajectory.cycle <= DETAIL]
         for detail in (hip, knee, force, torque):
             detail.set_xlim(shown[0], shown[-1])
-        for letter, panel in zip("abcdef", axes.flat, strict=True):
+        for letter, panel in zip("abcdef", [each for each in axes.flat if each.axison], strict=False):
             panel.text(-0.17, 1.03, f"({letter})", transform=panel.transAxes, va="bottom")
         return figure
