@@ -203,9 +203,10 @@ def _springs(said: Sidecar, path: Path, legs: Sequence[Leg]) -> dict[str, Spring
             also = "or a path in its table"
             raise BadFile(path, f"springs: {UnknownName('knee', name, ['knee', *knees], also)}")
         table = {"stiffness": 0.0, "damping": 0.0, **others}
-        if not table["stiffness"] and not table.get("table"):
+        if not table["stiffness"] and not table.get("table") and not table["damping"]:
             unit = "N·m/rad" if along is None else "N/m"
-            raise BadFile(path, f"springs.{name} has no stiffness; expected a number > 0, in {unit}, or a table")
+            expected = f"a number > 0, in {unit}, or a table, or a damping alone"
+            raise BadFile(path, f"springs.{name} has no stiffness; expected {expected}")
         with blaming(path, f"springs.{name}"):
             clutch = table.pop("clutch", None)
             if clutch is not None:

@@ -247,6 +247,10 @@ class TestKept:
         again = pickle.loads(pickle.dumps(robot))
         assert again.settings == robot.settings and again.legs == robot.legs
 
+    def test_a_knee_may_have_a_damper_alone(self, made):
+        knee = load(made(BASE + SIDES + "\nsprings.knee.damping = 1.3\n")).settings.springs["FL_bend"]
+        assert (knee.stiffness, knee.damping, knee.pulls) == (0.0, 1.3, False)
+
     @pytest.mark.parametrize("cut", [lambda robot: monopod(robot, "FL"), sagittal])
     def test_by_files(self, made, cut):
         robot = cut(

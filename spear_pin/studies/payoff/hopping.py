@@ -300,7 +300,7 @@ def _own(robot: Robot) -> Mapping[str, Spring]:
     return {} if robot.settings is None else robot.settings.springs
 
 
-def _along(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
+def along_of(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
     """Returns name and path of a robot's spring; None for the knee's.
 
     Raises:
@@ -309,7 +309,7 @@ def _along(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
     """
     own = _own(robot)
     paths = {each: spring.path for each, spring in own.items() if spring.path is not None}
-    known = [*paths, *[KNEE] * (KNEE in own or not paths)]
+    known = [*paths, *[KNEE] * (not paths or (KNEE in own and own[KNEE].pulls))]
     if name is None and len(known) > 1:
         raise BadValue("spring", None, f"the name of one, as the robot's file has several: {listed(known)}")
     name = known[0] if name is None else name
@@ -355,6 +355,6 @@ def hops(
         UnknownName: the robot's file has no such spring.
         MissingExtra: heyoka, or for several processes joblib, is not installed.
     """
-    along = _along(robot, spring)
+    along = along_of(robot, spring)
     batch.require()
     return studied(Hops(dict(over), along, words_along(along)), robot, path, **options)

@@ -15,7 +15,7 @@ from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.payoff import Motors, Search, hop_search
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
 from spear_pin.studies.payoff.hop_search import TAUT, descended, led_to, problem
-from spear_pin.studies.payoff.hopping import HOPS, Hops, figures_of, hops, task_of, words_along
+from spear_pin.studies.payoff.hopping import HOPS, Hops, along_of, figures_of, hops, task_of, words_along
 from spear_pin.studies.payoff.knee import levers, released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
 from spear_pin.studies.payoff.searches import rebuilt, written
@@ -105,6 +105,14 @@ def test_springs_that_cannot_be_studied(tmp_path, text, name, why):
     (tmp_path / "leg.toml").write_text(OF_FILE + text)
     with pytest.raises(SpearError, match=why):
         hops(load(tmp_path / "leg.toml"), tmp_path / "payoff.jsonl", spring=name)
+
+
+def test_the_knee_keeps_the_damper_of_the_file(tmp_path):
+    (tmp_path / "leg.toml").write_text(OF_FILE + SPRING.format("cable") + "[springs.knee]\ndamping = 0.7\n")
+    robot = load(tmp_path / "leg.toml")
+    along = along_of(robot, None)
+    assert along == ("cable", CABLE)
+    assert Hops(along=along).system(robot).springs["knee"] == Spring(0.0, damping=0.7)
 
 
 @pytest.mark.slow
