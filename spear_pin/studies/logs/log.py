@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.kinds import typed
 
 
+@typed
 @dataclass(frozen=True)
 class Column:
     """Where a quantity is in a log's file, and how its SI value follows: sign (number - zero) size of its unit.
@@ -39,6 +40,17 @@ class Column:
     modes: Mapping[str, str] = field(default_factory=dict)
     file: str | None = None
     lag: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Checks the fields."""
+        require("sign", self.sign, lambda sign: abs(sign) == 1, "1 or -1")
+        require("zero", self.zero, lambda _: True, "a finite number, in the column's unit")
+        require("lag", self.lag, lambda _: True, "a finite number, in s")
+        if self.at not in ("joint", "motor"):
+            raise BadValue("at", self.at, "'joint' or 'motor'")
+        for number in self.modes:
+            if not str(number).removeprefix("-").replace(".", "", 1).isdecimal():
+                raise BadValue("modes", number, "numbers in the column, each with a name")
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,6 +85,16 @@ class Log:
     remarks: tuple[str, ...] = ()
     begin: float = 0.0
 
+    def __post_init__(self) -> None:
+        """Checks that times increase, and that there is a value at each."""
+        t = np.asarray(self.t)
+        if t.ndim != 1 or t.size < 2 or not np.isfinite(t).all() or not (np.diff(t) > 0).all():
+            raise BadValue("t", self.t, "two times or more that increase, in s")
+        others = {} if self.modes is None else {"modes": self.modes}
+        for name, each in {**self.values, **others}.items():
+            if np.shape(each) != t.shape:
+                raise BadValue(f"values[{name!r}]", each, f"{t.size} values, one for each time")
+
     @classmethod
     @typed
     def read(
@@ -81,10 +103,12 @@ class Log:
         columns: Mapping[str, Any] | None = None,
         units: Mapping[str, str] | None = None,
     ) -> Log:
-        """Reads a log from a CSV, .mat or .npz file, or a folder of files that follow one another on one clock.
+        """Reads a log from a CSV, .mat, .npz or MCAP file, or a folder of files that follow one another on one clock.
 
         What a column holds is said by `columns`, else by a TOML file of the same name beside it, or "log.toml" in the
         folder, with a table `[columns]`, else by the columns' own names: `knee_deg`, `knee_torque [Nm]`, `time_ms`.
+        In an MCAP file columns are numbers of JSON or protobuf messages, by topic and field:
+        "/joint_states.knee.position". The first of them gives the times; another topic is interpolated at them.
 
         Args:
             path: path of the file or folder.
@@ -94,8 +118,9 @@ class Log:
 
         Raises:
             BadFile: the file is not such a log; the text says why.
-            BadValue: a sign, a lag or a unit is not valid.
-            UnknownName: a column or unit that is not there; the text lists the valid ones.
+            BadValue: a sign, a lag or another entry is not valid.
+            MissingExtra: the library that reads MCAP files is not installed.
+            UnknownName: a column, an entry or a unit that is not there; the text lists the valid ones.
         """
         from spear_pin.studies.logs.reading import read
 
@@ -111,7 +136,7 @@ class Log:
             source: what the whole is called.
 
         Raises:
-            BadValue: there are none, or they overlap in time.
+            BadValue: there are none, they overlap in time, or their torques are at different places.
         """
         parts = sorted(parts, key=lambda part: part.begin)
         if not parts:
@@ -120,6 +145,8 @@ class Log:
             if other.begin <= one.begin + one.t[-1]:
                 expected = f"logs of one clock that follow one another: {other.source} begins before {one.source} ends"
                 raise BadValue("parts", source, expected)
+            if other.at_motor != one.at_motor:
+                raise BadValue("parts", source, "logs with the same torques at motors, and the same at joints")
         first, modes = parts[0], [part.modes for part in parts if part.modes is not None]
         names = [name for name in first.values if all(name in part.values for part in parts)]
         return Log(

@@ -3,62 +3,67 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadFile, BadValue, UnknownName, brief, listed, require
+from spear_pin.errors import BadFile, BadValue, UnknownName, brief, listed
 from spear_pin.files import regular
-from spear_pin.studies.identification.columns import read_columns
 from spear_pin.studies.identification.records import SYNTHETIC, unwrapped
 from spear_pin.studies.identification.units import ANGLES, TIMES, find_times, guess_time_unit, split_name
 from spear_pin.studies.logs.log import Column, Log
-from spear_pin.studies.logs.units import MODE, TIME, known_unit, units_of
+from spear_pin.studies.logs.tables import MCAP, SUFFIXES, Table, read_tables
+from spear_pin.studies.logs.units import MODE, OTHERS, POSITIONS, TIME, TORQUE, known_unit, units_of
 
-SUFFIXES = ".csv", ".txt", ".tsv", ".dat", ".mat", ".npz"
 FOLDER = "log.toml"
 GAP = 5.0  # median steps, from which on samples are missing
+LONGEST = 3600.0  # s without a sample: more is another clock
 FEWEST = 20  # samples
 MOST_BYTES = 1_000_000  # of the file that says what the columns are
 Columns = Mapping[str, Column]
+Units = Mapping[str, str]
+UNSAID = Column("")
+ENTRIES = [field.name for field in fields(Column)]
 
 
 @dataclass(frozen=True)
-class Table:
-    """Columns of one file by name, with their units where a row below the names gives them."""
+class Clock:
+    """Times of a table, (n,), in s on its own clock, increasing, and the rows that have them."""
 
-    values: Mapping[str, Array]
-    units: Mapping[str, str]
-    moments: frozenset[str]
-    comments: tuple[str, ...] = ()
-    remarks: tuple[str, ...] = ()
+    t: Array
+    rows: NDArray[np.intp]
 
 
-def read(path: str | Path, columns: Mapping[str, Any] | None, units: Mapping[str, str]) -> Log:
+def read(path: str | Path, columns: Mapping[str, Any] | None, units: Units) -> Log:
     """Reads a log; see `Log.read`."""
     path = Path(path)
-    files = _files(path)
     asked = _asked(path) if columns is None else _columns(columns, "columns")
-    parts = [_read(file, asked, units) for file in files]
+    parts = [_read(file, asked, units) for file in _files(path, asked)]
     if len(parts) == 1:
         return parts[0]
     try:
         return Log.join(parts, str(path))
     except BadValue as error:
-        raise BadFile(path, f"expected {error.expected}") from None
+        raise BadFile(path, f"expected {error.expected}; or give the files one by one") from None
 
 
-def _files(path: Path) -> list[Path]:
+def _files(path: Path, asked: Columns) -> list[Path]:
+    """Returns the files that follow one another, without those of other sensors."""
     if not path.is_dir():
-        return [regular(path)]
-    found = sorted(file for file in path.iterdir() if file.suffix.lower() in SUFFIXES)
+        return [path]
+    others = {column.file for column in asked.values()}
+    found = sorted(each for each in path.iterdir() if each.suffix.lower() in SUFFIXES and each.name not in others)
     if not found:
-        raise BadFile(path, f"there is no log in this folder; expected files that end in {listed(SUFFIXES)}")
+        raise BadFile(path, f"there is no log in this folder; expected files that end in {', '.join(SUFFIXES)}")
     return found
+
+
+# what the columns are
 
 
 def _asked(path: Path) -> Columns:
@@ -73,7 +78,7 @@ def _asked(path: Path) -> Columns:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise BadFile(beside, f"not a TOML file: {error}") from None
     if [*said] != ["columns"] or not isinstance(said["columns"], dict):
-        raise BadFile(beside, f"it has {listed(said) or 'nothing'}; expected one table, [columns]")
+        raise BadFile(beside, f"it has {listed([*said]) or 'nothing'}; expected one table, [columns]")
     try:
         return _columns(said["columns"], "columns")
     except (BadValue, UnknownName) as error:
@@ -81,103 +86,52 @@ def _asked(path: Path) -> Columns:
 
 
 def _columns(given: Mapping[str, Any], where: str) -> Columns:
-    known, found = [field.name for field in fields(Column)], dict[str, Column]()
+    found = dict[str, Column]()
     for name, said in given.items():
+        place = f"{where}.{name}"
         if isinstance(said, str):
             said = {"column": said}
         if isinstance(said, Column):
-            said = {field: getattr(said, field) for field in known}
-        if not isinstance(said, Mapping) or not isinstance(said.get("column"), str):
-            raise BadValue(f"{where}.{name}", said, "the name of a column, or a table with `column`")
-        for field in said:
-            if field not in known:
-                raise UnknownName(f"entry of {where}.{name}", field, known)
-        found[str(name)] = column = Column(**said)
-        require(f"{where}.{name}.sign", column.sign, lambda sign: abs(sign) == 1, "1 or -1")
-        require(f"{where}.{name}.zero", column.zero, lambda _: True, "a finite number")
-        require(f"{where}.{name}.lag", column.lag, lambda _: True, "a finite number, in s")
-        if column.at not in ("joint", "motor"):
-            raise BadValue(f"{where}.{name}.at", column.at, "'joint' or 'motor'")
+            said = {entry: value for entry in ENTRIES if (value := getattr(said, entry)) != getattr(UNSAID, entry)}
+        if not isinstance(said, Mapping) or "column" not in said:
+            raise BadValue(place, said, "the name of a column, or a table with `column`")
+        valid = _entries(name)
+        for entry in said:
+            if entry not in valid:
+                raise UnknownName(f"entry of {place}", entry, valid)
+        try:
+            found[name] = Column(**said)
+        except BadValue as error:
+            raise BadValue(f"{place}.{error.name.rpartition('.')[2]}", error.value, error.expected) from None
     return found
 
 
-def _table(path: Path) -> Table:
-    """Reads all columns of a file."""
-    if path.suffix.lower() == ".npz":
-        try:
-            with np.load(path, allow_pickle=False) as stored:
-                arrays = {name: np.asarray(stored[name]) for name in stored.files}
-        except Exception as error:  # a damaged file may raise anything
-            raise BadFile(path, f"not an .npz file that can be read: {error}") from None
-        values = {name: each.astype(float) for name, each in arrays.items() if each.ndim == 1 and each.dtype.kind in "fiu"}
-        if len({each.size for each in values.values()}) > 1:
-            raise BadFile(path, "expected columns of equal length: " + ", ".join(f"{k} {v.size}" for k, v in values.items()))
-        return Table(values, {}, frozenset())
-    read = read_columns(path, lambda names: names)
-    named = list(zip(read.names, read.values, strict=True))
-    units = {name: unit for name, unit in zip(read.names, read.units, strict=True) if unit.strip("- ")}
-    moments = frozenset(name for name, each in zip(read.names, read.moments, strict=True) if each)
-    return Table(dict(named), units, moments, read.comments, read.remarks)
+def _entries(name: str) -> list[str]:
+    """Returns what may be said of the column of a quantity."""
+    if name in (TIME, MODE):
+        return ["column", "unit" if name == TIME else "modes"]
+    return [entry for entry in ENTRIES if entry != "modes" and (entry != "at" or name.endswith(TORQUE))]
 
 
-def _read(path: Path, asked: Columns, units: Mapping[str, str]) -> Log:
-    """Reads one file."""
-    table = _table(path)
-    remarks = list(table.remarks)
-    asked = asked or _by_names(path, table, remarks)
-    if TIME not in asked:
-        times = find_times([*table.values])
-        if not times:
-            raise BadFile(path, f"which column is the time? It has {listed(table.values)}; name one as `time`")
-        asked = {TIME: Column(times[0]), **asked}
-    for name, column in asked.items():
-        if column.file is None and column.column not in table.values:
-            raise UnknownName(f"column of {path} for {name!r}", column.column, table.values)
-    for name in units:
-        if name not in table.values:
-            raise UnknownName(f"column of {path} in units", name, table.values)
-    t, rows, dropped = _times(path, table, asked[TIME], units)
-    remarks += dropped
-    values: dict[str, Array] = {}
-    modes = None
-    for name, column in asked.items():
-        if name == TIME:
-            continue
-        if column.file is not None:
-            values[name] = _beside(path, name, column, asked[TIME], units, t, remarks)
-        elif name == MODE:
-            modes = _modes(table.values[column.column][rows], column)
-        else:
-            values[name], unit = _scaled(path, name, column, table, units, remarks)
-            values[name] = values[name][rows]
-            if unit in ANGLES:
-                values[name], jumps = unwrapped(values[name], rows)
-                remarks += jumps
-            if column.lag:
-                values[name] = _at(t, t - column.lag, values[name])
-    if not values:
-        raise BadFile(path, f"no column is a joint's; it has {listed(table.values)}")
-    used = {column.column for column in asked.values() if column.file is None}
-    if unread := [name for name in table.values if name not in used]:
-        remarks.append(f"columns that are not read: {', '.join(map(brief, unread))}")
-    steps = np.diff(t)
-    if (gaps := steps > GAP * np.median(steps)).any():
-        remarks.append(f"{gaps.sum()} gaps between samples, the longest {steps.max():.3g} s")
-    synthetic = any(comment.startswith(SYNTHETIC) for comment in table.comments)
-    at_motor = frozenset(name for name, column in asked.items() if column.at == "motor")
-    told = tuple(f"{path.name}: {each}" for each in remarks)
-    return Log(str(path), t - t[0], values, at_motor, modes, synthetic, told, float(t[0]))
-
-
-def _by_names(path: Path, table: Table, remarks: list[str]) -> Columns:
+def _by_names(path: Path, tables: Sequence[Table], units: Units) -> Columns:
     """Takes what the columns hold from their names."""
+    if path.suffix.lower() == MCAP:
+        names = [name for table in tables for name in table.values if name != TIME]
+        raise BadFile(path, f"say which columns it is about, by `columns` or a TOML file; it has {listed(names, 8)}")
+    (table,) = tables
     found, times = dict[str, Column](), find_times([*table.values])
-    for column in table.values:
-        if column not in times:
-            name = _stem(column)
-            if name in found:
-                raise BadFile(path, f"columns {found[name].column!r} and {column!r} both name {name!r}; say which by `columns`")
-            found[name] = Column(column)
+    for column, values in table.values.items():
+        name, own = _stem(column), Column(column)
+        if column in times or not np.isfinite(values).any():
+            continue
+        try:
+            _unit(table, name, own, units)
+        except UnknownName:  # it is something else
+            continue
+        if name in found:
+            both = f"columns {found[name].column!r} and {column!r}"
+            raise BadFile(path, f"{both} both name {name!r}; say which by `columns` (--column {name}=...)")
+        found[name] = own
     return found
 
 
@@ -190,77 +144,156 @@ def _stem(column: str) -> str:
     return stem if stem and known_unit(word, units_of(stem)) else column
 
 
-def _unit_of(path: Path, name: str, column: Column, table: Table, units: Mapping[str, str], remarks: list[str]) -> str:
-    """Returns the unit of a column, "" where nothing names it."""
-    possible, said = units_of(name), units.get(column.column, column.unit)
+def _unit(table: Table, name: str, column: Column, units: Units) -> str | None:
+    """Returns the unit of a column, None where nothing names it.
+
+    Raises:
+        UnknownName: the unit that is named is none of such a quantity.
+    """
+    possible, split, last = units_of(name), split_name(column.column), column.column.rpartition("_")[2]
+    surely = split.meant or (split.unit and split.stem != column.column)
+    own = split.word if surely else last if last != column.column and known_unit(last, OTHERS) else None
+    said = units.get(column.column, column.unit) or table.units.get(column.column) or own
     if said is not None:
-        unit = known_unit(said, possible)
-        if unit is None:
-            raise UnknownName(f"unit of {name!r} in {path}", said, possible)
+        if (unit := known_unit(said, possible)) is None:
+            raise UnknownName(f"unit of {name!r}, column {column.column!r} of {table.path}:", said, possible)
         return unit
-    for word in (table.units.get(column.column), split_name(column.column).word, column.column.rpartition("_")[2]):
-        if word and (unit := known_unit(word, possible)) is not None:
-            return unit
-    remarks.append(f"{column.column!r} names no unit: taken as SI units and radians")
-    return ""
+    return known_unit(last, possible)
 
 
-def _scaled(
-    path: Path, name: str, column: Column, table: Table, units: Mapping[str, str], remarks: list[str]
-) -> tuple[Array, str]:
-    """Returns a column in SI units, and its own unit."""
-    unit = _unit_of(path, name, column, table, units, remarks)
-    return column.sign * (table.values[column.column] - column.zero) * units_of(name).get(unit, 1.0), unit or "rad"
+# what they hold
 
 
-def _times(path: Path, table: Table, column: Column, units: Mapping[str, str]) -> tuple[Array, Any, list[str]]:
-    """Returns times in s, on the file's own clock, which rows have one, and what was dropped."""
-    raw, remarks = table.values[column.column], list[str]()
-    named = split_name(column.column).unit
-    if column.column in table.moments:
-        t = raw
+def _read(path: Path, asked: Columns, units: Units) -> Log:
+    """Reads one file, and those of other sensors beside it."""
+    wanted = [column.column for column in asked.values()]
+    files = dict.fromkeys([None, *(column.file for column in asked.values())])
+    tables = {file: read_tables(path.parent / file if file else path, wanted) for file in files}
+    whole = [table for each in tables.values() for table in each]
+    remarks = [remark for table in whole for remark in table.remarks]
+    for name in units:
+        if not any(name in table.values for table in whole):
+            raise UnknownName(f"column in units, of {path}:", name, [key for table in whole for key in table.values])
+    guessed, asked = not asked, asked or _by_names(path, tables[None], units)
+    sources = {name: _table(tables[column.file], name, column.column) for name, column in asked.items() if name != TIME}
+    main = next((table for name, table in sources.items() if asked[name].file is None and name != MODE), None)
+    if main is None:
+        raise BadFile(
+            path, f"no column is a joint's; it has {listed([name for each in whole for name in each.values])}"
+        )
+    if TIME in asked:
+        _table([main], TIME, asked[TIME].column)
+    clocks = {table: _clock(table, asked.get(TIME), units, remarks) for table in dict.fromkeys(sources.values())}
+    t = clocks[main].t
+    values, modes, bare = dict[str, Array](), None, list[str]()
+    for name, table in sources.items():
+        column, clock = asked[name], clocks[table]
+        if name == MODE:
+            modes = _modes(table, column, clock)
+            continue
+        unit = _unit(table, name, column, units)
+        bare += [] if unit else [repr(column.column)]
+        unit = unit if unit or guessed or units_of(name) is not POSITIONS else "rad"
+        values[name] = _measured(table, name, column, unit, clock, remarks)
+        if table is not main or column.lag:
+            values[name] = _at(t, clock.t - column.lag, values[name])
+            if np.isnan(values[name]).all():
+                raise BadFile(table.path, f"{column.column!r} has no sample at times of {path}: {_spans(clock.t, t)}")
+    if bare:
+        remarks.append(f"no unit is named, so SI units and radians are taken, of {', '.join(bare)}")
+    if path.suffix.lower() != MCAP and (unread := [*main.values.keys() - {*_used(asked, main)}]):
+        remarks.append(f"columns that are not read: {', '.join(map(brief, sorted(unread)))}")
+    steps = np.diff(t)
+    if (gaps := steps > GAP * np.median(steps)).any():
+        remarks.append(f"{gaps.sum()} gaps between samples, the longest {steps.max():.3g} s")
+    synthetic = any(comment.startswith(SYNTHETIC) for table in whole for comment in table.comments)
+    at_motor = frozenset(name for name, column in asked.items() if column.at == "motor")
+    told = tuple(f"{path.name}: {each}" for each in remarks)
+    return Log(str(path), t - t[0], values, at_motor, modes, synthetic, told, float(t[0]))
+
+
+def _used(asked: Columns, main: Table) -> list[str]:
+    """Returns the columns that are read."""
+    times = [] if TIME in asked else find_times([*main.values])[:1]
+    return [*times, *(column.column for column in asked.values())]
+
+
+def _table(tables: Sequence[Table], name: str, column: str) -> Table:
+    """Returns the table that has a column."""
+    found = next((table for table in tables if column in table.values), None)
+    if found is None:
+        valid = [key for table in tables for key in table.values]
+        raise UnknownName(f"column for {name!r} in {tables[0].path if tables else 'an empty file'}:", column, valid)
+    return found
+
+
+def _spans(one: Array, other: Array) -> str:
+    return f"{one[0]:.6g} to {one[-1]:.6g} s, and {other[0]:.6g} to {other[-1]:.6g} s; expected one clock, or its `lag`"
+
+
+def _measured(table: Table, name: str, column: Column, unit: str | None, clock: Clock, remarks: list[str]) -> Array:
+    """Returns a column in SI units at the times of its table; an angle goes on where an encoder wraps."""
+    possible = units_of(name)
+    raw = table.values[column.column][clock.rows]
+    good = np.flatnonzero(np.isfinite(raw))
+    words = f", but {table.words[column.column]}" if column.column in table.words else ""
+    if not good.size:
+        raise BadFile(table.path, f"column {column.column!r}, for {name!r}, holds no number{words}; name another")
+    if lost := raw.size - good.size:
+        remarks.append(f"{column.column!r} holds no number in {lost} of {raw.size} rows{words}")
+    found = np.full(raw.size, np.nan)
+    found[good] = column.sign * (raw[good] - column.zero) * possible.get(unit or "", 1.0)
+    if unit in ANGLES:
+        found[good], jumps = unwrapped(found[good], clock.rows[good])
+        remarks += [f"{column.column!r}: {jump}" for jump in jumps]
+    return found
+
+
+def _clock(table: Table, asked: Column | None, units: Units, remarks: list[str]) -> Clock:
+    """Returns the times of a table's rows, in s."""
+    path, times = table.path, find_times([*table.values])
+    if asked is not None and (asked.column in table.values or not times):
+        column = asked.column
+    elif times:
+        column, asked = times[0], None
     else:
-        if column.unit or column.column in units or named in TIMES or column.column in table.units:
-            unit = _unit_of(path, TIME, column, table, units, remarks)
-        elif (unit := guess_time_unit(column.column, raw)) != "s":
-            remarks.append(f"{column.column!r} names no unit: taken as {unit}, by its name or as Unix time")
-        t = raw * TIMES.get(unit, 1.0)
-    good = np.isfinite(t)
-    rows = np.flatnonzero(good)
-    if rows.size < FEWEST:
-        raise BadFile(path, f"{rows.size} rows have a time; a log needs at least {FEWEST}")
-    if lost := int(good.size - rows.size):
-        remarks.append(f"dropped {lost} of {good.size} rows without a time")
+        raise BadFile(path, f"which column is the time? It has {listed([*table.values])}; name one as `time`")
+    if column not in table.values:
+        raise UnknownName(f"column for {TIME!r} in {path}:", column, table.values)
+    raw = table.values[column]
+    unit = "s" if column in table.moments else _unit(table, TIME, asked or Column(column), units)
+    if unit is None and (unit := guess_time_unit(column, raw)) != "s":
+        remarks.append(f"{column!r} names no unit: taken as {unit}, by its name or as Unix time")
+    t = raw * TIMES[unit or "s"]
+    rows = np.flatnonzero(np.isfinite(t))
+    if lost := t.size - rows.size:
+        remarks.append(f"dropped {lost} of {t.size} rows without a time")
     steps = np.diff(t[rows])
     if (steps < 0).any():
         row = int(np.flatnonzero(steps < 0)[0])
-        raise BadFile(path, f"time goes back after {row + 1} rows, by {-steps[row]:.3g} s; expected times that increase")
+        raise BadFile(
+            path, f"time goes back after row {rows[row] + 1}, by {-steps[row]:.3g} s; expected times that increase"
+        )
     if (same := steps < 1e-9).any():
         remarks.append(f"dropped {int(same.sum())} rows that repeat a time")
         rows = rows[np.concatenate([[True], ~same])]
-    return t[rows], rows, remarks
+    if rows.size < FEWEST:
+        raise BadFile(path, f"{rows.size} rows have a time of their own; a log needs at least {FEWEST}")
+    steps = np.diff(t[rows])
+    if steps.max() > LONGEST:
+        row, unit = rows[int(steps.argmax())] + 1, unit or "s"
+        raise BadFile(path, f"time jumps by {steps.max():.3g} s after row {row}; expected one clock, in {unit}")
+    return Clock(t[rows], rows)
 
 
-def _modes(raw: Array, column: Column) -> Any:
+def _modes(table: Table, column: Column, clock: Clock) -> Any:
     """Returns the name of the mode in each row."""
+    if column.column in table.words:
+        raise BadFile(
+            table.path, f"column {column.column!r}, for 'mode', holds {table.words[column.column]}; expected numbers"
+        )
     names = {float(number): name for number, name in column.modes.items()}
-    return np.array([names.get(value, f"{value:g}") for value in raw.tolist()])
-
-
-def _beside(
-    path: Path, name: str, column: Column, time: Column, units: Mapping[str, str], t: Array, remarks: list[str]
-) -> Array:
-    """Reads a quantity from another file, at the times of the log; NaN where it has no samples."""
-    other = path.parent / str(column.file)
-    table = _table(regular(other))
-    clock = time if time.column in table.values else Column((find_times([*table.values]) or ["time"])[0])
-    for each in (clock.column, column.column):
-        if each not in table.values:
-            raise UnknownName(f"column of {other} for {name!r}", each, table.values)
-    own = {key: unit for key, unit in units.items() if key in table.values}
-    times, rows, _ = _times(other, table, clock, own)
-    values, _ = _scaled(other, name, column, table, own, remarks)
-    return _at(t, times - column.lag, values[rows])
+    return np.array([names.get(value, f"{value:g}") for value in table.values[column.column][clock.rows].tolist()])
 
 
 def _at(t: Array, times: Array, values: Array) -> Array:
@@ -268,4 +301,4 @@ def _at(t: Array, times: Array, values: Array) -> Array:
     steps = np.diff(times)
     found = np.interp(t, times, values, left=np.nan, right=np.nan)
     place = np.clip(np.searchsorted(times, t), 1, len(times) - 1)
-    return np.where(steps[place - 1] > GAP * np.median(steps), np.nan, found)
+    return np.where((steps[place - 1] > GAP * np.median(steps)) & (t < times[place]), np.nan, found)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from spear_pin.studies.identification.units import ANGLES, TIMES, find_unit
@@ -12,14 +13,20 @@ FORCES = {"N": 1.0, "kN": 1e3}
 POSITIONS = ANGLES | LENGTHS
 RATES = {f"{unit}/s": size for unit, size in POSITIONS.items()} | {"rpm": ANGLES["turns"] / 60.0}
 PLAIN = {"1": 1.0}
-TIME, MODE = "time", "mode"
+TIME, MODE, TORQUE = "time", "mode", "_torque"
 KINDS: Mapping[str, Mapping[str, float]] = {
     "_rate": RATES,
-    "_torque": TORQUES | FORCES,  # a motor that slides has a force
+    TORQUE: TORQUES | FORCES,  # a motor that slides has a force
     "_force": FORCES,
 }
 """The units of a quantity, by how its name ends; of a name with another ending those of a position."""
-_WORDS = {"nm": "N·m", "n.m": "N·m", "n*m": "N·m", "newtonmeter": "N·m", "mnm": "mN·m", "newton": "N", "metre": "m"}
+OTHERS = RATES | TORQUES | FORCES
+"""Units that no position has."""
+_WORDS = {
+    **{"nm": "N·m", "newtonmeter": "N·m", "newtonmetre": "N·m", "mnm": "mN·m", "newton": "N"},
+    **{"meter": "m", "metre": "m", "dps": "deg/s", "rps": "turns/s"},
+}
+_BETWEEN = re.compile(r"[\s.·⋅*]")  # factors of a unit
 
 
 def units_of(name: str) -> Mapping[str, float]:
@@ -32,7 +39,8 @@ def units_of(name: str) -> Mapping[str, float]:
 def known_unit(word: str, units: Mapping[str, float]) -> str | None:
     """Returns the unit among some that a word means, None for a word that means none of them."""
     plain = word.strip(" []()")
-    for meant in (plain, find_unit(plain), _WORDS.get(plain.lower()), _rate(plain)):
+    joined = _BETWEEN.sub("", plain).lower()
+    for meant in (plain, find_unit(plain), _WORDS.get(joined), _rate(plain)):
         if meant in units:
             return meant
     return next((unit for unit in units if unit.lower() == plain.lower()), None)
