@@ -32,8 +32,8 @@ def add(commands: Commands) -> None:
         action="extend",
         required=True,
         metavar="NAME",
-        help="numbers to fit, separated by commas: those of robot and springs, torque_scale, JOINT_friction, JOINT_zero,"
-        " lag; help lists all",
+        help="numbers to fit, separated by commas: those of robot and springs, torque_scale, JOINT_friction,"
+        " JOINT_zero, lag; help lists all",
     )
     parser.add_argument(
         "--phases", type=names, default=["stance", "flight"], metavar="NAME", help="stance, flight or both (default)"
@@ -52,7 +52,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     program = Program()
     system, leg = leg_system(arguments, program)
-    logs, read = logs_of(arguments, program, arguments.log)
+    logs, read = logs_of(arguments, program, system, arguments.log)
     options = {"start": dict(arguments.set), "phases": arguments.phases, "settle": arguments.settle}
     with progress() as show:
         show("fitting")
@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     picture = save_figure(fit_over_log(found), arguments.out / f"{STEM}.svg")
     rows = [(name, f"{each.value:.6g} ± {each.deviation:.2g} {each.unit}") for name, each in found.found.items()]
     rows += [("phases", f"{len(found.arcs)}"), ("rms", f"{found.rms:.3g} rad")]
-    told = [*notes(logs, found.left_out, found.doubts), f"files: {kept}, {picture}"]
+    told = [*notes(system, logs, found.left_out, found.doubts), f"files: {kept}, {picture}"]
     return {
         **figures,
         "remarks": [remark for log in logs for remark in log.remarks],

@@ -11,6 +11,7 @@ from spear_pin.cli.gaits import named_gait, write_gait
 from spear_pin.cli.legs import add_cut, cut_out, write_cut
 from spear_pin.cli.pairs import one_pair, values
 from spear_pin.cli.python_lines import Code, Program
+from spear_pin.errors import UnknownName, listed
 
 if TYPE_CHECKING:
     from spear_pin.hybrid.automaton import HybridSystem
@@ -18,16 +19,22 @@ if TYPE_CHECKING:
 
 LEG = "leg: a robot by name or path (TOML, URDF, MJCF), or a saved gait (.json)"
 QUANTITIES = "time, a joint's name for its position, and the name with _rate or _torque"
+FILES = "CSV, .mat, .npz or MCAP file, or a folder of files that follow one another"
 
 
 def add_leg_and_log(parser: Any, several: bool) -> None:
     """Declare LEG, LOG, --column, --unit, --settle, --set, and the options of a leg that is cut out of a robot."""
     parser.add_argument("model", metavar="LEG", help=LEG)
     more = {"nargs": "+", "metavar": "LOG"} if several else {"metavar": "LOG"}
-    parser.add_argument("log", help="CSV, .mat or .npz file, or a folder of files that follow one another", **more)
+    parser.add_argument("log", help=FILES, **more)
     data = parser.add_argument_group("log", "without these, a TOML file beside it or the columns' own names say it")
     data.add_argument(
-        "--column", action="append", type=one_pair, default=[], metavar="WHAT=NAME", help=f"what is in a column: {QUANTITIES}"
+        "--column",
+        action="append",
+        type=one_pair,
+        default=[],
+        metavar="WHAT=NAME",
+        help=f"what is in a column: {QUANTITIES}",
     )
     data.add_argument(
         "--unit", action="append", type=one_pair, default=[], metavar="NAME=UNIT", help="unit of a column, by its name"
@@ -62,19 +69,38 @@ def leg_system(arguments: argparse.Namespace, program: Program) -> tuple[HybridS
     return build(robot), program.call(build, write_cut(program, word, arguments, options, robot))
 
 
-def logs_of(arguments: argparse.Namespace, program: Program, paths: Sequence[str]) -> tuple[list[Log], list[Code]]:
+def logs_of(
+    arguments: argparse.Namespace, program: Program, system: HybridSystem, paths: Sequence[str]
+) -> tuple[list[Log], list[Code]]:
     """The logs, and their source."""
     from spear_pin.studies.logs import Log
 
     columns, units = dict(arguments.column) or None, dict(arguments.unit) or None
+    valid = _quantities(system)
+    for name in columns or ():
+        if name not in valid:
+            raise UnknownName("quantity in --column", name, valid)
     given = {name: value for name, value in {"columns": columns, "units": units}.items() if value}
     logs = [Log.read(path, **given) for path in paths]
     return logs, [program.call(Log.read, path, **given) for path in paths]
 
 
-def notes(logs: Sequence[Log], left_out: Sequence[LogPhase], doubts: Sequence[str] = ()) -> list[str]:
+def _quantities(system: HybridSystem) -> list[str]:
+    """What a log may have of a leg."""
+    of_joints = [f"{joint}{ending}" for joint in system.robot.coordinates for ending in ("", "_rate", "_torque")]
+    return ["time", "mode", *of_joints]
+
+
+def notes(
+    system: HybridSystem, logs: Sequence[Log], left_out: Sequence[LogPhase], doubts: Sequence[str] = ()
+) -> list[str]:
     """What has to be known, in lines."""
-    lines = [f"note: {remark}" for log in logs for remark in log.remarks]
+    lines, valid = [f"note: {remark}" for log in logs for remark in log.remarks], _quantities(system)
+    for log in logs:
+        if others := [name for name in log.values if name not in valid]:
+            lines.append(f"note: {log.source}: not of this leg: {listed(others, 8)}")
+        bare = [motor for motor in system.robot.actuated if f"{motor}_torque" not in log.values]
+        lines += [f"warning: {log.source}: no {motor}_torque, so 0 is taken" for motor in bare]
     lines += [f"note: left out: {phase.name} from {phase.begin:.3f} s: {phase.left_out}" for phase in left_out]
     lines += ["synthetic, not measured"] if any(log.synthetic for log in logs) else []
     return [*lines, *(f"warning: {doubt}" for doubt in doubts)]

@@ -23,7 +23,11 @@ def add(commands: Commands) -> None:
     parser = add_command(commands, "replay", run, "let the torques of a log drive a model of the leg", example)
     add_leg_and_log(parser, several=False)
     parser.add_argument(
-        "--window", type=float, default=0.04, metavar="S", help="time on which the first state is fitted (default: 0.04)"
+        "--window",
+        type=float,
+        default=0.04,
+        metavar="S",
+        help="time on which the first state is fitted (default: 0.04)",
     )
     add_out(parser, f"{STEM}.svg")
     add_open(parser, f"{STEM}.svg")
@@ -38,7 +42,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     program = Program()
     system, leg = leg_system(arguments, program)
-    logs, (read,) = logs_of(arguments, program, [arguments.log])
+    logs, (read,) = logs_of(arguments, program, system, [arguments.log])
     values = dict(arguments.set)
     options = {"window": arguments.window, "settle": arguments.settle}
     found = replay(system, logs[0], values, **options)
@@ -62,6 +66,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "remarks": list(logs[0].remarks),
         "files": [str(picture)],
         "opened": picture,
-        "text": joined([*lines, *notes(logs, found.left_out), f"picture: {picture}"]),
+        "text": joined([*lines, *notes(system, logs, found.left_out), f"picture: {picture}"]),
         "python": str(program),
     }

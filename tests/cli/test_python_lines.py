@@ -250,6 +250,16 @@ def test_records(capsys, tmp_path, monkeypatch):
     assert [row.swing.frequency for row in space["rows"]] == [row["frequency"] for row in found["ratios"]]
 
 
+@SLOW
+def test_logs(capsys, lab, tmp_path):
+    columns = ("--column", "crank=theta_deg", "--unit", "theta_deg=degrees")
+    asked = ("hops.csv", "--settle", 0.015, "--set", "rest=0.146", "--out", tmp_path)
+    found, space = lines_of(capsys, "fit", "leg.toml", *asked, "--over", "stiffness", "--phases", "stance")
+    assert space["fit"]["stiffness"].value == found["found"]["stiffness"]["value"]
+    found, space = lines_of(capsys, "replay", "leg.toml", *asked, *columns, "--window", 0.03)
+    assert [hop.rms for hop in space["replayed"].hops] == [hop["rms"] for hop in found["hops"]]
+
+
 @pytest.mark.extra("heyoka", "joblib", "xarray", "zarr")
 @SLOW
 def test_a_sweep(capsys, tmp_path, monkeypatch):

@@ -287,12 +287,17 @@ def cases() -> Iterator[Hostile]:
         yield Hostile(("identify", "a.csv"), _damaged("a.csv", damage), f"log: {what}")
     for what, content in MAT.items():
         yield Hostile(("identify", "a.mat"), put("a.mat", content), f"log of MATLAB: {what}")
+    for what, damage in NPZ.items():
+        yield Hostile(("replay", "crank_hopper", "a.npz"), _damaged("a.npz", damage), f"log of NumPy: {what}")
+    for what, damage in CSV.items():
+        yield Hostile(("replay", "crank_hopper", "a.csv"), _damaged("a.csv", damage), f"log of hops: {what}")
     for words, name, first in (
         (("export", "a.npz", "--csv"), "a.npz", b"PK\x03\x04"),
         (("bound", "--gait", "./a.json"), "a.json", b"{}"),
         (("references", "a.json"), "a.json", b"{}"),
         (("identify", "a.csv"), "a.csv", b"time_s,knee_rad\n"),
         (("identify", "a.mat"), "a.mat", _mat(10)),
+        (("replay", "crank_hopper", "a.mcap"), "a.mcap", b"\x89MCAP0\r\n"),
     ):
         yield Hostile(words, sparse(name, first), f"{name} of 100 GB")
 

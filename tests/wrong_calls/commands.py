@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from spear_pin import Gait
 from tests.wrong_calls.case import Command
-from tests.wrong_calls.files import record, trajectory
+from tests.wrong_calls.files import hops, record, trajectory
 
 TEXT = ("", "x", "1,5")
 NUMBER = (*TEXT, "nan", "inf", "-inf", "1e999")  # what is no finite number
@@ -51,11 +51,20 @@ def prepared(words):
             trajectory(folder / "hop.npz")
         if "bound.json" in words:
             Gait.load("long_stride").save(folder / "bound.json")
+        if "hops.csv" in words:
+            hops(folder / "hops.csv")
 
     return prepare
 
 
 RISING = ("", "x", "0", "-1", "nan", "inf", ",", "2,1", "1,1")  # of numbers between commas
+OF_A_LOG = {  # options of the commands that read one
+    "--column": ("", "crank", "=a", "crank=", "nope=crank_deg", "crank=nope"),
+    "--unit": ("", "crank_deg", "nope=deg", "crank_deg=furlong", "crank_deg=Nm"),
+    "--settle": NOT_NEGATIVE,
+    "--set": ("", "stiffness", "stiffness=x", "nope=1", "stiffness=nan", "stiffness=-1"),
+    **dict.fromkeys(("--bends", "--body"), ("1",)),
+}
 # the words of a command, and its options, with what each needs beside it and the words that it does not take
 OPTIONS = {
     "robots": {},
@@ -286,6 +295,13 @@ OPTIONS = {
         "--loss --volts-per-rad=1.06": NAME,
         "--out": FOLDER,
     },
+    "fit crank_hopper hops.csv": {
+        "--over": ("", ",", "nope", "stiffness,stiffness"),
+        "--phases --over=stiffness": ("", "air"),
+        **{f"{option} --over=stiffness": wrong for option, wrong in OF_A_LOG.items()},
+        "--out": FOLDER,
+    },
+    "replay crank_hopper hops.csv": {"--window": POSITIVE, **OF_A_LOG, "--out": FOLDER},
     "export spear_ii --mjcf": {
         "--lock": ("", "ankle"),
         "--toes": ("", "hoof"),
@@ -357,6 +373,13 @@ LINES = (
     "identify lab.csv lab.csv --volts-per-rad 1",
     "identify lab.csv --smoothed-already",
     "identify a_file",
+    "fit crank_hopper none.csv --over stiffness",
+    "fit crank_hopper a_file --over stiffness",
+    "fit crank_hopper . --over stiffness",
+    "fit spear_ii hops.csv --over stiffness",
+    "fit q_spear hops.csv --over mass",
+    "replay crank_hopper none.csv",
+    "replay none.json hops.csv",
     "identify .",
     "payoff",
     "payoff nope",

@@ -64,6 +64,15 @@ def _mjcf() -> bytes:
     return to_mjcf(load("spear_ii")).encode()
 
 
+@cache
+def _hops() -> bytes:
+    """A log of a crank that folds and stretches, without a model behind it."""
+    t = np.arange(0.0, 0.9, 0.002)
+    crank = -20.0 + np.where(t % 0.4 < 0.2, 28.0 * np.sin(np.pi * (t % 0.4) / 0.2), 0.0)
+    rows = "\n".join(f"{time:.3f},{angle:.4f},0" for time, angle in zip(t, crank, strict=True))
+    return f"time_s,crank_deg,crank_torque_Nm\n{rows}\n".encode()
+
+
 def trajectory(path: Path) -> Path:
     """A trajectory that can be read."""
     path.write_bytes(_trajectory())
@@ -73,6 +82,12 @@ def trajectory(path: Path) -> Path:
 def record(path: Path) -> Path:
     """A record that can be read."""
     path.write_bytes(_record())
+    return path
+
+
+def hops(path: Path) -> Path:
+    """A log that can be read."""
+    path.write_bytes(_hops())
     return path
 
 
@@ -236,6 +251,18 @@ CSV: Mapping[str, Damage] = {
     "a quotation without an end": lambda content: b'time,"voltage\n' + 50 * b"0,1\n",
 }
 
+LOG: Mapping[str, Damage] = {
+    "a head only": lambda content: b"time_s,crank_deg\n",
+    "one row": lambda content: b"time_s,crank_deg\n0,1\n",
+    "texts": lambda content: b"time_s,crank_deg\n" + 50 * b"a,b\n",
+    "nan": lambda content: b"time_s,crank_deg\n" + 50 * b"nan,nan\n",
+    "a time that stands still": lambda content: b"time_s,crank_deg\n" + 500 * b"0,1\n",
+    "a time that goes back": lambda content: b"time_s,crank_deg\n" + b"".join(b"%d,1\n" % -i for i in range(500)),
+    "a time of another clock": lambda content: content + b"1717444672,0,0\n",
+    "nothing happens": lambda content: b"time_s,crank_deg\n" + b"".join(b"%g,1\n" % (0.01 * i) for i in range(900)),
+    "huge numbers": lambda content: b"time_s,crank_deg\n" + b"".join(b"%g,1e308\n" % (0.01 * i) for i in range(900)),
+}
+
 # what is read, how it ends, its own damages, the command that reads it, and the function
 FORMATS: tuple[tuple[str, str, Callable[[], bytes], Mapping[str, Damage], str, str], ...] = (
     ("gait", "a.json", _gait, GAIT, "bound --gait ./a.json", "spear_pin.Gait.load"),
@@ -244,8 +271,12 @@ FORMATS: tuple[tuple[str, str, Callable[[], bytes], Mapping[str, Damage], str, s
     ("MJCF", "a.xml", _mjcf, MJCF, "dynamics a.xml", "spear_pin.load"),
     ("record", "a.csv", _record, CSV, "identify a.csv --volts-per-rad 1", "studies.identification.read_record"),
     ("record", "a.mat", _record, {}, "identify a.mat --volts-per-rad 1", "studies.identification.read_record"),
+    ("log", "hops.csv", _hops, LOG, "fit crank_hopper hops.csv --over stiffness", "studies.logs.Log.read"),
 )
-NO_RELEASE = ("nothing happens", "huge numbers", "its first half")  # a record all the same
+FINE = {  # a record all the same, and a log
+    *(("record", what) for what in ("nothing happens", "huge numbers", "its first half")),
+    *(("log", what) for what in ("nothing happens", "its first half")),
+}
 FITTING = {("URDF", "utf-16"), ("MJCF", "utf-16")}  # XML says how it is encoded
 
 
@@ -256,8 +287,9 @@ def cases() -> Iterator[Command | Function]:
             if (kind, what) in FITTING:
                 continue
             prepare = _prepare(name, whole, damage)
-            yield _Named((*line.split(),), prepare, f"{kind} {name}: {what}")
-            if kind != "record" or what not in NO_RELEASE:
+            if (kind, what) != ("log", "its first half"):  # it has a hop
+                yield _Named((*line.split(),), prepare, f"{kind} {name}: {what}")
+            if (kind, what) not in FINE:
                 yield Function(f"{reader} of {name}: {what}", lambda folder, r=reader, n=name: _read(r, n), prepare)
         yield _Named((*line.split(),), lambda folder, n=name: (folder / n).mkdir(), f"{kind} {name}: a folder")
         yield _Named((*line.split(),), lambda folder, n=name: _fifo(folder / n), f"{kind} {name}: a pipe")

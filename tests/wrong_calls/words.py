@@ -23,6 +23,8 @@ NEEDED = {
     "dynamics": ("spear_ii",),
     "explore": ("bound",),
     "identify": ("lab.csv", "--volts-per-rad=1"),
+    "fit": ("crank_hopper", "hops.csv", "--over=stiffness"),
+    "replay": ("crank_hopper", "hops.csv"),
     "payoff": ("q_spear",),
     "sweep": ("hop", "--over=stiffness=47,48"),
     "family": ("hop", "--over=stance_torque=7.7:7.9"),
@@ -53,7 +55,7 @@ def cases() -> Iterator[Command]:
                     places = [each.dest for each in parser._actions if not each.option_strings]
                     place = places.index(action.dest)
                     words = (name, *given[:place], word, *given[place + 1 :])
-                yield Command(words, prepared((*words, "lab.csv", "hop.npz")))
+                yield Command(words, prepared((*words, "lab.csv", "hop.npz", "hops.csv")))
 
 
 def commands() -> dict[str, argparse.ArgumentParser]:

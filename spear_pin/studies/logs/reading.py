@@ -126,8 +126,10 @@ def _by_names(path: Path, tables: Sequence[Table], units: Units) -> Columns:
             continue
         try:
             _unit(table, name, own, units)
-        except UnknownName:  # it is something else
-            continue
+        except UnknownName:
+            if column in units:
+                raise
+            continue  # it is something else
         if name in found:
             both = f"columns {found[name].column!r} and {column!r}"
             raise BadFile(path, f"{both} both name {name!r}; say which by `columns` (--column {name}=...)")

@@ -124,6 +124,7 @@ def replay(
         UnknownName: there is no number of a name.
     """
     require("window", window, lambda time: time > 0, "a number > 0, in s")
+    require("settle", settle, lambda time: time >= 0, "a number >= 0, in s")
     if motors not in (MEASURED, LAW):
         raise BadValue("motors", motors, f"{MEASURED!r} or {LAW!r}")
     given = dict(values or {})

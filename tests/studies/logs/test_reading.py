@@ -287,6 +287,7 @@ MISTAKES = {
     ),
     "unit of another kind": (GOOD, {"knee": Column("tau", "Nm")}, None, "unit of 'knee', .*'Nm'; valid: rad, mrad"),
     "named unit of another kind": (GOOD, {"knee_torque": "knee_rad"}, None, "unit of 'knee_torque'.*'rad'; valid: N·m"),
+    "unit without columns": (GOOD, None, {"knee_rad": "furlong"}, "unit of 'knee', .*'furlong'; valid: rad, mrad"),
     "units": (GOOD, {"knee": "knee_rad"}, {"hip": "deg"}, "unknown column in units, of .*: 'hip'; valid: time_s"),
     "sign": (GOOD, {"knee": {"column": "knee_rad", "sign": 2}}, None, "columns.knee.sign is 2; expected 1 or -1"),
     "sign of text": (GOOD, {"knee": {"column": "knee_rad", "sign": "-"}}, None, "columns.knee.sign is '-'; expected"),
