@@ -38,6 +38,7 @@ LASTING = (
     Lasting("design", "", "some seconds, and a minute for a bound"),
     Lasting("uncertainty", "monte_carlo", "some seconds, and for 10000 samples of a hop half a minute to a minute"),
     Lasting("uncertainty", "", "some seconds, and half a minute for a bound"),
+    Lasting("fit", "", "some seconds, and without heyoka a minute or more"),
     Lasting("report", "", "about a minute, and less once its results are stored"),
     Lasting("export", "mp4", "half a second for each frame"),
 )

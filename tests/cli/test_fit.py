@@ -10,6 +10,7 @@ from tests.wrong_calls.files import hops
 OVER = "--over", "stiffness,rest"
 
 
+@pytest.mark.extra("heyoka")
 @pytest.mark.slow
 def test_truth_is_found(capsys, lab, tmp_path):
     """Names, units, a torque before the gear and Unix time in ns are as in a laboratory."""
@@ -26,6 +27,7 @@ def test_truth_is_found(capsys, lab, tmp_path):
     assert json.loads((tmp_path / "fit.json").read_text())["found"] == shown["found"]
 
 
+@pytest.mark.extra("heyoka")
 @pytest.mark.slow
 def test_its_text(capsys, lab, tmp_path):
     """Options go before the TOML file, so that there is no torque."""

@@ -250,6 +250,7 @@ def test_records(capsys, tmp_path, monkeypatch):
     assert [row.swing.frequency for row in space["rows"]] == [row["frequency"] for row in found["ratios"]]
 
 
+@pytest.mark.extra("heyoka")
 @SLOW
 def test_logs(capsys, lab, tmp_path):
     columns = ("--column", "crank=theta_deg", "--unit", "theta_deg=degrees")

@@ -8,6 +8,7 @@ from tests.wrong_calls.files import hops
 TRUE = "stiffness=400,rest=0.1459"
 
 
+@pytest.mark.extra("heyoka")
 @pytest.mark.slow
 def test_the_true_model_is_not_off(capsys, lab, tmp_path):
     shown = printed(capsys, "replay", "leg.toml", "hops.csv", "--set", TRUE, "--out", tmp_path)
@@ -18,6 +19,7 @@ def test_the_true_model_is_not_off(capsys, lab, tmp_path):
             assert each["model"] == pytest.approx(each["log"], rel=0.02)
 
 
+@pytest.mark.extra("heyoka")
 @pytest.mark.slow
 def test_its_text_and_a_false_model(capsys, lab, tmp_path):
     status, out, _ = run(capsys, "replay", "leg.toml", "hops.csv", "--out", tmp_path)
