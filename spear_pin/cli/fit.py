@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     figures = _figures(found)
     kept = write_text(arguments.out / f"{STEM}.json", json.dumps(figures, indent=1) + "\n")
     picture = save_figure(fit_over_log(found), arguments.out / f"{STEM}.svg")
-    rows = [(name, f"{each.value:.6g} ± {each.deviation:.2g} {each.unit}") for name, each in found.found.items()]
+    rows = [(name, str(each)) for name, each in found.found.items()]
     rows += [("phases", f"{len(found.arcs)}"), ("rms", f"{found.rms:.3g} rad")]
     told = [*notes(system, logs, found.left_out, found.doubts), f"files: {kept}, {picture}"]
     return {
@@ -83,11 +83,17 @@ def _figures(found: MotionFit) -> dict[str, Any]:
         },
         "correlation": found.correlation.tolist(),
         "phases": [
-            {"log": arc.source, "name": arc.phase.name, "begin": arc.phase.begin, "end": arc.phase.end}
+            {"log": arc.phase.source, "name": arc.phase.name, "begin": arc.phase.begin, "end": arc.phase.end}
             for arc in found.arcs
         ],
         "left_out": [
-            {"name": phase.name, "begin": phase.begin, "end": phase.end, "why": phase.left_out}
+            {
+                "log": phase.source,
+                "name": phase.name,
+                "begin": phase.begin,
+                "end": phase.end,
+                "why": phase.left_out,
+            }
             for phase in found.left_out
         ],
         "rms": found.rms,

@@ -32,7 +32,6 @@ class Arc:
         near: configuration at the first sample, (nv,), with the toe on the ground.
         latched: configuration at touchdown, (nv,).
         base: rates of the base at the first sample of a flight, in m/s, from the push-off; None for a stance.
-        source: the log's name.
     """
 
     phase: LogPhase
@@ -42,7 +41,6 @@ class Arc:
     near: Array
     latched: Array
     base: Array | None
-    source: str
 
 
 def arcs_of(
@@ -85,7 +83,7 @@ def arcs_of(
         near = joints.configuration(positions[inside[0]], latched)
         base = None if stance else _base(joints, log.t, positions, before[-RATE:], log.t[inside[0]], near)
         rests = near if latched is None else latched
-        found.append(Arc(phase, log.t[inside], positions[inside], torques[inside], near, rests, base, log.source))
+        found.append(Arc(phase, log.t[inside], positions[inside], torques[inside], near, rests, base))
     return found, left_out
 
 

@@ -48,7 +48,7 @@ def doubts(
         yield "masses were held: torque_scale and all inertias and forces go with them"
     sizes = [float(np.sqrt(np.mean(residual**2))) for _, residual, _ in shots]
     for arc, (shot, _, _), size in zip(problem.arcs, shots, sizes, strict=True):
-        where = f"the {arc.phase.name} from {arc.phase.begin:.3f} s of {arc.source}"
+        where = f"the {arc.phase.name} from {arc.phase.begin:.3f} s of {arc.phase.source}"
         if arc.phase.name == STANCE and float(shot.forces[:-3, -1].min()) < 0.0:
             yield f"in {where} the toe pulls on the ground: perhaps it is in the air"
         if size > WORSE * float(np.median(sizes)):

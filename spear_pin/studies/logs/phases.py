@@ -37,6 +37,7 @@ class LogPhase:
         end: time at which it ends, in s.
         whole: whether both of its ends are events, and not the log's own ends.
         left_out: why it is not used, "" if it is.
+        source: name of the log.
     """
 
     name: str
@@ -44,6 +45,7 @@ class LogPhase:
     end: float
     whole: bool
     left_out: str = ""
+    source: str = ""
 
     @property
     def duration(self) -> float:
@@ -73,7 +75,9 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
     t, heights = log.t[good], joints.heights(positions[good])
     cuts = np.flatnonzero(np.diff(t) > SPLIT) + 1
     parts = [
-        _Part(*part) for part in zip(np.split(t, cuts), np.split(heights, cuts), strict=True) if len(part[0]) > FEWEST
+        _Part(log.source, *part)
+        for part in zip(np.split(t, cuts), np.split(heights, cuts), strict=True)
+        if len(part[0]) > FEWEST
     ]
     fastest, slowest = (float(max((way * part.rate).max() for part in parts)) for way in (1.0, -1.0))
     found = [phase for part in parts for phase in _phases(part, _events(part, STRONG * fastest, STRONG * slowest))]
@@ -86,6 +90,7 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
 class _Part:
     """A part of a log without long gaps: its times, (n,), and the height of the centre of mass above the toe."""
 
+    source: str
     t: Array
     heights: Array
 
@@ -191,5 +196,5 @@ def _phases(part: _Part, events: Sequence[tuple[float, str]]) -> list[LogPhase]:
             why = f"it lasts {1e3 * (end - begin):.0f} ms only"
         elif (hole := float(np.diff(inside).max())) > GAP:
             why = f"{1e3 * hole:.0f} ms have no sample"
-        found.append(LogPhase(name, float(begin), float(end), bool(begin > first and end < last), why))
+        found.append(LogPhase(name, float(begin), float(end), bool(begin > first and end < last), why, part.source))
     return [phase for phase in found if phase.duration > 0.0]

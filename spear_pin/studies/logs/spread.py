@@ -28,6 +28,9 @@ class Found:
     deviation: float
     unit: str
 
+    def __str__(self) -> str:
+        return f"{self.value:.6g} ± {self.deviation:.2g} {self.unit}".removesuffix(" 1")
+
 
 def spread(problem: Residuals, at: tuple[Array, Array], inflation: float) -> tuple[Array, Array]:
     """Returns the standard deviations of the fitted values, and their correlations.
