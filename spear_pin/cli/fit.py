@@ -53,11 +53,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     program = Program()
     system, leg = leg_system(arguments, program)
     logs, read = logs_of(arguments, program, system, arguments.log)
-    options = {"start": dict(arguments.set), "phases": arguments.phases, "settle": arguments.settle}
+    options = {"start": dict(arguments.set), "phases": tuple(arguments.phases), "settle": arguments.settle}
     with progress() as show:
         show("fitting")
         found = identify_motion(system, logs, arguments.over, **options)
-    given: list[Any] = list(read)
+    given: Any = read if len(read) > 1 else read[0]
     program.show(program.let("fit", program.call(identify_motion, leg, given, arguments.over, **options)))
     figures = _figures(found)
     kept = write_text(arguments.out / f"{STEM}.json", json.dumps(figures, indent=1) + "\n")

@@ -82,7 +82,9 @@ def logs_of(
             raise UnknownName("quantity in --column", name, valid)
     given = {name: value for name, value in {"columns": columns, "units": units}.items() if value}
     logs = [Log.read(path, **given) for path in paths]
-    return logs, [program.call(Log.read, path, **given) for path in paths]
+    names = ["log"] if len(paths) == 1 else [f"log_{i}" for i in range(1, len(paths) + 1)]
+    read = [program.call(Log.read, path, **given) for path in paths]
+    return logs, [program.let(name, code) for name, code in zip(names, read, strict=True)]
 
 
 def _quantities(system: HybridSystem) -> list[str]:

@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     values = dict(arguments.set)
     options = {"window": arguments.window, "settle": arguments.settle}
     found = replay(system, logs[0], values, **options)
-    program.show(program.let("replayed", program.call(replay, leg, read, values, **options)))
+    program.show(program.let("replayed", program.call(replay, leg, read, *([values] if values else []), **options)))
     picture = save_figure(replay_over_log(found), arguments.out / f"{STEM}.svg")
     lines = [f"{'':<32}{'model':>9}{'log':>9}{'off':>9}"]
     for hop in found.hops:
