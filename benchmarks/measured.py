@@ -259,11 +259,12 @@ def measures(robot: Any, log: Log, lands: float, motor: Mapping[str, Any]) -> di
         return float(np.trapezoid(power[inside], log.t[inside]))
 
     landings = [phase.begin for phase in phases if phase.name == "stance"]
+    hops = [(one, other) for one, other in pairwise(landings) if other - one < LONGEST]
     stances = [phase for phase in phases if phase.name == "flight" or phase.duration > 0.1]
     return {
         "stance, s": mean("stance", lambda phase: phase.duration, stances),
         "flight, s": mean("flight", lambda phase: phase.duration, [phase for phase in phases if phase.whole]),
-        "heat and work a hop, J": float(np.mean([energy(one, other) for one, other in pairwise(landings) if other - one < LONGEST])),
+        "heat and work a hop, J": float(np.mean([energy(*hop) for hop in hops])),
         "compression, m": mean("stance", compression, [phase for phase in stances if phase.begin > 0.0]),
     }
 

@@ -7,7 +7,7 @@ through the same `Motion` that is integrated. Every number is an argument, so th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spear_pin.arrays import Array
+from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dual import (
     ARRAYS,
     Dual,
@@ -35,6 +37,7 @@ from spear_pin.hybrid.fields import flattened
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent import seeds
 from spear_pin.hybrid.tangent.terms import ArrayMechanism
+from spear_pin.model.equations import mechanism_of
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.scalars import dot
 
@@ -273,6 +276,11 @@ def mechanism(structure: Structure) -> Mechanism:
 def tangent_field(structure: Structure) -> TangentField:
     """Returns the tangent field of a domain, made once for each structure."""
     return TangentField(structure)
+
+
+def field_of(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> TangentField:
+    """Returns the tangent field of one of a system's domains, with the values that are held there."""
+    return tangent_field(Structure(system, domain, held, mechanism_of(system.robot)))
 
 
 @lru_cache(taylor.MOST)

@@ -16,12 +16,10 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
-from spear_pin.hybrid.engines.structure import Structure
 from spear_pin.hybrid.fields import flattened
 from spear_pin.hybrid.springs import values_along
-from spear_pin.hybrid.tangent.fields import TangentField, Values, tangent_field
+from spear_pin.hybrid.tangent.fields import Values, field_of
 from spear_pin.hybrid.tangent.seeds import numbers, seeds
-from spear_pin.model.equations import mechanism_of
 from spear_pin.studies.logs.played import TORQUE
 
 LONGEST = 1.6e-3  # s, of a step
@@ -71,9 +69,6 @@ class Shooter:
         motors = self.system.domains[0].law.motors  # type: ignore[attr-defined]
         return [names.index(f"{motor}{TORQUE}") for motor in motors]
 
-    def _field(self, domain: Domain, held: Mapping[str, Any]) -> TangentField:
-        return tangent_field(Structure(self.system, domain, held, mechanism_of(self.system.robot)))
-
     def held(self, domain: Domain, latched: Array) -> dict[str, Any]:
         """Returns where the springs of a domain rest that were latched at a configuration, (nv,)."""
         robot = self.system.robot
@@ -118,7 +113,7 @@ class Shooter:
         """Yields state and derivatives at each of the times but the first, and the force on the toe before it."""
         domain = next(each for each in self.system.domains if each.name == name)
         held = self.held(domain, latched)
-        field, c = self._field(domain, held), dy.shape[1]
+        field, c = field_of(self.system, domain, held), dy.shape[1]
         own = np.concatenate([self._numbers, flattened(held.values())])
         slopes = np.zeros((len(own), c))
         slopes[: len(self._numbers), : len(self.over)] = self._seeds
