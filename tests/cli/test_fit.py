@@ -82,3 +82,10 @@ def test_mistakes(capsys, tmp_path, monkeypatch, asked, said):
 def test_a_robot_that_has_other_joints(capsys, tmp_path):
     line = refused(capsys, "fit", "spear_ii", hops(tmp_path / "hops.csv"), "--over", "stiffness", "--out", tmp_path)
     assert "joint of spear_ii" in line.lower().replace("-", "_") and "hip, knee" in line
+
+
+def test_a_spring_that_rests_where_its_switch_closes(capsys, tmp_path):
+    path = tmp_path / "hops.csv"
+    path.write_bytes(hops(path).read_bytes().replace(b"crank_deg,crank_torque", b"knee_deg,knee_torque", 1))
+    line = refused(capsys, "fit", "spear_ii", path, "--over", "rest", "--out", tmp_path)
+    assert "rest is None; expected a number: set it in the law, spring or ground first" in line

@@ -135,7 +135,7 @@ class Measured:
 
 
 def measured(robot: Robot, log: Log) -> Measured:
-    """Returns the joints of a robot that a log has.
+    """Returns the joints of a robot that a log has; where the base is follows from them while the toe is at rest.
 
     Raises:
         BadValue: the robot is none in the plane with one toe.
@@ -143,7 +143,8 @@ def measured(robot: Robot, log: Log) -> Measured:
     """
     if not robot.planar or len(robot.toes) != 1:
         raise BadValue("robot", robot.name, "a planar robot with one toe")
-    joints = tuple(name for name in robot.coordinates if name in log.values)
+    valid = [name for name in robot.coordinates if name not in BASE]
+    joints = tuple(name for name in valid if name in log.values)
     if not joints:
-        raise UnknownName(f"joint of {robot.name} in the log {log.source}", [*log.values], robot.coordinates)
+        raise UnknownName(f"joint of {robot.name} in the log {log.source}", [*log.values], valid)
     return Measured(robot, joints)

@@ -127,7 +127,7 @@ def number_of(system: HybridSystem, name: str) -> tuple[str, float]:
     place = places_of(system.springs).get(name)
     if place is not None and place.field == "hysteresis":
         return f"{place.spring}{HYSTERESIS}", 0.0
-    if place is not None and place.field == "rest":
+    if place is not None and place.field == "rest" and system.springs[place.spring].rest is not None:
         return f"{place.spring}{SHIFT}", float(place.value(system.springs[place.spring]))
     return name, 0.0
 

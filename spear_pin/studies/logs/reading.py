@@ -21,6 +21,9 @@ from spear_pin.studies.logs.tables import MCAP, SUFFIXES, Table, read_tables
 from spear_pin.studies.logs.units import MODE, OTHERS, POSITIONS, TIME, TORQUE, known_unit, units_of
 
 FOLDER = "log.toml"
+SAMPLES = {"domain", "phase", "cycle"}  # columns by which a table of this package's own samples is known
+OWN = {"q_": "", "v_": "_rate", "u_": TORQUE}  # how its other columns begin, and how the quantities' names end
+SHOWN = 8  # columns that are not read
 GAP = 5.0  # median steps, from which on samples are missing
 LONGEST = 3600.0  # s without a sample: more is another clock
 FEWEST = 20  # samples
@@ -119,11 +122,13 @@ def _by_names(path: Path, tables: Sequence[Table], units: Units) -> Columns:
         names = [name for table in tables for name in table.values if name != TIME]
         raise BadFile(path, f"say which columns it is about, by `columns` or a TOML file; it has {listed(names, 8)}")
     (table,) = tables
-    found, times = dict[str, Column](), find_times([*table.values])
+    found, times, sampled = dict[str, Column](), find_times([*table.values]), table.values.keys() >= SAMPLES
     for column, values in table.values.items():
         name, own = _stem(column), Column(column)
-        if column in times or not np.isfinite(values).any():
+        if column in times or not np.isfinite(values).any() or (sampled and name[:2] not in OWN):
             continue
+        if sampled:
+            name = f"{name[2:]}{OWN[name[:2]]}"
         try:
             _unit(table, name, own, units)
         except UnknownName:
@@ -204,7 +209,7 @@ def _read(path: Path, asked: Columns, units: Units) -> Log:
     if bare:
         remarks.append(f"no unit is named, so SI units and radians are taken, of {', '.join(bare)}")
     if path.suffix.lower() != MCAP and (unread := [*main.values.keys() - {*_used(asked, main)}]):
-        remarks.append(f"columns that are not read: {', '.join(map(brief, sorted(unread)))}")
+        remarks.append(f"columns that are not read: {listed([*map(brief, sorted(unread))], SHOWN)}")
     steps = np.diff(t)
     if (gaps := steps > GAP * np.median(steps)).any():
         remarks.append(f"{gaps.sum()} gaps between samples, the longest {steps.max():.3g} s")

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from spear_pin import load
-from spear_pin.errors import BadValue
-from spear_pin.studies.logs.measured import Measured
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.studies.logs.log import Log
+from spear_pin.studies.logs.measured import Measured, measured
 
 A, B = 0.07, 0.15  # m: crank and rod
 
@@ -39,3 +40,11 @@ def test_in_flight_the_base_moves_as_it_is_told():
 def test_refuses_joints_that_do_not_tell_the_motion():
     with pytest.raises(BadValue, match="positions of more joints: one of hip"):
         _ = Measured(load("spear_ii"), ("knee",)).leading
+
+
+def test_the_height_of_the_base_may_be_in_the_log(crank):
+    t = np.linspace(0.0, 1.0, 30)
+    log = Log("by hand", t, {name: t for name in ("boom_z", "crank", "rod_rate")})
+    assert measured(crank, log).joints == ("crank",)
+    with pytest.raises(UnknownName, match=r"\['boom_z'\]; valid: crank, rod, slide"):
+        measured(crank, Log("by hand", t, {"boom_z": t}))

@@ -242,6 +242,13 @@ class TestFiles:
         assert log.remarks == ("hop.csv: columns that are not read: 'current_mV', 'wheel_rad_s'",)
         assert Log.read(path, {"knee": "knee_rad"}).remarks == log.remarks
 
+    def test_a_table_of_this_package(self, put):
+        names = "t [s],domain,phase,cycle,q_knee [rad],v_knee [rad/s],a_knee [rad/s²],u_knee [N·m],tau_knee [N·m]"
+        zeros = 0.0 * T
+        log = Log.read(put(text(names, T, zeros, zeros, zeros, KNEE, 2.0 * KNEE, T, TORQUE, T)))
+        same(log, knee_rate=2.0 * KNEE)
+        assert {*log.values} == {"knee", "knee_rate", "knee_torque"}
+
     def test_synthetic(self, put):
         assert Log.read(put(text("time_s,knee_rad", T, KNEE, above=["# SYNTHETIC, by hand"]))).synthetic
 
