@@ -25,6 +25,7 @@ EXTRAS = {
     "studies.sweep": "heyoka",
     "collocated": "casadi",
     ".sensitivity(": "heyoka",
+    "identify_motion(": "heyoka",
     "optimize_design(": "heyoka",
     "continue_gait(": "heyoka",  # without it some minutes
     'load("solo12"': "example-robot-data",
@@ -34,7 +35,7 @@ SLOW = {
     *("compare.md-1", "choose_spring_and_motor.md-1", "export.md-3", "first_hop.md-3"),
     *("hardware.md-1", "hardware.md-2", "motors.md-2"),
     *("quadruped_in_space.md-2", "make_a_figure.md-1", "gait_of_your_own.md-2"),
-    *("measures.md-2", "move_in_space.md-1", "identify_a_knee.md-1"),
+    *("measures.md-2", "move_in_space.md-1", "identify_a_knee.md-1", "fit_a_log.md-1"),
 }
 # a server, tested in a browser; made by the gate as a whole; an example of the site; a minute of timing
 ELSEWHERE = {"explore", "report", "examples/hop.py", "benchmarks.beside"}
