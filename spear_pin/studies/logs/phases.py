@@ -82,7 +82,10 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
     fastest, slowest = (float(max((way * part.rate).max() for part in parts)) for way in (1.0, -1.0))
     found = [phase for part in parts for phase in _phases(part, _events(part, STRONG * fastest, STRONG * slowest))]
     if not any(phase.whole or phase.name == FLIGHT for phase in found):
-        raise BadFile(log.source, "it has no hop: the leg neither touches down nor lifts off")
+        raise BadFile(
+            log.source,
+            "it has no hop: the leg neither touches down nor lifts off; name columns, signs and units (--column)",
+        )
     return tuple(found)
 
 

@@ -79,7 +79,7 @@ def _asked(path: Path) -> Columns:
     try:
         said = tomllib.loads(regular(beside, MOST_BYTES).read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise BadFile(beside, f"not a TOML file: {error}") from None
+        raise BadFile(beside, f"not a TOML file: {error}; expected a table, [columns]") from None
     if [*said] != ["columns"] or not isinstance(said["columns"], dict):
         raise BadFile(beside, f"it has {listed([*said]) or 'nothing'}; expected one table, [columns]")
     try:
@@ -205,7 +205,8 @@ def _read(path: Path, asked: Columns, units: Units) -> Log:
         if table is not main or column.lag:
             values[name] = _at(t, clock.t - column.lag, values[name])
             if np.isnan(values[name]).all():
-                raise BadFile(table.path, f"{column.column!r} has no sample at times of {path}: {_spans(clock.t, t)}")
+                apart = f"has no sample at times of {path}: {_spans(clock.t, t)}; expected one clock, or its `lag`"
+                raise BadFile(table.path, f"{column.column!r} {apart}")
     if bare:
         remarks.append(f"no unit is named, so SI units and radians are taken, of {', '.join(bare)}")
     if path.suffix.lower() != MCAP and (unread := [*main.values.keys() - {*_used(asked, main)}]):
@@ -235,7 +236,7 @@ def _table(tables: Sequence[Table], name: str, column: str) -> Table:
 
 
 def _spans(one: Array, other: Array) -> str:
-    return f"{one[0]:.6g} to {one[-1]:.6g} s, and {other[0]:.6g} to {other[-1]:.6g} s; expected one clock, or its `lag`"
+    return f"{one[0]:.6g} to {one[-1]:.6g} s, and {other[0]:.6g} to {other[-1]:.6g} s"
 
 
 def _measured(table: Table, name: str, column: Column, unit: str | None, clock: Clock, remarks: list[str]) -> Array:

@@ -79,7 +79,7 @@ def _npz(path: Path) -> Table:
         with np.load(path, allow_pickle=False) as stored:
             arrays = {name: np.asarray(stored[name]) for name in stored.files}
     except Exception as error:  # a damaged file may raise anything
-        raise BadFile(path, f"not an .npz file that can be read: {error}") from None
+        raise BadFile(path, f"not an .npz file that can be read: {error}; expected columns of numbers") from None
     values = {name: each.astype(float) for name, each in arrays.items() if each.ndim == 1 and each.dtype.kind in "fiu"}
     if len({each.size for each in values.values()}) > 1:
         sizes = ", ".join(f"{name} has {each.size}" for name, each in values.items())
