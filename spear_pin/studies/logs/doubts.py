@@ -14,6 +14,7 @@ from spear_pin.studies.logs.shooting import Shot
 from spear_pin.studies.logs.spread import Found
 
 ALIKE = 0.98  # correlation of two values that are hardly told apart
+POOR = 0.02  # of the motion: residuals that no sensor explains
 WORSE = 4.0  # times the median rms of all phases: one that fits worse is perhaps something else
 
 
@@ -46,7 +47,10 @@ def doubts(
                 yield f"{pair}: with one held, the other's deviation would be {larger:.0f} times less"
     if "torque_scale" in problem.over:
         yield "masses were held: torque_scale and all inertias and forces go with them"
+    moved = float(np.median([np.ptp(arc.positions, axis=0).max() for arc in problem.arcs]))
     sizes = [float(np.sqrt(np.mean(residual**2))) for _, residual, _ in shots]
+    if (share := float(np.median(sizes)) / moved) > POOR:
+        yield f"the model misses something: the residuals are {100.0 * share:.1f} % of the motion"
     for arc, (shot, _, _), size in zip(problem.arcs, shots, sizes, strict=True):
         where = f"the {arc.phase.name} from {arc.phase.begin:.3f} s of {arc.phase.source}"
         if arc.phase.name == STANCE and float(shot.forces[:-3, -1].min()) < 0.0:

@@ -148,6 +148,12 @@ def test_a_spring_that_is_not_there_has_no_stiffness(sprung, plain_log):
     assert abs(found["stiffness"].value) < 2.0 * found["stiffness"].deviation < 0.01
 
 
+def test_a_model_that_misses_something_is_told(crank, plain_log):
+    stiff = hopping(crank, spring={"leg": spring(1500.0)})
+    found = identify_motion(stiff, plain_log[0], ["crank_viscous"])
+    assert any(each.startswith("the model misses something: the residuals are") for each in found.doubts)
+
+
 def test_a_phase_that_is_something_else_is_told(bare, plain_log):
     log = plain_log[0]
     bent = log["crank"] + np.where(abs(log.t - 0.5) < 0.05, 0.05 * np.cos(10 * np.pi * (log.t - 0.5)) ** 2, 0.0)
