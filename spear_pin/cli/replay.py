@@ -29,6 +29,7 @@ def add(commands: Commands) -> None:
         metavar="S",
         help="time on which the first state is fitted (default: 0.04)",
     )
+    parser.add_argument("--law", action="store_true", help="let the law of LEG act, not the torques of the log")
     add_out(parser, f"{STEM}.svg")
     add_open(parser, f"{STEM}.svg")
 
@@ -44,7 +45,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     system, leg = leg_system(arguments, program)
     logs, (read,) = logs_of(arguments, program, system, [arguments.log])
     values = dict(arguments.set)
-    options = {"window": arguments.window, "settle": arguments.settle}
+    motors = "law" if arguments.law else "measured"
+    options = {"motors": motors, "window": arguments.window, "settle": arguments.settle}
     found = replay(system, logs[0], values, **options)
     program.show(program.let("replayed", program.call(replay, leg, read, *([values] if values else []), **options)))
     picture = save_figure(replay_over_log(found), arguments.out / f"{STEM}.svg")

@@ -2,6 +2,7 @@
 
 import pytest
 
+from spear_pin import hopping, load, simulate
 from tests.cli.calls import printed, refused, run, words
 from tests.wrong_calls.files import hops
 
@@ -29,6 +30,18 @@ def test_its_text_and_a_false_model(capsys, lab, tmp_path):
     off = float(lines[1].split()[-2])
     assert off < -20.0 and lines[1].endswith(" %")
     assert "synthetic, not measured" in lines and f"picture: {tmp_path}/replay.svg" in lines
+
+
+@pytest.mark.extra("heyoka")
+@pytest.mark.slow
+def test_the_law_acts(capsys, tmp_path):
+    leg = hopping(load("spear_ii", locked=["boom_x"]))
+    simulate(leg, leg.guess(), 2, samples=200, progress=False).export(tmp_path / "hop.csv")
+    shown = printed(capsys, "replay", "hop", tmp_path / "hop.csv", "--law", "--out", tmp_path)
+    assert 'motors="law"' in shown["python"]
+    assert all(
+        abs(hop["measures"]["stance"]["model"] / hop["measures"]["stance"]["log"] - 1) < 0.02 for hop in shown["hops"]
+    )
 
 
 @pytest.mark.parametrize(
