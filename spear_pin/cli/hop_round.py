@@ -16,7 +16,7 @@ from spear_pin.errors import BadValue
 OTHERS = {
     "flight_time": None,
     "stance_torque": None,
-    "knee": 1.0,
+    "knee": None,
     "frequency": None,
     "stiffness": None,
     "damping": None,

@@ -101,8 +101,6 @@ def notes(
     for log in logs:
         if others := [name for name in log.values if name not in valid]:
             lines.append(f"note: {log.source}: not of this leg: {listed(others, 8)}")
-        bare = [motor for motor in system.robot.actuated if f"{motor}_torque" not in log.values]
-        lines += [f"warning: {log.source}: no {motor}_torque, so 0 is taken" for motor in bare]
     lines += [
         f"note: {phase.source}: left out: {phase.name} from {phase.begin:.3f} s: {phase.left_out}" for phase in left_out
     ]

@@ -147,13 +147,18 @@ def check_controllable(system: HybridSystem, kinds: Sequence[str]) -> None:
     """Refuses a system whose law cannot be written as a controller.
 
     Raises:
-        BadValue: its kind is another, or it has event feedback, a switch that is not ideal, or a fixed spring.
+        BadValue: its kind is another, or it has event feedback, dry friction, a brake, a switch that is
+            not ideal, or a fixed spring.
     """
     if system.kind not in kinds:
         raise BadValue("gait", system.kind, f"a gait of {' or '.join(kinds)}, whose law can run on a controller")
     resets = [happening.reset for domain in system.domains for happening in happenings(domain)]
     if any(reset.adjust is not None for reset in resets):
         raise BadValue("gait.system", "one with event feedback", "one without, to write its law as a controller")
+    if any(domain.rubs for domain in system.domains):
+        raise BadValue(
+            "gait.system", "one with dry friction or brakes", "one without, to write its law as a controller"
+        )
     for name, spring in system.springs.items():
         if spring.clutch is not None or spring.rest is not None:
             expected = "one that touchdown engages and lift-off releases, to write the law as a controller"

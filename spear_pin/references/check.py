@@ -125,7 +125,9 @@ def lines(references: Mapping[str, Any], answers: Mapping[str, Any]) -> Iterator
             continue
         differences, others = compare(reference, answers[name])
         wrong = [each for each in differences if each.off > each.bound]
-        if not wrong and not others:
+        if not differences and not others:
+            yield False, f"{name}: no numbers"
+        elif not wrong and not others:
             yield True, f"{name}: ok, {len(differences)} numbers within their bounds"
         else:
             said = [*map(str, wrong[:1]), *others[:SAID]] + [f"{len(others) - SAID} more"] * (len(others) > SAID)

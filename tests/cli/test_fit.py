@@ -30,8 +30,8 @@ def test_truth_is_found(capsys, lab, tmp_path):
 @pytest.mark.extra("heyoka")
 @pytest.mark.slow
 def test_its_text(capsys, lab, tmp_path):
-    """Options go before the TOML file, so that there is no torque."""
-    columns = ("--column", "time=stamp", "--column", "crank=theta_deg")
+    """Options go before the TOML file, so that the torque is read as the joint's."""
+    columns = ("--column", "time=stamp", "--column", "crank=theta_deg", "--column", "crank_torque=drive_mNm")
     asked = ("--over", "stiffness", "--phases", "stance", "--out", tmp_path)
     status, out, _ = run(capsys, "fit", "leg.toml", "hops.csv", *columns, *asked)
     assert status == 0
@@ -40,8 +40,7 @@ def test_its_text(capsys, lab, tmp_path):
     assert found["phases"] == "3" and found["rms"].endswith(" rad")
     for line in (
         "note: hops.csv: 'stamp' names no unit: taken as ns, by its name or as Unix time",
-        "note: hops.csv: columns that are not read: 'drive_mNm', 'temperature'",
-        "warning: hops.csv: no crank_torque, so 0 is taken",
+        "note: hops.csv: columns that are not read: 'temperature'",
         "synthetic, not measured",
         f"files: {tmp_path}/fit.json, {tmp_path}/fit.svg",
     ):
@@ -51,6 +50,10 @@ def test_its_text(capsys, lab, tmp_path):
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
+        (
+            ["--over", "stiffness", "--column", "time=time_s", "--column", "crank=crank_deg"],
+            "log hops.csv is ['crank']; expected 'crank_torque' as well; of a motor that is off, zeros",
+        ),
         (["--over", "nope"], "unknown number of the leg 'nope'"),
         (["--over", "stiffness,stiffness"], "each once"),
         ([], "--over"),

@@ -26,7 +26,7 @@ class TestMistakes:
         [
             (["hop", "--stifness", "50"], "unknown arguments: --stifness 50; nearest options: --stiffness,"),
             (["hop", "fast"], "spear hop: unknown arguments: fast (see spear hop --help)"),
-            (["hopp"], "unknown command 'hopp'; nearest of 23: hop,"),
+            (["hopp"], "unknown command 'hopp'; nearest of 25: hop,"),
             (["hop", "--cycles", "1.5"], "invalid int value: '1.5'"),
             (["hop", "--cycles", "-1.5e1"], "invalid int value: '-1.5e1'"),
             (["hop", "--stance-torque", "-inf", "--out", "-1"], "--out is '-1'"),

@@ -93,7 +93,13 @@ def test_a_switch_that_only_releases_late_hardly_matters():
     assert gait.parameters["stance_torque"] == pytest.approx(7.826198, abs=1e-6)
 
 
-@pytest.mark.parametrize("clutch", [Clutch(0.004, 0.25, damper="joint"), Clutch(hold=0.6, damper="joint")])
+@pytest.mark.parametrize(
+    "clutch",
+    [
+        Clutch(0.004, 0.25, damper="joint"),
+        pytest.param(Clutch(hold=0.6, damper="joint"), marks=pytest.mark.extra("heyoka")),
+    ],
+)
 def test_a_switch_that_is_still_closed_at_the_next_touchdown(clutch):
     """Only the first hop engages it."""
     with pytest.raises(NoGait) as error:

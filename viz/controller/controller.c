@@ -135,6 +135,7 @@ int spear_step(spear_controller *c, double t, const double *q, const double *v, 
     spear_event(c, event, t, q, v);
     last = event;
   }
+  if (sound && count == MOST_AT_ONCE) spear_torques(c, t, q, v, u);
   sound = sound && t - c->began <= SPEAR_LONGEST;
   for (i = 0; sound && i < SPEAR_JOINTS; ++i) {
     sound = fabs(u[i]) < HUGE_VAL;

@@ -49,14 +49,15 @@ typedef struct {
   int switches;                 /* scheduled events of the phase so far */
   double held[SPEAR_HELD];      /* values latched at events */
   int armed[SPEAR_WATCHED];     /* whether a watched value has been above zero */
-  double threshold;             /* how near to zero a watched value counts as zero, >= 0, for signals with noise */
+  double threshold;             /* how near to zero counts as zero, >= 0, for noisy signals; set it after spear_init */
 } spear_controller;
 
 /* Begins at time t, in the air before the section (standing = 0) or on it, just after touchdown (standing = 1). */
 void spear_init(spear_controller *c, int standing, double t, const double *q, const double *v);
 
 /* Finds the events since the last call from q and v, and writes the torques, within their limits.
- * Returns the last event, SPEAR_NOTHING or SPEAR_STOPPED. */
+ * Returns the last event, SPEAR_NOTHING or SPEAR_STOPPED. The next call with sound signals gives torques again: whoever
+ * wants to stay stopped has to call it no more. */
 int spear_step(spear_controller *c, double t, const double *q, const double *v, double *u);
 
 /* Tells the controller of an event that it has not found itself, for instance by a foot switch; v is after the impact.

@@ -11,7 +11,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.measured import STANCE, Measured
-from spear_pin.studies.logs.phases import GRAVITY, LogPhase, find_phases
+from spear_pin.studies.logs.phases import GAP, LogPhase, find_phases
 from spear_pin.studies.logs.shooting import with_torques
 
 SETTLE = 0.012  # s after a touchdown that are left out: the foot bounces, and the leg rings
@@ -30,7 +30,7 @@ class Arc:
         positions: measured positions at them, (n, m).
         torques: torques of the motors at them, (n, nu).
         near: configuration at the first sample, (nv,), with the toe on the ground.
-        latched: configuration at touchdown, (nv,).
+        touchdown: measured positions at touchdown, (m,), where springs are latched.
         base: rates of the base at the first sample of a flight, in m/s, from the push-off; None for a stance.
     """
 
@@ -39,12 +39,12 @@ class Arc:
     positions: Array
     torques: Array
     near: Array
-    latched: Array
+    touchdown: Array
     base: Array | None
 
 
 def arcs_of(
-    system: HybridSystem, joints: Measured, log: Log, settle: float, whole: bool = False
+    system: HybridSystem, joints: Measured, log: Log, settle: float, whole: bool = False, torques: bool = True
 ) -> tuple[list[Arc], list[LogPhase]]:
     """Returns the arcs of a log, and the phases that are left out.
 
@@ -54,13 +54,14 @@ def arcs_of(
         log: the log.
         settle: time after each touchdown that is left out, in s; half of it before one.
         whole: whether a stance goes on to the next touchdown.
+        torques: whether the log needs the torques of all motors.
     """
     found, left_out = list[Arc](), list[LogPhase]()
     ratios = {joint: system.robot.gear_ratio(joint) for joint in system.robot.actuated}
-    torques = with_torques(log, system.robot.actuated, ratios)
+    applied = with_torques(log, system.robot.actuated, ratios, torques)
     positions = np.column_stack([log[name] for name in joints.joints])
-    good = np.isfinite(positions).all(axis=1) & np.isfinite(torques).all(axis=1)
-    latched: Array | None = None
+    good = np.isfinite(positions).all(axis=1) & np.isfinite(applied).all(axis=1)
+    near, touchdown = None, positions[good][0]
     phases = find_phases(system.robot, log)
     for i, phase in enumerate(phases):
         stance, ends = phase.name == STANCE, phase.end
@@ -71,19 +72,19 @@ def arcs_of(
         inside = np.flatnonzero(good & (log.t >= begin) & (log.t <= end))
         before = np.flatnonzero(good & (log.t <= phase.begin))
         if stance:
-            at = np.array([np.interp(phase.begin, log.t[good], each) for each in positions[good].T])
-            latched = joints.configuration(at, latched)
+            touchdown = np.array([np.interp(phase.begin, log.t[good], each) for each in positions[good].T])
         if not stance and len(before) < RATE:
             phase = replace(phase, left_out=phase.left_out or "its lift-off is not in the log")
         elif len(inside) < RATE:
             phase = replace(phase, left_out=phase.left_out or f"only {len(inside)} samples of it can be used")
+        elif (hole := float(np.diff(log.t[inside]).max())) > GAP:
+            phase = replace(phase, left_out=phase.left_out or f"{1e3 * hole:.0f} ms have no position or torque")
         if phase.left_out:
             left_out.append(phase)
             continue
-        near = joints.configuration(positions[inside[0]], latched)
+        near = joints.configuration(positions[inside[0]], near)
         base = None if stance else _base(joints, log.t, positions, before[-RATE:], log.t[inside[0]], near)
-        rests = near if latched is None else latched
-        found.append(Arc(phase, log.t[inside], positions[inside], torques[inside], near, rests, base))
+        found.append(Arc(phase, log.t[inside], positions[inside], applied[inside], near, touchdown, base))
     return found, left_out
 
 
@@ -106,6 +107,6 @@ def _base(joints: Measured, t: Array, positions: Array, last: Places, time: floa
     """
     rates = rates_of(joints, STANCE, t[last], positions[last], -1)
     at = joints.state(STANCE, positions[last[-1]], rates, near)[joints.robot.nv :]
-    falls = [GRAVITY if joints.robot.coordinates[row] == "boom_z" else 0.0 for row in joints.base]
+    falls = [joints.gravity if joints.robot.coordinates[row] == "boom_z" else 0.0 for row in joints.base]
     slower: Array = at[joints.base] - np.array(falls) * (time - t[last[-1]])
     return slower

@@ -15,6 +15,7 @@ from spear_pin.studies.logs.spread import Found
 
 ALIKE = 0.98  # correlation of two values that are hardly told apart
 POOR = 0.02  # of the motion: residuals that no sensor explains
+LARGE = 0.2  # of the motion: what hardly any leg misses
 WORSE = 4.0  # times the median rms of all phases: one that fits worse is perhaps something else
 
 
@@ -38,7 +39,8 @@ def doubts(
         yield f"the search did not converge in {solution.nfev} evaluations"
     for name, side in zip(problem.over, solution.active_mask, strict=False):
         if side:
-            yield f"{name} is at its bound, {found[name].value:g}: its deviation means nothing"
+            sign = "; is the torque's sign that of its joint?" if name == "torque_scale" else ""
+            yield f"{name} is at its bound, {found[name].value:g}: its deviation means nothing{sign}"
     for i, one in enumerate(problem.over):
         for other, alike in zip(problem.over[:i], correlation[i], strict=False):
             if abs(alike) > ALIKE:
@@ -50,7 +52,8 @@ def doubts(
     moved = float(np.median([np.ptp(arc.positions, axis=0).max() for arc in problem.arcs]))
     sizes = [float(np.sqrt(np.mean(residual**2))) for _, residual, _ in shots]
     if (share := float(np.median(sizes)) / moved) > POOR:
-        yield f"the model misses something: the residuals are {100.0 * share:.1f} % of the motion"
+        hint = "" if share < LARGE else "; are units and signs right?"
+        yield f"the model misses something: the residuals are {100.0 * share:.1f} % of the motion{hint}"
     for arc, (shot, _, _), size in zip(problem.arcs, shots, sizes, strict=True):
         where = f"the {arc.phase.name} from {arc.phase.begin:.3f} s of {arc.phase.source}"
         if arc.phase.name == STANCE and float(shot.forces[:-3, -1].min()) < 0.0:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -26,6 +27,9 @@ from spear_pin.studies.logs.spread import Found, correlation_time, spread
 
 TOLERANCE = 1e-10
 EVALUATIONS = 60
+COARSE, FINEST = 0.1, 8  # of residuals or slopes, by which halved steps may change them; and times shorter steps
+NOTHING = 1e-4  # size of residuals, in rad, below which such changes do not matter
+STIFF = "friction makes the motion stiffer than the integration resolves: deviations may be wrong"
 
 
 @dataclass(frozen=True, repr=False)
@@ -157,34 +161,19 @@ def _known(leg: HybridSystem, name: str, of_sensors: Sequence[str]) -> None:
 
 def _solved(problem: Residuals, left_out: tuple[LogPhase, ...]) -> MotionFit:
     first = problem.first()
-    bounds = problem.bounds(first)
-    first = np.clip(first, bounds[0] + 1e-9, bounds[1])
-    last: dict[bytes, tuple[Array, Array]] = {}
-
-    def at(x: Array) -> tuple[Array, Array]:
-        key = x.tobytes()
-        if key not in last:
-            last.clear()
-            last[key] = problem.joined(x)
-        return last[key]
-
-    spread(problem, at(first), 1.0)  # what is not told apart is refused before the search
-    solution = least_squares(
-        lambda x: at(x)[0],
-        first,
-        lambda x: at(x)[1],
-        bounds=bounds,
-        x_scale="jac",
-        ftol=TOLERANCE,
-        xtol=TOLERANCE,
-        gtol=TOLERANCE,
-        max_nfev=EVALUATIONS,
-    )
-    x, k = np.asarray(solution.x), len(problem.over)
+    spread(problem, problem.joined(first), 1.0)  # what is not told apart is refused before the search
+    while True:
+        solution = _search(problem, first)
+        x, k = np.asarray(solution.x), len(problem.over)
+        finer = replace(problem, steps=2 * problem.steps)
+        coarse = _differ(problem.joined(x), finer.joined(x))
+        if not coarse or finer.steps > FINEST:
+            break
+        problem, first = finer, x
     shots = problem.shots(x)
     residuals = tuple(residual for _, residual, _ in shots)
     inflation = float(np.sqrt(np.mean([correlation_time(each) for residual in residuals for each in residual.T])))
-    deviations, correlation = spread(problem, at(x), inflation)
+    deviations, correlation = spread(problem, problem.joined(x), inflation)
     units = {name: _unit(problem, name) for name in problem.over}
     values = zip(problem.over, x[:k].tolist(), deviations.tolist(), strict=True)
     found = {name: Found(value, deviation, units[name]) for name, value, deviation in values}
@@ -202,7 +191,40 @@ def _solved(problem: Residuals, left_out: tuple[LogPhase, ...]) -> MotionFit:
         float(np.sqrt(np.mean(np.concatenate([(problem.weights * each).ravel() for each in residuals]) ** 2))),
         inflation,
         left_out,
-        tuple(doubts(problem, found, correlation, solution, shots)),
+        (*doubts(problem, found, correlation, solution, shots), *([STIFF] if coarse else [])),
         bool(solution.success),
         int(solution.nfev),
+    )
+
+
+def _search(problem: Residuals, first: Array) -> Any:
+    """Returns SciPy's solution from some values on."""
+    bounds = problem.bounds(first)
+    last: dict[bytes, tuple[Array, Array]] = {}
+
+    def at(x: Array) -> tuple[Array, Array]:
+        key = x.tobytes()
+        if key not in last:
+            last.clear()
+            last[key] = problem.joined(x)
+        return last[key]
+
+    return least_squares(
+        lambda x: at(x)[0],
+        np.clip(first, bounds[0] + 1e-9, bounds[1]),
+        lambda x: at(x)[1],
+        bounds=bounds,
+        x_scale="jac",
+        ftol=TOLERANCE,
+        xtol=TOLERANCE,
+        gtol=TOLERANCE,
+        max_nfev=EVALUATIONS,
+    )
+
+
+def _differ(one: tuple[Array, Array], other: tuple[Array, Array]) -> bool:
+    """Tells whether residuals, or a column of their Jacobian, change much as the steps are halved."""
+    return any(
+        np.linalg.norm(a - b) > COARSE * max(float(np.linalg.norm(b)), NOTHING)
+        for a, b in zip((one[0], *one[1].T), (other[0], *other[1].T), strict=True)
     )

@@ -30,6 +30,11 @@ class Measured:
     joints: tuple[str, ...]
 
     @cached_property
+    def gravity(self) -> float:
+        """Acceleration of free fall, in m/s²."""
+        return float(np.linalg.norm(self.robot.model.gravity.linear))
+
+    @cached_property
     def rows(self) -> list[int]:
         """Rows of the joints in q."""
         return [self.robot.index(name) for name in self.joints]
@@ -101,12 +106,12 @@ class Measured:
         return np.concatenate([q, np.linalg.lstsq(rows, wanted, rcond=None)[0]])
 
     def lengths(self, positions: Array, near: Array | None = None) -> Array:
-        """Returns how far the base is above the toe, (n,), in m, from measured positions, (n, m)."""
-        found = []
-        for each in positions:
-            near = self.configuration(each, near)
-            found.append(self.length(near))
-        return np.array(found)
+        """Returns how far the base is above the toe, (n,), in m, from positions, (n, m); NaN where these are."""
+        found = np.full(len(positions), np.nan)
+        for i in np.flatnonzero(np.isfinite(positions).all(axis=1)):
+            near = self.configuration(positions[i], near)
+            found[i] = self.length(near)
+        return found
 
     def heights(self, positions: Array) -> Array:
         """Returns how far the centre of mass is above the toe, (n,), in m, from measured positions, (n, m)."""

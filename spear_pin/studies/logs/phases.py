@@ -22,7 +22,7 @@ SUDDEN = 0.3  # of the rate of a push: by how much a touchdown changes the rate 
 SLOWEST = 0.05  # m/s, with which a leg may touch down or push off
 NEAR = 0.02  # s, within which a touchdown is where free fall has it, and before the fastest shortening
 SHORTEST = 0.03  # s of a phase
-GRAVITY = 9.81  # m/s²
+SLOWEST_RATE = 6e-3  # s between samples: with fewer a touchdown is not seen
 GAP = 0.012  # s without a sample, which a phase may have
 SPLIT, FEWEST = 0.1, 20  # s without a sample, from which on a log is cut, and samples of a part
 
@@ -70,9 +70,12 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
         UnknownName: the log has none of the robot's joints.
     """
     joints = measured(robot, log)
+    _ = joints.leading  # its error says which positions are missing
     positions = np.column_stack([log[name] for name in joints.joints])
     good = np.isfinite(positions).all(axis=1)
     t, heights = log.t[good], joints.heights(positions[good])
+    if (step := float(np.median(np.diff(t)))) > SLOWEST_RATE:
+        raise BadFile(log.source, f"samples are {step:.3g} s apart; a hop needs {SLOWEST_RATE:g} s or less")
     cuts = np.flatnonzero(np.diff(t) > SPLIT) + 1
     parts = [
         _Part(log.source, *part)
@@ -80,7 +83,11 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
         if len(part[0]) > FEWEST
     ]
     fastest, slowest = (float(max((way * part.rate).max() for part in parts)) for way in (1.0, -1.0))
-    found = [phase for part in parts for phase in _phases(part, _events(part, STRONG * fastest, STRONG * slowest))]
+    found = [
+        phase
+        for part in parts
+        for phase in _phases(part, _events(part, STRONG * fastest, STRONG * slowest, joints.gravity))
+    ]
     if not any(phase.whole or phase.name == FLIGHT for phase in found):
         raise BadFile(
             log.source,
@@ -117,7 +124,7 @@ class _Part:
         return np.asarray(np.gradient(self.rate, self.even))
 
 
-def _events(part: _Part, push: float, strike: float) -> list[tuple[float, str]]:
+def _events(part: _Part, push: float, strike: float, gravity: float) -> list[tuple[float, str]]:
     """Returns when which phase begins, from pushes and strikes that are at least so fast."""
     t, rate, bend = part.even, part.rate, part.bend
     height, events = np.interp(t, part.t, part.heights), list[tuple[float, str]]()
@@ -127,14 +134,14 @@ def _events(part: _Part, push: float, strike: float) -> list[tuple[float, str]]:
         events.append((float(t[landed]), STANCE))
     begin = 0 if landed is None else landed
     for place in pushes:
-        falls = np.flatnonzero(bend[place:] < -GRAVITY)
+        falls = np.flatnonzero(bend[place:] < -gravity)
         if place < begin or not falls.size:
             continue
         leaves = place + int(falls[0])
         events.append((float(t[leaves]), FLIGHT))
         since = t[leaves:] - t[leaves]
-        toe = height[leaves] + rate[leaves] * since - 0.5 * GRAVITY * since**2 - height[leaves:]
-        below = np.flatnonzero((toe < 0.0) & (since > rate[leaves] / GRAVITY))  # not while it rises
+        toe = height[leaves] + rate[leaves] * since - 0.5 * gravity * since**2 - height[leaves:]
+        below = np.flatnonzero((toe < 0.0) & (since > rate[leaves] / gravity))  # not while it rises
         if not below.size:
             break
         begin = _sharpest(t, bend, leaves + int(below[0]))

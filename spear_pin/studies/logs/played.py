@@ -25,6 +25,7 @@ from spear_pin.model.springs import places_of
 from spear_pin.studies.logs.measured import FLIGHT, STANCE
 
 SLOW = {"rad": 0.02, "m": 0.004}  # rad/s, m/s: the rate w, far below those of a hop
+SLACK = {"rad": 1e-3, "m": 1e-4}  # rad, m: beyond which a spring is taut
 SCALE, FRICTION, HYSTERESIS, SHIFT, TORQUE = "torque_scale", "_friction", "_hysteresis", "_shift", "_torque"
 
 
@@ -91,7 +92,8 @@ class Playing:
         force = pull.spring.torque(ops.maximum(stretch, 0.0) if pulls else stretch, ops)
         against = width * ops.tanh(pull.rate / SLOW["rad" if pull.spring.turns else "m"])
         if pulls:  # a slack spring has none, and one that is let go does not push
-            against = ops.maximum(-ops.maximum(-against, force), force)
+            taut = ops.tanh(ops.maximum(stretch, 0.0) / SLACK["rad" if pull.spring.turns else "m"])
+            against = taut * ops.maximum(against, force)
         return force - against
 
 
@@ -110,6 +112,10 @@ def played(system: HybridSystem) -> HybridSystem:
     robot = system.robot
     if not robot.planar or len(robot.toes) != 1 or system.hardware is not None:
         raise BadValue("system", system.kind, "a planar robot with one toe and without hardware")
+    if rubs := {each for domain in system.domains for rub in domain.rubs for each in rub.along.numbers}:
+        raise BadValue(
+            "dry friction or brake", sorted(rubs), "none: the leg of a log has its own, such as knee_friction"
+        )
     if unusual := [name for name, spring in system.springs.items() if spring.clutch is not None]:
         raise BadValue(f"clutch of the spring {unusual[0]}", system.springs[unusual[0]].clutch, "None: an ideal switch")
     kind = numbers_type(robot.coordinates, tuple(system.springs), robot.actuated, robot.units)
@@ -146,7 +152,7 @@ def _built(system: HybridSystem, robot: Robot, motors: tuple[str, ...], law: Any
         return _built(system, robot, motors, law, spring)
 
     stance, flight = (_domain(given, name, motors) for name in (STANCE, FLIGHT))
-    lands = Reset(impact=robot.toes, latch=partial(_latched, robot, stance.mounts), phase=STANCE)
+    lands = Reset(impact=robot.toes, latch=partial(latch_rests, robot, stance.mounts), phase=STANCE)
     domains = stance, replace(flight, guards=(touchdown(robot.toes[0], lands),))
     return HybridSystem(
         "played", full, law, given.springs, given.contact, domains, "", (), build, given.guess, sprung=True
@@ -164,7 +170,7 @@ def _domain(system: HybridSystem, name: str, motors: tuple[str, ...]) -> Domain:
     return replace(own, name=name, phase=name, law=law, mounts=mounts, guards=(), switch=None)
 
 
-def _latched(robot: Robot, mounts: Sequence[Mount], q: Sequence[float], *_: Any) -> Held:
+def latch_rests(robot: Robot, mounts: Sequence[Mount], q: Sequence[float], *_: Any) -> Held:
     """Returns where springs rest that touchdown latches."""
     return {mount.rest: values_along(mount.along, robot, q) for mount in mounts if isinstance(mount.rest, str)}
 

@@ -33,6 +33,7 @@ from spear_pin.studies.logs.shooting import Shooter
 
 MEASURES = "compression", "stance", "push_off"
 PUSH = 0.012  # s before lift-off, over which the leg's rate is taken
+STEPS = 4  # by how much steps are shorter than need be, as friction is stiff
 MEASURED, LAW = "measured", "law"
 SAMPLES = 400  # of each phase, between which a simulated motion is interpolated
 WINDOW = 0.04  # s, on which the first state is fitted: some periods of the ringing after a touchdown
@@ -89,8 +90,8 @@ class Replay(Shown):
     left_out: tuple[LogPhase, ...]
 
     def off(self, name: str) -> float:
-        """Returns by how much the model is off on average, relative to the log."""
-        return float(np.mean([hop.off(name) for hop in self.hops]))
+        """Returns by how much the model is off on average, relative to the log, over the hops that have the measure."""
+        return float(np.nanmean([hop.off(name) for hop in self.hops]))
 
     def __repr__(self) -> str:
         said = ", ".join(f"{name} {100.0 * self.off(name):+.1f} %" for name in MEASURES)
@@ -137,7 +138,7 @@ def replay(
     sensors = {name: given.pop(name, 0.0) for name in (*(f"{joint}{ZERO}" for joint in joints.joints), LAG)}
     leg = played_with(leg, user, given)
     zeros = np.array([sensors[f"{joint}{ZERO}"] for joint in joints.joints])
-    arcs, left_out = arcs_of(user, joints, log, settle, whole=True)
+    arcs, left_out = arcs_of(user, joints, log, settle, whole=True, torques=motors == MEASURED)
     shooter, hops = Shooter(leg), list[Hop]()
     own = with_own(user, leg, given) if motors == LAW else None
     for arc in arcs:
@@ -162,25 +163,28 @@ def _replayed(
     m, rows, nv = len(joints.rows), joints.rows, joints.robot.nv
     first = max(RATE, int(np.searchsorted(arc.t, arc.t[0] + window)))
     some = arc.t[:first], arc.torques[:first]
+    latched = joints.configuration(arc.touchdown - zeros, arc.near)
 
     def shown(y: Array) -> Array:
-        t = arc.t[: len(y)]
-        seen: Array = CubicHermiteSpline(t, y[:, rows], y[:, [nv + row for row in rows]])(t - lag) + zeros
+        moves = np.isfinite(y[:, 0])
+        t, y = arc.t[: len(y)][moves], y[moves]
+        seen = np.full((len(moves), m), np.nan)
+        seen[moves] = CubicHermiteSpline(t, y[:, rows], y[:, [nv + row for row in rows]])(t - lag) + zeros
         return seen
 
     def missed(x: Array) -> Array:
         y = joints.state(STANCE, x[:m], x[m:], arc.near)
-        shot = shooter.shoot(STANCE, *some, y, np.zeros((2 * nv, 1)), arc.latched)
+        shot = shooter.shoot(STANCE, *some, y, np.zeros((2 * nv, 1)), latched, steps=STEPS)
         return (shown(shot.y) - arc.positions[:first]).ravel()
 
     begin = np.concatenate([arc.positions[0] - zeros, rates_of(joints, STANCE, some[0], arc.positions[:first], 0)])
     found = least_squares(missed, begin, x_scale="jac").x
     y = joints.state(STANCE, found[:m], found[m:], arc.near)
-    states, lift_off = _driven(shooter, arc, y) if system is None else _by_law(system, arc, y)
+    states, lift_off = _driven(shooter, arc, latched, y) if system is None else _by_law(system, arc, latched, y)
     modelled = shown(states)
     model, log = (joints.lengths(each - zeros, arc.near) for each in (modelled, arc.positions))
     leaves = float(np.interp(arc.phase.end - MARGIN, arc.t, log))
-    touchdown = joints.length(arc.latched)
+    touchdown = joints.length(latched)
     measures = {
         name: (one, other)
         for name, one, other in zip(
@@ -190,41 +194,42 @@ def _replayed(
     return Hop(arc.phase, arc.t, arc.positions, modelled, lift_off, measures)
 
 
-def _driven(shooter: Shooter, arc: Arc, y: Array) -> tuple[Array, float]:
+def _driven(shooter: Shooter, arc: Arc, latched: Array, y: Array) -> tuple[Array, float]:
     """Returns states at all samples, (n, 2 nv), with the measured torques, and when the toe lifts off."""
     states, lift_off, none = [y], np.nan, np.zeros((len(y), 1))
-    for after, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, arc.latched):
+    for after, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, latched, steps=STEPS):
         if force[-1] < 0.0:  # at the step's beginning, where the state is the last that was kept
             lift_off = float(arc.t[len(states) - 1])
             break
         states.append(after)
     if len(states) < len(arc.t):
         rest = slice(len(states) - 1, None)
-        flight = shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states[-1], none, arc.latched)
+        flight = shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states[-1], none, latched, steps=STEPS)
         states += [after for after, _, _ in flight]
     return np.array(states), lift_off
 
 
-def _by_law(system: HybridSystem, arc: Arc, y: Array) -> tuple[Array, float]:
+def _by_law(system: HybridSystem, arc: Arc, touchdown: Array, y: Array) -> tuple[Array, float]:
     """Returns what `_driven` does, with the system's law from touchdown on; NaN after the next touchdown."""
     nv, reset = system.robot.nv, system.landing[1]
     clock = Clock(0.0, system.springs, system)
     rates = y[nv:].tolist()
-    held = latched({}, [reset], arc.latched.tolist(), rates, system.law, begins=True, clock=clock)
+    held = latched({}, [reset], touchdown.tolist(), rates, system.law, begins=True, clock=clock)
     since = float(arc.t[0]) - arc.phase.begin
     run = simulate(system, Moment(y[:nv], y[nv:], str(reset.phase), held, since), samples=SAMPLES, progress=False)
-    t, first = np.unique(run.t - run.t[0] + arc.t[0], return_index=True)
-    line = CubicHermiteSpline(
-        t, np.hstack([run.q, run.v])[first], np.gradient(np.hstack([run.q, run.v])[first], t, axis=0)
-    )
-    leaves = [event.time - run.t[0] + arc.t[0] for event in run.events if event.name == "lift_off"]
-    inside = arc.t <= t[-1]
-    return np.where(inside[:, None], line(arc.t), np.nan), float(leaves[0]) if leaves else np.nan
+    begins = float(arc.t[0]) - float(run.t[0])
+    lands = next((event.time for event in run.events if event.name == system.section), np.inf)
+    before = run.t < lands
+    t, first = np.unique(run.t[before] + begins, return_index=True)
+    line = CubicHermiteSpline(t, run.q[before][first], run.v[before][first])
+    states = np.hstack([line(arc.t), line(arc.t, 1)])
+    leaves = [event.time + begins for event in run.events if event.name == "lift_off" and event.time < lands]
+    return np.where((arc.t <= t[-1])[:, None], states, np.nan), float(leaves[0]) if leaves else np.nan
 
 
 def _measures(arc: Arc, length: Array, touchdown: float, leaves: float) -> tuple[float, float, float]:
     """Returns compression, stance and push-off; see `Hop`."""
-    shortest = int(np.argmin(length[arc.t < arc.phase.end]))
+    shortest = int(np.nanargmin(length[arc.t < arc.phase.end]))
     above = np.flatnonzero(length[shortest:] >= leaves)
     compression = touchdown - float(length[shortest])
     if not above.size or not above[0]:

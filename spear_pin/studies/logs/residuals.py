@@ -1,4 +1,4 @@
-"""Residuals of a played leg's motion over all arcs of a log, and their exact Jacobian."""
+"""Residuals of a played leg's motion over all arcs of a log, and their Jacobian, by variational equations."""
 
 from __future__ import annotations
 
@@ -23,7 +23,18 @@ STEP = 1e-5  # rad or m, by which a start is differentiated
 
 @dataclass(frozen=True)
 class Residuals:
-    """Residuals of all arcs, with their Jacobian by the fitted values, then by where each arc sets out."""
+    """Residuals of all arcs, with their Jacobian by the fitted values, then by where each arc sets out.
+
+    Attributes:
+        system: the user's system.
+        leg: the leg as it is shot, see `played`.
+        joints: its measured joints.
+        arcs: the arcs.
+        over: names of the fitted values.
+        own: those of them that are numbers of the leg, and not of sensors.
+        sensors: values of sensors, by name: zeros, and the lag.
+        steps: by how much steps are shorter than need be, where friction makes the equations stiff.
+    """
 
     system: HybridSystem
     leg: HybridSystem
@@ -32,6 +43,7 @@ class Residuals:
     over: tuple[str, ...]
     own: tuple[str, ...]
     sensors: Mapping[str, float]
+    steps: int = 1
 
     @cached_property
     def places(self) -> list[slice]:
@@ -75,7 +87,7 @@ class Residuals:
         values = dict(zip(self.over, x[: len(self.over)].tolist(), strict=True))
         return played_with(self.leg, self.system, {name: values[name] for name in self.own})
 
-    def shots(self, x: Array, steps: int = 1) -> list[tuple[Shot, Array, Array]]:
+    def shots(self, x: Array) -> list[tuple[Shot, Array, Array]]:
         """Returns, of each arc, the shot, the residuals, (n, m), and their Jacobian, (n, m, unknowns)."""
         k, keys = len(self.over), tuple(number_of(self.system, name)[0] for name in self.own)
         shooter = Shooter(self.leg_with(x), keys)
@@ -86,22 +98,34 @@ class Residuals:
         found = []
         for mine, arc in zip(self.places, self.arcs, strict=True):
             y, slope = self._begin(x[mine], arc)
-            dy = np.hstack([np.zeros((len(y), len(self.own))), slope])
-            shot = shooter.shoot(arc.phase.name, arc.t, arc.torques, y, dy, arc.latched, steps)
+            c, d = len(self.own) + slope.shape[1], len(self.joints.joints)
+            dy = np.hstack([np.zeros((len(y), len(self.own))), slope, np.zeros((len(y), d))])
+            latched, turns = self._latched(arc, zeros)
+            dlatched = np.hstack([np.zeros((len(turns), c)), turns])
+            shot = shooter.shoot(arc.phase.name, arc.t, arc.torques, y, dy, latched, dlatched, self.steps)
             late = values[LAG]
             positions = CubicHermiteSpline(arc.t, shot.y[:, rows], shot.y[:, rate_rows])
             residual = positions(arc.t - late) + zeros - arc.positions
             jacobian = np.zeros((*residual.shape, len(x)))
             whole = CubicHermiteSpline(arc.t, shot.dy[:, rows], shot.dy[:, rate_rows])(arc.t - late)
             jacobian[:, :, [self.over.index(name) for name in self.own]] = whole[:, :, : len(self.own)]
-            jacobian[:, :, mine] = whole[:, :, len(self.own) :]
+            jacobian[:, :, mine] = whole[:, :, len(self.own) : c]
             for j, joint in enumerate(self.joints.joints):
                 if f"{joint}{ZERO}" in self.over:
-                    jacobian[:, j, self.over.index(f"{joint}{ZERO}")] = 1.0
+                    jacobian[:, :, self.over.index(f"{joint}{ZERO}")] = whole[:, :, c + j]
+                    jacobian[:, j, self.over.index(f"{joint}{ZERO}")] += 1.0
             if LAG in self.over:
                 jacobian[:, :, self.over.index(LAG)] = -positions(arc.t - late, 1)
             found.append((shot, residual, jacobian))
         return found
+
+    def _latched(self, arc: Arc, zeros: Array) -> tuple[Array, Array]:
+        """Returns the configuration at touchdown, (nv,), and its derivatives by the joints' zeros, (nv, m)."""
+        at = arc.touchdown - zeros
+        steps = STEP * np.eye(len(at))
+        found = [self.joints.configuration(each, arc.near) for each in (at, *(at - steps), *(at + steps))]
+        m = len(at)
+        return found[0], (np.array(found[1 : 1 + m]) - np.array(found[1 + m :])).T / (2.0 * STEP)
 
     def _begin(self, at: Array, arc: Arc) -> tuple[Array, Array]:
         """Returns the state at which an arc sets out, (2 nv,), and its derivatives, (2 nv, d), by differences."""

@@ -1,7 +1,7 @@
-"""Shoots a played leg over a phase of a log, with exact derivatives by its numbers and by where it sets out.
+"""Shoots a played leg over a phase of a log, with its variational equations by numbers and by where it sets out.
 
 Steps of the classical Runge-Kutta method go from sample to sample, between which torques are straight lines: the
-input's corners are where steps end. `Shot.error` compares with steps of half the length.
+input's corners are where steps end.
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
+from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.fields import flattened
-from spear_pin.hybrid.springs import values_along
 from spear_pin.hybrid.tangent.fields import Values, field_of
 from spear_pin.hybrid.tangent.seeds import numbers, seeds
-from spear_pin.studies.logs.played import TORQUE
+from spear_pin.studies.logs.log import Log
+from spear_pin.studies.logs.played import TORQUE, latch_rests
 
 LONGEST = 1.6e-3  # s, of a step
 
@@ -71,12 +72,7 @@ class Shooter:
 
     def held(self, domain: Domain, latched: Array) -> dict[str, Any]:
         """Returns where the springs of a domain rest that were latched at a configuration, (nv,)."""
-        robot = self.system.robot
-        return {
-            str(mount.rest): values_along(mount.along, robot, latched.tolist())
-            for mount in domain.mounts
-            if isinstance(mount.rest, str)
-        }
+        return dict(latch_rests(self.system.robot, domain.mounts, latched.tolist()))
 
     def shoot(
         self,
@@ -86,6 +82,7 @@ class Shooter:
         y: Array,
         dy: Array,
         latched: Array,
+        dlatched: Array | None = None,
         steps: int = 1,
     ) -> Shot:
         """Integrates from a state over given times.
@@ -97,10 +94,11 @@ class Shooter:
             y: the state, (2 nv,).
             dy: its derivatives by `over`, then by others, (2 nv, c).
             latched: configuration at touchdown, (nv,), at which springs were latched.
+            dlatched: its derivatives, (nv, c); none unless they are given.
             steps: by how much more steps there are than need be.
         """
         states, changes, forces = [y], [dy], list[Array]()
-        for part in self.along(name, t, torques, y, dy, latched, steps):
+        for part in self.along(name, t, torques, y, dy, latched, dlatched, steps):
             states.append(part[0])
             changes.append(part[1])
             forces.append(part[2])
@@ -108,7 +106,15 @@ class Shooter:
         return Shot(t, np.array(states), np.array(changes), np.array(forces))
 
     def along(
-        self, name: str, t: Array, torques: Array, y: Array, dy: Array, latched: Array, steps: int = 1
+        self,
+        name: str,
+        t: Array,
+        torques: Array,
+        y: Array,
+        dy: Array,
+        latched: Array,
+        dlatched: Array | None = None,
+        steps: int = 1,
     ) -> Iterator[tuple[Array, Array, Array]]:
         """Yields state and derivatives at each of the times but the first, and the force on the toe before it."""
         domain = next(each for each in self.system.domains if each.name == name)
@@ -117,6 +123,10 @@ class Shooter:
         own = np.concatenate([self._numbers, flattened(held.values())])
         slopes = np.zeros((len(own), c))
         slopes[: len(self._numbers), : len(self.over)] = self._seeds
+        if dlatched is not None and held:  # what is held are coordinates
+            slopes[len(self._numbers) :] = np.array(
+                [flattened(self.held(domain, each).values()) for each in dlatched.T]
+            ).T
         zero, still = np.zeros(1), np.zeros(c)
 
         def at(y: Array, dy: Array, u: Array) -> tuple[Array, Array, Values]:
@@ -141,11 +151,23 @@ class Shooter:
             yield y[:, 0], dy[:, 0], force if len(force) else np.zeros(2)
 
 
-def with_torques(log: Any, motors: Sequence[str], ratios: Mapping[str, float]) -> Array:
-    """Returns the torques of motors at each sample of a log, (n, nu), in N·m at the joints; 0 where none is logged."""
+def with_torques(log: Log, motors: Sequence[str], ratios: Mapping[str, float], needed: bool = True) -> Array:
+    """Returns the torques of motors at each sample of a log, (n, nu), in N·m at the joints.
+
+    Args:
+        log: the log.
+        motors: names of the joints with a motor.
+        ratios: their gear ratios.
+        needed: whether a motor without a torque in the log is refused; else its torque is 0.
+
+    Raises:
+        BadValue: a torque is missing.
+    """
     found = []
     for motor in motors:
         name = f"{motor}{TORQUE}"
+        if needed and name not in log.values:
+            raise BadValue(f"log {log.source}", [*log.values], f"{name!r} as well; of a motor that is off, zeros")
         torque = log.values.get(name, np.zeros(len(log.t)))
         found.append(torque * (ratios[motor] if name in log.at_motor else 1.0))
     return np.column_stack(found) if found else np.empty((len(log.t), 0))

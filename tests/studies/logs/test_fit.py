@@ -10,6 +10,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import number
 from spear_pin.studies.logs import Log, identify_motion
+from spear_pin.studies.logs.shooting import Shooter
 from tests.studies.logs.crank_leg import DEGREE, configured, sampled, spring, synthetic
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -94,6 +95,15 @@ def test_most_values_are_within_two_deviations(cases):
     outside = {name: each for name, each in away.items() if abs(each) > 2.0}
     assert len(outside) <= 0.1 * len(away), outside
     assert max(map(abs, away.values())) < 5.0
+    assert 0.5 < np.sqrt(np.mean(np.square([*away.values()]))) < 1.5  # deviations are not too large either
+
+
+def two_joints(run, turned=0.0):
+    """A log of SPEAR-II's hip and knee, whose knee's sensor shows too much."""
+    t, first = np.unique(run.t, return_index=True)
+    times = np.arange(0.0, t[-1], 0.00025)
+    named = {"hip": run.q[:, 1], "knee": run.q[:, 2] + turned, "hip_torque": run.u[:, 0], "knee_torque": run.u[:, 1]}
+    return Log("two joints", times, {name: np.interp(times, t, each[first]) for name, each in named.items()})
 
 
 @pytest.mark.slow
@@ -102,14 +112,45 @@ def test_a_leg_of_two_joints_with_a_switched_spring():
     robot = load("spear_ii", locked=["boom_x"])
     system = hopping(robot)
     run = simulate(system, system.guess(), 3, samples=2000, progress=False)
-    t, first = np.unique(run.t, return_index=True)
-    times = np.arange(0.0, t[-1], 0.00025)
-    named = {"hip": run.q[:, 1], "knee": run.q[:, 2], "hip_torque": run.u[:, 0], "knee_torque": run.u[:, 1]}
-    log = Log("two joints", times, {name: np.interp(times, t, each[first]) for name, each in named.items()})
     softer = hopping(robot, spring=replace(system.spring, stiffness=40.0))
-    found = identify_motion(softer, log, ["stiffness", "damping"])
+    found = identify_motion(softer, two_joints(run), ["stiffness", "damping"])
     assert found["stiffness"].value == pytest.approx(48.84, rel=1e-3)
     assert found["damping"].value == pytest.approx(1.3, rel=5e-3)
+    turned = identify_motion(softer, two_joints(run, DEGREE), ["stiffness", "knee_zero"])
+    assert turned["stiffness"].value == pytest.approx(48.84, rel=2e-3)
+    assert turned["knee_zero"].value == pytest.approx(DEGREE, rel=1e-2)
+
+
+def test_a_missing_torque_is_refused_and_a_hole_in_it_leaves_the_phase_out(bare, plain_log):
+    log = plain_log[0]
+    with pytest.raises(BadValue, match="expected 'crank_torque' as well; of a motor that is off, zeros"):
+        identify_motion(bare, replace(log, values={"crank": log["crank"]}), ["crank_armature"])
+    holed = np.where(abs(log.t - 0.5) < 0.05, np.nan, log["crank_torque"])
+    found = identify_motion(bare, replace(log, values={**log.values, "crank_torque": holed}), ["crank_viscous"])
+    assert [(phase.name, phase.left_out) for phase in found.left_out] == [
+        ("stance", "101 ms have no position or torque")
+    ]
+
+
+def test_dry_friction_of_the_system_is_refused(crank, plain_log):
+    rough = with_dry_friction(hopping(crank, spring={"leg": spring()}), {"crank": 0.1})
+    with pytest.raises(BadValue, match="dry friction or brake is .'crank'.; expected none"):
+        identify_motion(rough, plain_log[0], ["stiffness"])
+
+
+@pytest.mark.slow
+def test_stiff_friction_takes_shorter_steps(bare, plain_log):
+    whole = plain_log[0]
+    kept = whole.t < 0.42
+    log = Log("one hop", whole.t[kept], {name: each[kept] for name, each in whole.values.items()})
+    given = {"crank_friction": 0.6}
+    found = identify_motion(bare, log, ["crank_armature"], start=given, phases=["flight"])
+    shooter = Shooter(found.leg, ("crank_armature",))
+    for arc, shot in zip(found.arcs, found.shots, strict=True):
+        start = arc.t, arc.torques, shot.y[0], shot.dy[0], arc.near
+        finer = shooter.shoot(arc.phase.name, *start, steps=32).dy[:, 1, 0]
+        assert shot.dy[:, 1, 0] == pytest.approx(finer, abs=0.1 * abs(finer).max())
+    assert not any("stiffer" in each for each in found.doubts)
 
 
 def test_what_is_hardly_told_apart_is_said(bare, plain_log):

@@ -45,6 +45,11 @@ def test_refuses_what_is_no_hop(crank, plain_log):
     log, _ = plain_log
     with pytest.raises(BadFile, match="it has no hop"):
         find_phases(crank, replace(log, values={"crank": np.zeros_like(log.t)}))
+    slow = Log("slow", log.t[::10], {"crank": log["crank"][::10]})
+    with pytest.raises(BadFile, match="samples are 0.01 s apart; a hop needs 0.006 s or less"):
+        find_phases(crank, slow)
+    with pytest.raises(BadValue, match="positions of more joints"):
+        find_phases(load("spear_ii", locked=["boom_x"]), replace(log, values={"knee": log["crank"]}))
     with pytest.raises(UnknownName, match="joint of crank_hopper in the log synthetic"):
         find_phases(crank, replace(log, values={"ankle": log["crank"]}))
     with pytest.raises(BadValue, match="a planar robot with one toe"):

@@ -55,6 +55,8 @@ def test_the_law_makes_the_log_that_it_made():
     assert abs(found.off("push_off")) < 1e-2
     weaker = replay(with_numbers(system, {"stance_torque": 6.0}), log, motors="law")
     assert weaker.off("push_off") < -0.03
+    # the weaker leg lands sooner, where its motion ends
+    assert np.isnan(weaker.hops[0].modelled[-1]).all() and np.isfinite(weaker.hops[0].modelled[0]).all()
 
 
 def test_refuses(bare, plain_log):

@@ -7,8 +7,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from spear_pin import hopping, load, simulate
+from spear_pin.hybrid.domain import Mount
+from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.hybrid.parameters import with_numbers
-from spear_pin.studies.logs.played import SLOW, number_of, played
+from spear_pin.hybrid.pull import Pull
+from spear_pin.studies.logs.played import SLOW, Playing, number_of, played
 from spear_pin.studies.logs.shooting import Shooter
 from tests.studies.logs.crank_leg import spring
 
@@ -36,7 +39,7 @@ def shot(leg, y, over=(), dy=None, steps=1, end=0.15):
     t = np.arange(0.0, end, 0.00125)
     torque = (-1.5 - 8.0 * t**2)[:, None]
     dy = np.zeros((len(y), max(len(over), 1))) if dy is None else dy
-    return Shooter(leg, tuple(over)).shoot("stance", t, torque, y, dy, y[:4], steps)
+    return Shooter(leg, tuple(over)).shoot("stance", t, torque, y, dy, y[:4], steps=steps)
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +104,7 @@ def test_is_what_the_simulation_does_with_a_latched_spring():
     places = np.arange(0, last, 5)
     leg = played(system)
     y = np.concatenate([run.q[0], run.v[0]])
-    found = Shooter(leg).shoot("stance", run.t[places], run.u[places], y, np.zeros((6, 1)), run.q[0], 2)
+    found = Shooter(leg).shoot("stance", run.t[places], run.u[places], y, np.zeros((6, 1)), run.q[0], steps=2)
     assert found.y[-1, :3] == pytest.approx(run.q[places[-1]], abs=1e-7)
     assert found.forces[1:, 1].min() > 0.0
 
@@ -110,6 +113,19 @@ def test_names_of_a_fixed_spring_lead_to_numbers_of_the_law(sprung, bare):
     assert number_of(sprung, "rest") == ("leg_shift", spring().rest)
     assert number_of(sprung, "hysteresis") == ("leg_hysteresis", 0.0)
     assert number_of(bare, "crank_armature") == ("crank_armature", 0.0)
+
+
+@pytest.mark.parametrize(("stretch", "way"), [(5e-4, 1.0), (2e-3, 1.0), (2e-3, -1.0), (5e-4, -1.0)])
+def test_hysteresis_is_that_of_the_simulation(stretch, way):
+    """The same pull as `Mount.lost` has it, beyond the first tenth of a millimetre."""
+    own = replace(spring(1410.0), unilateral=True, hysteresis=2.26)
+    force = own.torque(stretch)
+    mount = Mount("leg", own, own.rest, path=own.path, way="way")
+    law = Playing((), (), (), (("leg", "leg"),), ("leg",))
+    pull = Pull("leg", own, stretch, way, force, 0.0, 0.0, None, 0.0)
+    assert law._whole(pull, 0.0, 2.26, FLOATS) == pytest.approx(
+        force + mount.lost(own, force, {"way": way}, FLOATS), rel=1e-3, abs=1e-3
+    )
 
 
 def test_a_spring_that_only_pulls_has_no_hysteresis_while_it_is_slack(crank):
