@@ -34,6 +34,7 @@ SPRING = ["stiffness", "rest", "hysteresis"]
 FOOT = 0.152  # kg: foot, crank and rod of the model
 GRID, BENCH = 0.12136, "hsa_static_map.csv"  # m: length of the spring at the bench's zero
 PLAIN = re.compile(r"(?P<condition>(no_)?hsa_(?P<mass>\d+)g)_hop(?P<hop>\d+)\.csv")
+SETTLES = 0.012, 0.03, 0.05  # s
 LONGEST = 0.6  # s of a hop: what takes longer has a gap
 CYCLES = 12  # until the configured hop repeats itself
 
@@ -66,6 +67,9 @@ def main() -> None:
     )
     fits = {each.name: identify_motion(leg(each.mass), each.whole, FREE) for each in plain}
     table(("fit", *FREE, "rms, deg", "phases"), [fitted(name, fit) for name, fit in fits.items()])
+    springy = next((each for each in conditions if each.sprung), None)
+    heads = "left out after touchdown, ms", *FREE, "hysteresis of the spring, N"
+    table(heads, [settled(plain[0], springy, settle) for settle in SETTLES])
     first = fits[plain[0].name]
     values = {name: found.value for name, found in first.found.items()}
     rows = [replayed(each, leg(each.mass), values, "its own fit" if each is plain[0] else "unseen") for each in plain]
@@ -151,6 +155,20 @@ def fitted(name: str, fit: MotionFit) -> tuple[str, ...]:
     """A row of fitted values."""
     values = [f"{fit[each].value:.4g} ± {fit[each].deviation:.2g}" for each in FREE]
     return (name, *values, f"{degrees(fit.rms):.3f}", str(len(fit.arcs)))
+
+
+def settled(plain: Condition, springy: Condition | None, settle: float) -> tuple[str, ...]:
+    """A row of values fitted with another time left out, and of the hysteresis that follows with them."""
+    fit = identify_motion(leg(plain.mass), plain.whole, FREE, settle=settle)
+    found = [f"{fit[each].value:.4g} ± {fit[each].deviation:.2g}" for each in FREE]
+    if springy is None:
+        return (f"{1e3 * settle:.0f}", *found, "")
+    own = replace(load("crank_hopper").settings.springs["leg"], damping=0.0)
+    values = {name: fit[name].value for name in FREE}
+    spring = identify_motion(leg(springy.mass, own), springy.hops, SPRING, start=values, phases=["stance"])[
+        "hysteresis"
+    ]
+    return (f"{1e3 * settle:.0f}", *found, f"{spring.value:.3g} ± {spring.deviation:.2g}")
 
 
 def replayed(condition: Condition, system: HybridSystem, values: Mapping[str, float], by: str) -> tuple[str, ...]:

@@ -27,7 +27,7 @@ from spear_pin.studies.logs.spread import Found, correlation_time, spread
 
 TOLERANCE = 1e-10
 EVALUATIONS = 60
-COARSE, FINEST = 0.1, 8  # of residuals or slopes, by which halved steps may change them; and times shorter steps
+COARSE, FINEST = 0.05, 8  # of residuals or slopes, by which halved steps may change them; and times shorter steps
 NOTHING = 1e-4  # size of residuals, in rad, below which such changes do not matter
 STIFF = "friction makes the motion stiffer than the integration resolves: deviations may be wrong"
 
