@@ -8,7 +8,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
@@ -52,6 +51,8 @@ def proportions(robot: Robot, knee: float) -> Proportions:
         BadValue: the robot does not have one leg with hip and knee, or its loops close at no angle of the knee that
             folds the leg so far.
     """
+    from scipy.optimize import brentq  # takes long to import
+
     if robot.reach is None:
         scale = scale_of(robot)
         return Proportions(only_leg(robot).lean(knee), knee, scale, scale.torque, touchdown_inertia(robot, knee))

@@ -3,7 +3,7 @@
 from spear_pin.studies.logs.fit import MotionFit, identify_motion
 from spear_pin.studies.logs.log import Column, Log
 from spear_pin.studies.logs.phases import LogPhase, find_phases
-from spear_pin.studies.logs.replay import Hop, Replay, replay
+from spear_pin.studies.logs.replaying import Hop, Replay, replay
 from spear_pin.studies.logs.spread import Found
 
 __all__ = [

@@ -21,7 +21,7 @@ Places = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
-class Arc:
+class LogArc:
     """A phase of a log that is shot over.
 
     Attributes:
@@ -45,7 +45,7 @@ class Arc:
 
 def arcs_of(
     system: HybridSystem, joints: Measured, log: Log, settle: float, whole: bool = False, torques: bool = True
-) -> tuple[list[Arc], list[LogPhase]]:
+) -> tuple[list[LogArc], list[LogPhase]]:
     """Returns the arcs of a log, and the phases that are left out.
 
     Args:
@@ -56,7 +56,7 @@ def arcs_of(
         whole: whether a stance goes on to the next touchdown.
         torques: whether the log needs the torques of all motors.
     """
-    found, left_out = list[Arc](), list[LogPhase]()
+    found, left_out = list[LogArc](), list[LogPhase]()
     ratios = {joint: system.robot.gear_ratio(joint) for joint in system.robot.actuated}
     applied = with_torques(log, system.robot.actuated, ratios, torques)
     positions = np.column_stack([log[name] for name in joints.joints])
@@ -84,7 +84,7 @@ def arcs_of(
             continue
         near = joints.configuration(positions[inside[0]], near)
         base = None if stance else _base(joints, log.t, positions, before[-RATE:], log.t[inside[0]], near)
-        found.append(Arc(phase, log.t[inside], positions[inside], applied[inside], near, touchdown, base))
+        found.append(LogArc(phase, log.t[inside], positions[inside], applied[inside], near, touchdown, base))
     return found, left_out
 
 

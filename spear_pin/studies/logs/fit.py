@@ -15,7 +15,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, unit
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
-from spear_pin.studies.logs.arcs import SETTLE, Arc, arcs_of
+from spear_pin.studies.logs.arcs import SETTLE, LogArc, arcs_of
 from spear_pin.studies.logs.doubts import doubts
 from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.measured import FLIGHT, STANCE, measured
@@ -60,7 +60,7 @@ class MotionFit(Shown):
     joints: tuple[str, ...]
     found: Mapping[str, Found]
     correlation: Array
-    arcs: tuple[Arc, ...]
+    arcs: tuple[LogArc, ...]
     shots: tuple[Shot, ...]
     residuals: tuple[Array, ...]
     rms: float

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicHermiteSpline
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number
-from spear_pin.studies.logs.arcs import RATE, Arc, rates_of
+from spear_pin.studies.logs.arcs import RATE, LogArc, rates_of
 from spear_pin.studies.logs.measured import Measured
 from spear_pin.studies.logs.played import FRICTION, number_of, played_with
 from spear_pin.studies.logs.shooting import Shooter, Shot
@@ -39,7 +39,7 @@ class Residuals:
     system: HybridSystem
     leg: HybridSystem
     joints: Measured
-    arcs: tuple[Arc, ...]
+    arcs: tuple[LogArc, ...]
     over: tuple[str, ...]
     own: tuple[str, ...]
     sensors: Mapping[str, float]
@@ -119,7 +119,7 @@ class Residuals:
             found.append((shot, residual, jacobian))
         return found
 
-    def _latched(self, arc: Arc, zeros: Array) -> tuple[Array, Array]:
+    def _latched(self, arc: LogArc, zeros: Array) -> tuple[Array, Array]:
         """Returns the configuration at touchdown, (nv,), and its derivatives by the joints' zeros, (nv, m)."""
         at = arc.touchdown - zeros
         steps = STEP * np.eye(len(at))
@@ -127,7 +127,7 @@ class Residuals:
         m = len(at)
         return found[0], (np.array(found[1 : 1 + m]) - np.array(found[1 + m :])).T / (2.0 * STEP)
 
-    def _begin(self, at: Array, arc: Arc) -> tuple[Array, Array]:
+    def _begin(self, at: Array, arc: LogArc) -> tuple[Array, Array]:
         """Returns the state at which an arc sets out, (2 nv,), and its derivatives, (2 nv, d), by differences."""
         m = len(self.joints.rows)
 

@@ -22,7 +22,7 @@ from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
-from spear_pin.studies.logs.arcs import MARGIN, RATE, SETTLE, Arc, arcs_of, rates_of
+from spear_pin.studies.logs.arcs import MARGIN, RATE, SETTLE, LogArc, arcs_of, rates_of
 from spear_pin.studies.logs.fit import MotionFit
 from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.measured import FLIGHT, STANCE, Measured, measured
@@ -154,7 +154,7 @@ def _replayed(
     shooter: Shooter,
     system: HybridSystem | None,
     joints: Measured,
-    arc: Arc,
+    arc: LogArc,
     window: float,
     zeros: Array,
     lag: float,
@@ -194,7 +194,7 @@ def _replayed(
     return Hop(arc.phase, arc.t, arc.positions, modelled, lift_off, measures)
 
 
-def _driven(shooter: Shooter, arc: Arc, latched: Array, y: Array) -> tuple[Array, float]:
+def _driven(shooter: Shooter, arc: LogArc, latched: Array, y: Array) -> tuple[Array, float]:
     """Returns states at all samples, (n, 2 nv), with the measured torques, and when the toe lifts off."""
     states, lift_off, none = [y], np.nan, np.zeros((len(y), 1))
     for after, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, latched, steps=STEPS):
@@ -209,7 +209,7 @@ def _driven(shooter: Shooter, arc: Arc, latched: Array, y: Array) -> tuple[Array
     return np.array(states), lift_off
 
 
-def _by_law(system: HybridSystem, arc: Arc, touchdown: Array, y: Array) -> tuple[Array, float]:
+def _by_law(system: HybridSystem, arc: LogArc, touchdown: Array, y: Array) -> tuple[Array, float]:
     """Returns what `_driven` does, with the system's law from touchdown on; NaN after the next touchdown."""
     nv, reset = system.robot.nv, system.landing[1]
     clock = Clock(0.0, system.springs, system)
@@ -227,7 +227,7 @@ def _by_law(system: HybridSystem, arc: Arc, touchdown: Array, y: Array) -> tuple
     return np.where((arc.t <= t[-1])[:, None], states, np.nan), float(leaves[0]) if leaves else np.nan
 
 
-def _measures(arc: Arc, length: Array, touchdown: float, leaves: float) -> tuple[float, float, float]:
+def _measures(arc: LogArc, length: Array, touchdown: float, leaves: float) -> tuple[float, float, float]:
     """Returns compression, stance and push-off; see `Hop`."""
     shortest = int(np.nanargmin(length[arc.t < arc.phase.end]))
     above = np.flatnonzero(length[shortest:] >= leaves)
