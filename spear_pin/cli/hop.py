@@ -156,7 +156,7 @@ def _system(arguments: argparse.Namespace, robot: Robot, usual: HybridSystem | N
     for name in SPRING if spring.path is not None else ():
         if (value := getattr(arguments, name)) is not None:
             raise BadValue(
-                f"--{name}", value, f"no number of the spring {first!r}, which is on a path: give it in the file"
+                f"--{name}", value, f"to be left out: the file gives the spring {first!r}, which is on a path"
             )
     given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
     knee = law.knee_touchdown if arguments.knee is None else arguments.knee

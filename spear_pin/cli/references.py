@@ -59,5 +59,5 @@ def _answers(path: str, references: dict[str, Any]) -> Any:
         answers = parse_json(read_bytes(path).decode())
         refuse_others(references, answers)
     except ValueError as error:
-        raise BadFile(path, f"holds no answers: {error}") from None
+        raise BadFile(path, f"expected answers, as README.md beside the references describes them: {error}") from None
     return answers

@@ -114,7 +114,9 @@ def played(system: HybridSystem) -> HybridSystem:
         raise BadValue("system", system.kind, "a planar robot with one toe and without hardware")
     if rubs := {each for domain in system.domains for rub in domain.rubs for each in rub.along.numbers}:
         raise BadValue(
-            "dry friction or brake", sorted(rubs), "none: the leg of a log has its own, such as knee_friction"
+            "dry friction or brake",
+            sorted(rubs),
+            "a system without: a fit has friction of its own, such as knee_friction",
         )
     if unusual := [name for name, spring in system.springs.items() if spring.clutch is not None]:
         raise BadValue(f"clutch of the spring {unusual[0]}", system.springs[unusual[0]].clutch, "None: an ideal switch")
