@@ -22,7 +22,7 @@ from spear_pin import hopping, load, simulate, vary
 from spear_pin.errors import BadFile
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.model.spring import Spring
-from spear_pin.studies.logs import Log, MotionFit, find_phases, identify_motion, replay
+from spear_pin.studies.logs import Log, MotionFit, Replay, find_phases, identify_motion, replay
 from spear_pin.studies.logs.measured import measured
 from spear_pin.studies.logs.phases import LogPhase, smooth_rate
 from spear_pin.studies.logs.played import SLOW
@@ -34,6 +34,8 @@ SPRING = ["stiffness", "rest", "hysteresis"]
 FOOT = 0.152  # kg: foot, crank and rod of the model
 GRID, BENCH = 0.12136, "hsa_static_map.csv"  # m: length of the spring at the bench's zero
 PLAIN = re.compile(r"(?P<condition>(no_)?hsa_(?P<mass>\d+)g)_hop(?P<hop>\d+)\.csv")
+MEASURES = "compression", "stance", "push_off"
+HYSTERESIS, BENCH_ROW = "a spring with hysteresis, fitted on the first hop", "the bench's map as it is"
 SETTLES = 0.012, 0.03, 0.05  # s
 LONGEST = 0.6  # s of a hop: what takes longer has a gap
 CYCLES = 12  # until the configured hop repeats itself
@@ -72,52 +74,68 @@ def main() -> None:
     table(heads, [settled(plain[0], springy, settle) for settle in SETTLES])
     first = fits[plain[0].name]
     values = {name: found.value for name, found in first.found.items()}
-    rows = [replayed(each, leg(each.mass), values, "its own fit" if each is plain[0] else "unseen") for each in plain]
+    kinds = {each.name: "its own fit" if each is plain[0] else "unseen" for each in plain}
+    rows = [Row(each.name, kinds[each.name], replay(leg(each.mass), each.whole, values)) for each in plain]
     for each in (each for each in conditions if each.sprung):
         rows += with_spring(each, values, folders)
     heads = "replay", "by", "compression, %", "stance, %", "push-off, %", "hops"
-    table(heads, rows)
+    table(heads, [row.cells() for row in rows])
     alone = [row for each in plain for row in configured_rows(each, config, values)]
-    table(("hop by its configuration", "model", "log", "off, %"), alone)
-    table(("asked", "found", "holds"), accepted(fits, rows, alone))
+    heads = "hop by its configuration", "model", "log", "off, %"
+    cells = [(f"{name}, {what}", f"{model:.4f}", f"{log:.4f}", f"{off:+.1f}") for name, what, model, log, off in alone]
+    table(heads, cells)
+    table(("asked", "off by", "holds"), accepted(fits, rows, alone))
 
 
-def accepted(
-    fits: Mapping[str, MotionFit], rows: list[tuple[str, ...]], alone: list[tuple[str, ...]]
-) -> list[tuple[str, ...]]:
+@dataclass(frozen=True)
+class Row:
+    """A replay: of which condition, by which values, and what it found; with the residuals of all hops, in rad."""
+
+    name: str
+    kind: str
+    found: Replay
+    words: str = ""
+    rms: float = np.nan
+
+    def off(self, name: str) -> float:
+        """By how much the model is off, in percent of the log."""
+        return 100.0 * self.found.off(name)
+
+    def cells(self) -> tuple[str, ...]:
+        """What the table prints."""
+        said = f"{self.kind}: {self.words}" if self.words else self.kind
+        return self.name, said, *(f"{self.off(name):+.1f}" for name in MEASURES), str(len(self.found.hops))
+
+
+Alone = tuple[str, str, float, float, float]  # condition, what, of the model, of the log, off in percent
+
+
+def accepted(fits: Mapping[str, MotionFit], rows: list[Row], alone: list[Alone]) -> list[tuple[str, ...]]:
     """Rows of what is asked of the model, and whether it holds."""
-    asked: list[tuple[str, float, float]] = [
-        ("rms without spring within 0.2 deg", degrees(max(fit.rms for fit in fits.values())), 0.2),
-        (
-            "torque_scale within 5 % of 1.12",
-            100.0 * max(abs(fit["torque_scale"].value / 1.12 - 1.0) for fit in fits.values()),
-            5.0,
-        ),
+    scales = [100.0 * abs(fit["torque_scale"].value / 1.12 - 1.0) for fit in fits.values()]
+    asked: list[tuple[str, float, float, str]] = [
+        ("rms without spring within 0.2 deg", degrees(max(fit.rms for fit in fits.values())), 0.2, "deg"),
+        ("torque_scale within 5 % of 1.12", max(scales), 5.0, "%"),
     ]
     rotors = [fit["crank_armature"].value for fit in fits.values()]
     if len(rotors) > 1:
-        asked.append(("rotors of all masses alike within 5 %", 100.0 * (max(rotors) / min(rotors) - 1.0), 5.0))
-    limits = {"its own fit": (8.0, 3.0, 3.0), "unseen": (8.0, 3.0, 3.0), "hysteresis": (2.0, 1.0, 6.0)}
-    for name, by, *off, _ in rows:
-        kind = next((kind for kind in limits if kind in by), None)
-        if kind is not None:
-            for what, value, limit in zip(("compression", "stance", "push-off"), off, limits[kind], strict=True):
-                asked.append((f"replay of {name}, {what} within {limit:g} %", abs(float(value)), limit))
-        if "bench" in by:
-            asked.append(
-                (f"the bench's map misses the compression of {name} by more than 50 %", -abs(float(off[0])), -50.0)
-            )
-    for one, other in pairwise(row for row in rows if "of all hops" in row[1]):
-        if one[0] == other[0]:
-            ratio = float(other[1].split("of all hops ")[1]) / float(one[1].split("of all hops ")[1])
-            asked.append((f"hysteresis lowers the rms of {one[0]} more than 3 times", -ratio, -3.0))
+        asked.append(("rotors of all masses alike within 5 %", 100.0 * (max(rotors) / min(rotors) - 1.0), 5.0, "%"))
+    limits = {"its own fit": (8.0, 3.0, 3.0), "unseen": (8.0, 3.0, 3.0), HYSTERESIS: (2.0, 1.0, 6.0)}
+    for row in rows:
+        for what, limit in zip(MEASURES, limits.get(row.kind, ()), strict=False):
+            asked.append((f"replay of {row.name}, {what} within {limit:g} %", abs(row.off(what)), limit, "%"))
+        if row.kind == BENCH_ROW:
+            words = f"the bench's map misses the compression of {row.name} by more than 50 %"
+            asked.append((words, -abs(row.off("compression")), -50.0, "%"))
+    for one, other in pairwise(rows):
+        if one.kind == HYSTERESIS:
+            words = f"hysteresis lowers the rms of {one.name} more than 3 times"
+            asked.append((words, -other.rms / one.rms, -3.0, "times"))
     most = {"stance": 3.0, "flight": 6.0, "compression": 5.0, "heat": 10.0}
-    for name, _, _, off in alone:
-        kind = next(kind for kind in most if kind in name)
-        asked.append(
-            (f"{name.rpartition(',')[0]} by the configuration within {most[kind]:g} %", abs(float(off)), most[kind])
-        )
-    return [(what, f"{abs(value):.3g}", "yes" if value < limit else "NO") for what, value, limit in asked]
+    for name, what, _, _, off in alone:
+        kind = next(kind for kind in most if what.startswith(kind))
+        asked.append((f"{name} by the configuration, {kind} within {most[kind]:g} %", abs(off), most[kind], "%"))
+    return [(what, f"{abs(off):.3g} {unit}", "yes" if off < limit else "NO") for what, off, limit, unit in asked]
 
 
 def read(folders: list[Path]) -> list[Condition]:
@@ -165,37 +183,29 @@ def settled(plain: Condition, springy: Condition | None, settle: float) -> tuple
         return (f"{1e3 * settle:.0f}", *found, "")
     own = replace(load("crank_hopper").settings.springs["leg"], damping=0.0)
     values = {name: fit[name].value for name in FREE}
-    spring = identify_motion(leg(springy.mass, own), springy.hops, SPRING, start=values, phases=["stance"])[
-        "hysteresis"
-    ]
+    fit = identify_motion(leg(springy.mass, own), springy.hops, SPRING, start=values, phases=["stance"])
+    spring = fit["hysteresis"]
     return (f"{1e3 * settle:.0f}", *found, f"{spring.value:.3g} ± {spring.deviation:.2g}")
 
 
-def replayed(condition: Condition, system: HybridSystem, values: Mapping[str, float], by: str) -> tuple[str, ...]:
-    """A row of a replay."""
-    found = replay(system, condition.whole, values)
-    off = (f"{100.0 * found.off(name):+.1f}" for name in ("compression", "stance", "push_off"))
-    return condition.name, by, *off, str(len(found.hops))
-
-
-def with_spring(condition: Condition, values: Mapping[str, float], folders: list[Path]) -> list[tuple[str, ...]]:
+def with_spring(condition: Condition, values: Mapping[str, float], folders: list[Path]) -> list[Row]:
     """Rows of hops with a spring, fitted on the first hop with and without hysteresis, and by the bench's map."""
     own = load("crank_hopper").settings.springs["leg"]
     first, others = condition.hops[0], condition.hops[1:]
     system = leg(condition.mass, replace(own, damping=0.0))
-    last = replace(condition, whole=Log.join(others, "others")) if others else condition
+    last = Log.join(others, "others") if others else condition.whole
     rows = []
-    for over in (SPRING, SPRING[:-1]):
+    for kind, over in ((HYSTERESIS, SPRING), ("a linear spring, fitted on the first hop", SPRING[:-1])):
         fit = identify_motion(system, first, over, start=values, phases=["stance"])
         both = identify_motion(system, condition.hops, over, start=values, phases=["stance"])
         words = ", ".join(f"{name} {fit[name].value:.4g} ± {fit[name].deviation:.2g}" for name in over)
-        by = f"fit on the first: {words}; rms {degrees(fit.rms):.3f} deg, of all hops {degrees(both.rms):.3f}"
-        rows.append(replayed(last, fit.source, {**values, **{name: fit[name].value for name in over}}, by))
+        words += f"; rms {degrees(fit.rms):.3f} deg, of all hops {degrees(both.rms):.3f}"
+        found = replay(system, last, {**values, **{name: fit[name].value for name in over}})
+        rows.append(Row(condition.name, kind, found, words, both.rms))
     for folder in folders:
         if (folder / BENCH).is_file():
-            rows.append(
-                replayed(condition, leg(condition.mass, bench(folder / BENCH)), values, "the bench's map as it is")
-            )
+            taken = leg(condition.mass, bench(folder / BENCH))
+            rows.append(Row(condition.name, BENCH_ROW, replay(taken, condition.whole, values)))
     return rows
 
 
@@ -210,9 +220,7 @@ def bench(path: Path) -> Spring:
     return replace(own, stiffness=0.0, damping=0.0, unilateral=False, rest=GRID + zero, table=tuple(points))
 
 
-def configured_rows(
-    condition: Condition, config: Mapping[str, Any], values: Mapping[str, float]
-) -> list[tuple[str, ...]]:
+def configured_rows(condition: Condition, config: Mapping[str, Any], values: Mapping[str, float]) -> list[Alone]:
     """Rows that compare the hop by its configuration, a limit cycle, with the log; events found alike in both."""
     said = config["controller"][condition.name]
     _, flight, stance = said["kp_Nm_per_rad_startup_flight_stance"]
@@ -239,16 +247,8 @@ def configured_rows(
     lands, motor = said["x_td_rad"], config["motor"]
     model, log = (measures(robot, each, lands, motor) for each in (hops, condition.whole))
     if run.reason != "complete":
-        return [(condition.name, run.reason, "", "")]
-    return [
-        (
-            f"{condition.name}, {name}",
-            f"{model[name]:.4f}",
-            f"{log[name]:.4f}",
-            f"{100 * (model[name] / log[name] - 1):+.1f}",
-        )
-        for name in model
-    ]
+        return [(condition.name, f"stance: {run.reason}", np.nan, np.nan, np.nan)]
+    return [(condition.name, what, model[what], log[what], 100.0 * (model[what] / log[what] - 1.0)) for what in model]
 
 
 def measures(robot: Any, log: Log, lands: float, motor: Mapping[str, Any]) -> dict[str, float]:
