@@ -253,7 +253,7 @@ def test_records(capsys, tmp_path, monkeypatch):
 @pytest.mark.extra("heyoka")
 @SLOW
 def test_logs(capsys, lab, tmp_path):
-    columns = ("--column", "crank=theta_deg", "--unit", "theta_deg=degrees")
+    columns = ("--column", "crank=theta_deg", "--unit", "theta_deg=degrees", "--column", "crank_torque=drive_mNm")
     asked = ("hops.csv", "--settle", 0.015, "--set", "rest=0.146", "--out", tmp_path)
     found, space = lines_of(capsys, "fit", "leg.toml", *asked, "--over", "stiffness", "--phases", "stance")
     assert space["fit"]["stiffness"].value == found["found"]["stiffness"]["value"]
