@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, listed
+from spear_pin.errors import BadValue
 from spear_pin.studies.logs.residuals import Residuals
 
 SINGULAR = 1e-5  # of the largest singular value, with columns of length one: what the data do not tell at all
@@ -48,7 +48,7 @@ def spread(problem: Residuals, at: tuple[Array, Array], inflation: float) -> tup
     _, sizes, rows = np.linalg.svd(scaled, full_matrices=False)
     if sizes[-1] < SINGULAR * sizes[0]:
         alike = [name for name, share in zip(problem.over, np.abs(rows[-1]), strict=True) if share > 0.2]
-        expected = f"fewer of them: the log does not tell {listed(alike)} apart"
+        expected = f"fewer of them: the log does not tell {' and '.join(alike)} apart"
         raise BadValue("over", list(problem.over), f"{expected}; hold one, {_anchor(alike)}")
     free = max(len(residual) - jacobian.shape[1], 1)
     covariance = np.linalg.inv(scaled.T @ scaled) * float(residual @ residual) / free

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import load
+from spear_pin import hopping, load, simulate
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.studies.logs import Log, find_phases
 
@@ -20,6 +20,22 @@ def test_are_those_of_the_simulation(crank, plain_log):
     assert [phase.end for phase in found[:-1]] == pytest.approx(events[:-1], abs=NEAR)
     assert [phase.whole for phase in found] == [False, True, True, True, True, False]
     assert not any(phase.left_out for phase in found)
+
+
+def test_a_leg_that_slows_down_before_it_lifts_off():
+    """SPEAR-II, whose leg lengthens fastest long before."""
+    robot = load("spear_ii", locked=["boom_x"])
+    system = hopping(robot)
+    run = simulate(system, system.guess(), 3, samples=400, progress=False)
+    t, first = np.unique(run.t, return_index=True)
+    times = np.arange(0.0, t[-1], 0.001)
+    log = Log(
+        "two joints", times, {name: np.interp(times, t, run.q[first, i]) for i, name in ((1, "hip"), (2, "knee"))}
+    )
+    found = find_phases(robot, log)
+    events = [event.time for event in run.events if event.name in ("touchdown", "lift_off")]
+    assert [phase.name for phase in found] == ["stance", "flight"] * 3
+    assert [phase.end for phase in found[:-1]] == pytest.approx(events[:-1], abs=2.5 * NEAR)
 
 
 def test_a_gap_leaves_its_phase_out(crank, plain_log):
