@@ -129,6 +129,8 @@ class HoppingLaw:
         Raises:
             BadValue: the robot does not have one leg with hip and knee, or the damping ratio is not a number >= 0.
         """
+        if robot.reach is not None:
+            _check(robot)
         law = cls()
         hip, knee, scale, torque, inertia = proportions(robot, law.knee_touchdown)
         heavier = inertia / touchdown_inertia(shipped("spear_ii"), law.knee_touchdown)

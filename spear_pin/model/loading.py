@@ -105,6 +105,12 @@ ROBOTS = {
         "vertical hopper whose motor drives its foot by a crank and a rod, with a spring along the leg",
         "arXiv 2505.22898, and a fit to its public logs; the foot's mass is an assumption",
     ),
+    "minitaur_leg": Shipped(
+        "minitaur_leg.urdf",
+        ("toe",),
+        "one leg of Minitaur, a five-bar with two motors, on a slider with a quarter of the chassis",
+        "measured model of Minitaur that PyBullet ships; the slider, the spring and no friction are assumptions",
+    ),
 }
 
 

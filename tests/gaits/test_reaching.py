@@ -1,5 +1,7 @@
 """The hopping law on legs with closed loops, whose file says what it calls hip and knee."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -64,6 +66,22 @@ class TestHop:
         knee = motors["crank"] if name == "crank_hopper" else motors["front_hip"] - motors["back_hip"]
         cycle = run(gait.system, gait.state, 1, Options())
         assert gait.system.measures["knee_at_touchdown"](cycle) == pytest.approx(knee, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_one_leg_of_minitaur_hops():
+    """Its two motors stay within what they can give."""
+    leg = load("minitaur_leg")
+    law = replace(HoppingLaw.scaled(leg), frequency=5.0)
+    gait = find_gait(hopping(leg, law), vary=["stance_torque"], target={"flight_time": 0.14})
+    hops = simulate(gait.system, gait.state, cycles=3)
+    assert gait.stable and np.abs(hops.ledger.residual).max() < 1e-8 and np.abs(hops.u).max() < 5.7
+
+
+def test_a_leg_without_its_toe_is_refused():
+    leg = load("minitaur_leg", toes=[])
+    with pytest.raises(BadValue, match="expected a planar robot with the toe 'toe'"):
+        HoppingLaw.scaled(leg)
 
 
 @pytest.mark.extra("heyoka")

@@ -14,7 +14,7 @@ from tests.model.spatial_arm import ARM, FLYING
 class TestShipped:
     def test_names(self):
         own = {"spear_ii", "spear_ii_series", "q_spear", "q_spear_full", "biped"}
-        assert set(ROBOTS) == own | {"hoppy", "hoppy_leg", "mups_v2", "crank_hopper"}
+        assert set(ROBOTS) == own | {"hoppy", "hoppy_leg", "mups_v2", "crank_hopper", "minitaur_leg"}
         for shipped in ROBOTS.values():
             assert shipped.path.is_file() and shipped.summary and shipped.provenance
 

@@ -257,3 +257,25 @@ class TestCrankHopper:
             assert found.T[robot.index("slide"), 1] == pytest.approx(slope, abs=1e-12)
             # the inertia at the crank, and the foot's mass by the linkage; crank and rod have a gram each
             assert found.mass_matrix[1, 1] == pytest.approx(4.73e-3 + 0.15 * slope**2, abs=1.5e-5)
+
+
+class TestMinitaurLeg:
+    """A five-bar leg with two motors on one axis, and a toe beyond the pin of its lower links."""
+
+    def test_masses_and_the_toe(self):
+        robot, opening = load("minitaur_leg"), 0.75
+        assert robot.mass == pytest.approx((3.353 + 2 * 0.644) / 4 + 2 * (0.241 + 0.034) + 0.086 + 0.072)
+        assert all(robot.limits[f"{side}_hip"].effort == 5.7 for side in ("front", "back"))
+        lean = math.asin(0.101 * math.sin(opening) / 0.2)  # of the lower links, whose pin is below the axis
+        q = [0.0, opening, -opening - lean, -opening, opening + lean]
+        assert np.abs(robot.loop_gap(q)).max() < 1e-12
+        depth = 0.101 * math.cos(opening) + 0.24 * math.cos(lean)
+        np.testing.assert_allclose(robot.toe_position(q, "toe"), [-0.04 * math.sin(lean), -depth], atol=1e-12)
+
+    def test_what_a_motor_feels(self):
+        """With its knee locked a motor turns its rotor and both links as one body."""
+        robot, angle = load("minitaur_leg"), 0.9
+        reach = math.hypot(0.101 + 0.12 * math.cos(angle), 0.12 * math.sin(angle))  # to the lower link's centre of mass
+        upper, lower = 4.2198e-5 + 0.034 * 0.045**2, 3.2637e-4 + 0.086 * reach**2
+        found = robot.mass_matrix([0.0, 0.4, angle, 0.0, 0.0])[1, 1]
+        assert found == pytest.approx(2.1765e-4 + upper + lower, rel=1e-12)

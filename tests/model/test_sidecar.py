@@ -399,6 +399,6 @@ def test_shipped_robots_with_such_a_file_are_those_of_others():
     with_file = {name for name, shipped in ROBOTS.items() if shipped.path.with_suffix(".toml").exists()}
     assert (
         with_file
-        == {"hoppy", "hoppy_leg", "mups_v2", "crank_hopper"}
+        == {"hoppy", "hoppy_leg", "mups_v2", "crank_hopper", "minitaur_leg"}
         == {name for name in ROBOTS if load(name).settings is not None}
     )
