@@ -21,7 +21,7 @@ from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.filippov import going_on, sliding
 from spear_pin.hybrid.flow_names import IMPACT, booked_flows, flow_names, released_flows
-from spear_pin.hybrid.integration import DUE, KNOT, accuracy, integrated
+from spear_pin.hybrid.integration import DUE, KNOT, Motion, accuracy, integrated
 from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
 from spear_pin.hybrid.resting import resting
 from spear_pin.hybrid.result import Moment, Options, Piece, Run, Segment, State
@@ -44,6 +44,7 @@ def run(
     options: Options,
     on_cycle: Callable[[int], object] = lambda n: None,
     on_segment: Callable[[Segment], object] | None = None,
+    integrate: Callable[..., Motion] = integrated,
 ) -> Run:
     """Runs whole cycles from a state (q, v), on the section or in the air, or from a moment of another run.
 
@@ -56,12 +57,13 @@ def run(
         options: options for the computation.
         on_cycle: called with the number of cycles after each cycle.
         on_segment: called with each segment when it is over; without it the result has the motion, if it is kept.
+        integrate: integrates the motion in a domain, as `integrated` does.
 
     Raises:
         BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
         BadFunction: there is a mistake in a user's law, guard, latch, spring or ground.
     """
-    runner = _Runner(system, state, cycles, options, on_cycle)
+    runner = _Runner(system, state, cycles, options, on_cycle, integrate)
     kept = runner.run.segments.append if options.keep else lambda segment: None
     with np.errstate(all="ignore"):
         runner.go(on_segment or kept)
@@ -78,6 +80,7 @@ class _Runner:
         cycles: int,
         options: Options,
         on_cycle: Callable[[int], object],
+        integrate: Callable[..., Motion],
     ) -> None:
         if not cycles >= 1 or cycles % 1:
             raise BadValue("cycles", cycles, "a whole number, at least 1")
@@ -85,6 +88,7 @@ class _Runner:
         system = system if self.loop is None else self.loop.system
         self.robot = system.robot
         self.system, self.options, self.wanted, self.on_cycle = system, options, cycles, on_cycle
+        self.integrate = integrate
         self.nw = len(flow_names(system))
         if isinstance(state, Moment):
             (phase, held), begun, pair = resuming_phase(system, state), state.t, (state.q, state.v)
@@ -165,7 +169,7 @@ class _Runner:
         Returns None if the motion breaks off, or only passes a knot of a spring's curve, where integration restarts.
         """
         keep, most = self.options.keep, self.options.max_evaluations - self.run.evaluations
-        motion = integrated(self.flow, watch, self.t, self.y, until, self.accuracy, keep=keep, most=most)
+        motion = self.integrate(self.flow, watch, self.t, self.y, until, self.accuracy, keep=keep, most=most)
         self.t, self.y = motion.t, motion.y
         segment.pieces += motion.pieces
         for observed in motion.observed:
