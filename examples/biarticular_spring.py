@@ -22,10 +22,9 @@ Run: python examples/biarticular_spring.py [FOLDER]
 import sys
 from pathlib import Path
 
-from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, optimize_design
+from spear_pin import HoppingLaw, Joints, Spring, find_gait, hopping, load, optimize_design
 from spear_pin.errors import MissingExtra
 from spear_pin.model.catalogue import motor
-from spear_pin.model.path import Joints
 from spear_pin.viz.plots import save_figure
 from spear_pin.viz.plots.design_by_gradient import optimised
 

@@ -11,6 +11,7 @@ from .gaits.continuation.continuing import continue_gait as continue_gait
 from .gaits.gait import Gait as Gait
 from .gaits.hopping import HoppingLaw as HoppingLaw
 from .gaits.hopping import hopping as hopping
+from .gaits.many import find_many as find_many
 from .gaits.orbits.embedding import in_space as in_space
 from .gaits.search import find_gait as find_gait
 from .gaits.sensitivity.sensitivity import Sensitivity as Sensitivity
@@ -26,16 +27,23 @@ from .hybrid.contact import Contact as Contact
 from .hybrid.ground import Ground as Ground
 from .hybrid.simulate import simulate as simulate
 from .hybrid.trajectory import Trajectory as Trajectory
+from .model.cable import Between as Between
+from .model.cable import Over as Over
 from .model.chain import from_chain as from_chain
 from .model.chain import to_chain as to_chain
 from .model.clutch import Clutch as Clutch
 from .model.legs import Leg as Leg
+from .model.linkage import Linkage as Linkage
 from .model.loading import load as load
 from .model.monopod import monopod as monopod
+from .model.numbers import body_numbers as body_numbers
+from .model.path import Joints as Joints
+from .model.path import Sum as Sum
 from .model.robot import Robot as Robot
 from .model.sagittal import sagittal as sagittal
 from .model.spring import Spring as Spring
 from .model.variants import vary as vary
+from .studies.logs.log import Log as Log
 from .viz.compare.comparison import compare as compare
 
 __version__: str

@@ -8,11 +8,21 @@ import spear_pin
 
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 EXTRAS = dict.fromkeys(
-    ("simulate_many", "Sensitivity", "optimize_design", "Design", "Uncertainty", "continue_gait", "Branch"), "heyoka"
+    (
+        "simulate_many",
+        "find_many",
+        "Sensitivity",
+        "optimize_design",
+        "Design",
+        "Uncertainty",
+        "continue_gait",
+        "Branch",
+    ),
+    "heyoka",
 )
 
 
-SLOW = {"compare"}
+SLOW = {"compare", "identify_motion", "replay"}
 
 
 def named(name):

@@ -69,6 +69,13 @@ def find_many(
         BadValue: shapes do not fit, a number is not finite, a measure is of an event that lanes do not record, a varied
             parameter moves the ground, no cycle has a target (a flight too short to close a cycle), or the engine
             cannot compile a part of the system.
+
+    Example:
+        >>> from spear_pin import find_many, hopping, load
+        >>> system = hopping(load("spear_ii", locked=["boom_x"]))
+        >>> table = find_many(system, {"stiffness": [45.0, 48.84]}, ["stance_torque"], {"flight_time": 0.2})
+        >>> table.converged.all()
+        np.True_
     """
     batch.require()
     target = dict(target or {})

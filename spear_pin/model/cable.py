@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
@@ -51,6 +51,18 @@ class Anchor:
 
 class Cabled(Path):
     """A path between points of bodies, which has a place in the world."""
+
+    POINTS: ClassVar[tuple[str, ...]] = "start", "end"
+
+    def __post_init__(self) -> None:
+        """Makes anchors of pairs of a body's name and a point."""
+        for name in self.POINTS:
+            given = getattr(self, name)
+            if isinstance(given, tuple) and len(given) == 2:
+                object.__setattr__(self, name, Anchor(*given))
+            elif not isinstance(given, Anchor):
+                expected = "an Anchor, or the name of a body and a point (x, y, z), in m"
+                raise BadValue(f"{type(self).__name__}.{name}", given, expected)
 
     def anchors(self) -> Mapping[str, Anchor]:
         """Returns the anchors by the names of their fields."""
@@ -114,17 +126,17 @@ class Between(Cabled):
     """The distance of two points of bodies.
 
     Attributes:
-        start: one point.
+        start: one point, an `Anchor`, or the name of a body and the point in its axes.
         end: the other.
 
     Example:
-        >>> from spear_pin.model.path import Anchor, Between
-        >>> Between(Anchor("thigh", (0.03, 0.0, -0.1)), Anchor("shank", (0.012, 0.0, 0.054))).numbers["start_x"]
+        >>> from spear_pin import Between
+        >>> Between(("thigh", (0.03, 0.0, -0.1)), ("shank", (0.012, 0.0, 0.054))).numbers["start_x"]
         0.03
     """
 
-    start: Anchor
-    end: Anchor
+    start: Any
+    end: Any
 
     def length(self, posture: Posture) -> Any:
         """Returns ℓ = √(d·d)."""
@@ -152,21 +164,30 @@ class Over(Cabled):
     Its length is √(a² + b² - 2 a b cos(φ - w)) + r w, with w = 0 where it is free.
 
     Attributes:
-        start: one point.
+        start: one point, an `Anchor`, or the name of a body and the point in its axes.
         centre: the pulley's centre.
         end: the other point.
         radius: r, in m.
         side: +1 if φ is counted from the start to the end as x turns towards z, -1 if the other way.
+
+    Example:
+        >>> from spear_pin import Over
+        >>> knee = ("thigh", (0.0, 0.0, -0.318))
+        >>> Over(("thigh", (0.03, 0.0, -0.1)), knee, ("shank", (0.03, 0.0, -0.1)), 0.02).numbers["radius"]  # m
+        0.02
     """
 
-    start: Anchor
-    centre: Anchor
-    end: Anchor
+    POINTS = "start", "centre", "end"
+
+    start: Any
+    centre: Any
+    end: Any
     radius: float
     side: float = 1.0
 
     def __post_init__(self) -> None:
-        """Checks the pulley."""
+        """Checks the points and the pulley."""
+        super().__post_init__()
         require("Over.radius", self.radius, lambda r: r > 0, "a number > 0, in m")
         require("Over.side", self.side, lambda side: abs(side) == 1, "1 or -1")
 

@@ -119,7 +119,7 @@ def slider(crank: Any, rod: Any, offset: Any, angle: Any, ops: Any = np) -> tupl
 
 @typed
 @dataclass(frozen=True)
-class Linked(Path):
+class Linkage(Path):
     """How far a slider has moved that a rod joins to a crank on a joint, see `SliderLinkage`.
 
     Attributes:
@@ -130,6 +130,11 @@ class Linked(Path):
         zero: angle of the joint at which φ is zero, in rad.
         side: +1 if φ grows with the joint's angle, else -1.
         turned: -1 if the joint's angle is counted the other way, else 1.
+
+    Example:
+        >>> from spear_pin import Linkage
+        >>> Linkage("knee", 0.03, 0.12, offset=0.01).rod  # m
+        0.12
     """
 
     joint: str
@@ -143,11 +148,11 @@ class Linked(Path):
     def __post_init__(self) -> None:
         """Checks the fields."""
         for name in ("crank", "rod"):
-            require(f"Linked.{name}", getattr(self, name), lambda length: length > 0, "a number > 0, in m")
+            require(f"Linkage.{name}", getattr(self, name), lambda length: length > 0, "a number > 0, in m")
         reach = self.rod - self.crank
-        require("Linked.offset", self.offset, lambda e: abs(e) < reach, "a number within ±(rod - crank), in m")
-        require("Linked.zero", self.zero, lambda angle: abs(angle) >= 0, "a finite number, in rad")
-        require("Linked.side", self.side, lambda side: abs(side) == 1, "1 or -1")
+        require("Linkage.offset", self.offset, lambda e: abs(e) < reach, "a number within ±(rod - crank), in m")
+        require("Linkage.zero", self.zero, lambda angle: abs(angle) >= 0, "a finite number, in rad")
+        require("Linkage.side", self.side, lambda side: abs(side) == 1, "1 or -1")
 
     def length(self, posture: Posture) -> Any:
         """Returns the slider's place s(φ)."""

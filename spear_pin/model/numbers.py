@@ -60,6 +60,11 @@ def body_numbers(robot: Robot) -> Mapping[str, Number]:
 
     Raises:
         BadValue: the robot has a joint of several coordinates.
+
+    Example:
+        >>> from spear_pin import body_numbers, load
+        >>> body_numbers(load("spear_ii"))["hip_to_knee"]
+        Number(value=0.318, unit='m')
     """
     mechanism, turns, found = mechanism_of(robot), _turns(robot.model), dict[str, Number]()
     for i, (joint, body) in enumerate(zip(robot.coordinates, mechanism.bodies, strict=True)):

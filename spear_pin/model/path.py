@@ -147,7 +147,7 @@ class Joints(Path):
         side: -1 if angles are counted the other way, else 1.
 
     Example:
-        >>> from spear_pin.model.path import Joints
+        >>> from spear_pin import Joints
         >>> Joints({"knee": 0.03, "hip": -0.006}).numbers["hip"]  # m
         -0.006
     """
@@ -210,6 +210,11 @@ class Sum(Path):
 
     Attributes:
         parts: weight and path of each part.
+
+    Example:
+        >>> from spear_pin import Joints, Sum
+        >>> Sum([(2.0, Joints({"knee": 0.03})), (-1.0, Joints({"hip": 0.01}))]).parts[0][0]
+        2.0
     """
 
     parts: Any

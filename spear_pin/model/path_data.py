@@ -8,7 +8,7 @@ from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.model.cable import Anchor, Between, Over
-from spear_pin.model.linkage import Linked
+from spear_pin.model.linkage import Linkage
 from spear_pin.model.path import Joints, Path, Sum
 from spear_pin.model.spring import Spring
 
@@ -37,7 +37,7 @@ def path_data(path: Path) -> dict[str, Any]:
     if isinstance(path, Over):
         pulley = {**_anchored(path.centre), "radius": path.radius, "side": path.side}
         return {"from": _anchored(path.start), "over": pulley, "to": _anchored(path.end)}
-    if isinstance(path, Linked):
+    if isinstance(path, Linkage):
         turned = {"side": path.turned * path.side, "zero": path.turned * path.zero}
         return {"linkage": {name: getattr(path, name) for name in LINKAGE} | turned}
     if isinstance(path, Sum):
@@ -60,7 +60,7 @@ def path_of(table: Mapping[str, Any]) -> tuple[Path | None, dict[str, Any]]:
     if given == {"path"}:
         return Joints(_table("path", own["path"])), others
     if given == {"linkage"}:
-        return Linked(**keys_of("linkage", own["linkage"], LINKAGE[:3], LINKAGE[3:])), others
+        return Linkage(**keys_of("linkage", own["linkage"], LINKAGE[:3], LINKAGE[3:])), others
     if given == {"sum"}:
         return Sum(_parts(own["sum"])), others
     if given not in ({"from", "to"}, {"from", "over", "to"}):

@@ -8,7 +8,7 @@ import pytest
 from spear_pin import Clutch, Gait, Spring, hopping, load
 from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.model.cable import Anchor, Between, Over
-from spear_pin.model.linkage import Linked
+from spear_pin.model.linkage import Linkage
 from spear_pin.model.mjcf import to_mjcf
 from spear_pin.model.mjcf_springs import left_out, springs_of
 from spear_pin.model.monopod import monopod
@@ -33,7 +33,7 @@ OTHERS = {
     "late": (Spring(clutch=Clutch(0.004)), "a switch"),
     "hard": (Spring(rest=0.5, hardening=3.0), "not linear"),
     "tight": (Spring(rest=0.5, preload=3.0), "not linear"),
-    "slider": (Spring(10.0, rest=0.5, path=Linked("knee", 0.03, 0.1)), "along a Linked"),
+    "slider": (Spring(10.0, rest=0.5, path=Linkage("knee", 0.03, 0.1)), "along a Linkage"),
     "summed": (Spring(10.0, rest=0.5, path=Sum([(1.0, Joints({"knee": 1.0}))])), "along a Sum"),
     "elsewhere": (Spring(10.0, rest=0.5, path=Joints({"left_knee": 1.0})), "only a gait"),
     "damped": (Spring(10.0, damping=0.3, rest=0.5, path=Joints({"knee": 1.0})), "its damper"),

@@ -15,7 +15,7 @@ from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
 from spear_pin.model.cable import Anchor, Between, Over
-from spear_pin.model.linkage import Linked
+from spear_pin.model.linkage import Linkage
 from spear_pin.model.path import Joints, Sum
 from spear_pin.model.planar import Planar
 
@@ -53,7 +53,7 @@ def sprung():
         "hip and knee": Joints({"knee": 0.03, "hip": -0.006}),
         "a cable": cable,
         "a pulley": pulley,
-        "a linkage": Linked("knee", 0.03, 0.12, 0.01, -0.3),
+        "a linkage": Linkage("knee", 0.03, 0.12, 0.01, -0.3),
         "a cable to the world": Between(Anchor("universe", (0.1, 0.0, 0.2)), Anchor("shank", (0.01, 0.0, -0.1))),
         "a sum": Sum([(1.0, cable), (-0.5, Joints({"hip": 0.02}))]),
     }

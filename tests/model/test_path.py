@@ -15,7 +15,7 @@ from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.model.cable import Anchor, Between, Over
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.frames import frame_id
-from spear_pin.model.linkage import Linked, SliderLinkage
+from spear_pin.model.linkage import Linkage, SliderLinkage
 from spear_pin.model.path import Joints, Sum
 from spear_pin.model.path_data import path_data, path_of, spring_data
 from spear_pin.model.robot_posture import RobotPosture, spanned
@@ -26,7 +26,7 @@ THIGH = LEG.legs[0].thigh
 PATELLA = Between(Anchor("thigh", (0.03, 0.0, -0.1)), Anchor("shank", (0.012, 0.0, 0.054)))
 ACROSS = Between(Anchor("torso", (-0.2, 0.2, 0.03)), Anchor("posterior_left_shank", (0.03, 0.01, -0.08)))
 PULLEY = Over(Anchor("thigh", (0.0, 0.0, 0.15 - THIGH)), Anchor("knee", (0, 0, 0)), Anchor("shank", (0, 0, -0.1)), 0.03)
-LINKAGE = Linked("knee", 0.03, 0.12, offset=0.01, zero=-0.3)
+LINKAGE = Linkage("knee", 0.03, 0.12, offset=0.01, zero=-0.3)
 PATHS = {
     "joints": (LEG, Joints({"knee": 0.03, "hip": -0.006})),
     "patella": (LEG, PATELLA),
@@ -208,7 +208,7 @@ class TestMirrored:
         (lambda: Anchor("thigh", (0.0, 1.0, math.nan)), "three numbers"),
         (lambda: Over(PULLEY.start, PULLEY.centre, PULLEY.end, 0.0), "radius"),
         (lambda: Over(PULLEY.start, PULLEY.centre, PULLEY.end, 0.03, 2.0), "side"),
-        (lambda: Linked("knee", 0.2, 0.1), "rod - crank"),
+        (lambda: Linkage("knee", 0.2, 0.1), "rod - crank"),
         (lambda: Sum([]), "a weight and a path"),
         (lambda: Sum([(math.nan, PATELLA)]), "Sum.weight"),
         (lambda: Joints([("knee", 0.02), ("knee", 0.01)]), "each joint once"),

@@ -70,7 +70,7 @@ class Log:
 
     Example:
         >>> import numpy as np
-        >>> from spear_pin.studies.logs import Log
+        >>> from spear_pin import Log
         >>> t = np.linspace(0.0, 1.0, 101)
         >>> Log("by hand", t, {"knee": np.sin(t)})
         Log('by hand': 101 samples in 1 s; knee)
