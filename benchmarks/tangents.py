@@ -3,7 +3,8 @@
 Of the hop and of two bounds: all columns of the return map by the section's coordinates and by parameters, in
 plain cycles of the fast engine alone; the Jacobian that a search asks for, and central differences of the same engine,
 extrapolated once to be as exact; a search for the gait at another flight time or speed, by both. The best of several
-repetitions, once all is compiled, in seconds of the processor, with those of the clock beside the searches.
+repetitions, once all is compiled, in seconds of the processor, with those of the clock beside the searches. Then many
+hops and bounds at once, once by both, and how far the gaits lie apart.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from unittest.mock import patch
 import numpy as np
 
 from spear_pin import Gait, find_gait, hopping, load
+from spear_pin.gaits import lane_cycles
 from spear_pin.gaits.lane_cycles import LaneCycles
+from spear_pin.gaits.many import find_many
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid.automaton import HybridSystem
@@ -46,6 +49,7 @@ OF_BOUND = (
     *("torso_mass", "knee_ratio"),
 )
 REPEATED = 40
+MANY = {"hop": 100, "long_stride": 30, "least_effort": 30}  # gaits at once
 
 
 def main() -> None:
@@ -63,8 +67,10 @@ def main() -> None:
             gait, over, asked = Gait.load(name), OF_BOUND, (["posterior_hip_torque"], {"mean_speed": speed})
             guess = gait.state
         rows[name] = row(gait, over) | jacobian_of(gait, *asked) | search(gait, *asked, guess=guess)
-        if not arguments.json:
-            print(name, ", ".join(f"{what} {value:.4g}" for what, value in rows[name].items()), flush=True)
+        many = f"{MANY[name]} times {name}"
+        rows[many] = at_once(gait, *asked, MANY[name])
+        for each in (name, many) if not arguments.json else ():
+            print(each, ", ".join(f"{what} {value:.4g}" for what, value in rows[each].items()), flush=True)
     if arguments.json:
         print(json.dumps(rows))
 
@@ -136,6 +142,22 @@ def search(gait: Gait, vary: list[str], target: dict[str, float], guess: State |
                 run()
             figures[f"{name}_s"], figures[f"{name}_clock_s"] = least(run, 3 if there else 1)
     return figures
+
+
+def at_once(gait: Gait, vary: list[str], target: dict[str, float], n: int) -> dict[str, float]:
+    """Many gaits, whose targets differ by up to 1 %, by exact derivatives and by differences."""
+    given = {"friction": np.full(n, parameter(gait.system, "friction"))}
+    wanted = {name: value * np.random.default_rng(0).uniform(0.99, 1.01, n) for name, value in target.items()}
+    figures, tables = dict[str, float](), []
+    for name, fast in (("exact_s", False), ("differences_s", True)):
+        with patch.object(lane_cycles, "unrolled", lambda system, fast=fast: fast):
+            run = partial(find_many, gait.system, given, vary, wanted, guess=gait.state)
+            tables.append(run())
+            figures[name] = least(run, 1)[0]
+    exact, differences = tables
+    apart = {"v": exact.v - differences.v, "multipliers": exact.multipliers - differences.multipliers}
+    figures |= {f"apart_in_{name}": float(np.nanmax(np.abs(each))) for name, each in apart.items()}
+    return figures | {"found": float(exact.converged.sum())}
 
 
 def best(run: Callable[[], object]) -> float:

@@ -11,15 +11,18 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.lane_measures import MEASURES, OBSERVED
+from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid import periodic
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.batch import simulate_many, unrolled
 from spear_pin.hybrid.charts import Charts
 from spear_pin.hybrid.newton import CONVERGED, Words, differentiated, stencil
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import eigenvalues
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.shooting import NOT_FINITE, Cycles
+from spear_pin.hybrid.shooting import NOT_FINITE, Cycles, Slopes
+from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.section import exact_jacobian
 
 Lanes = NDArray[np.int64]
 NOT_VALID, NO_MULTIPLIERS = "not_valid", "no_multipliers"
@@ -65,12 +68,40 @@ class LaneCycles:
         reference = spread(batch.repeated, can, n) == 1.0
         return Cycles(q, v, measured, durations, reason, reference, [orders.get(i, ()) for i in range(n)])
 
+    @property
+    def slopes(self) -> Slopes | None:
+        """Exact derivatives, where differences take longer: unrolled cycles are so fast that they do not."""
+        return None if unrolled(self.system) else self._slopes
+
+    def _slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array, Array]:
+        """Returns derivatives of the cycles; see `hybrid.shooting.Slopes`."""
+        one, rows, (n, k) = np.zeros(1, dtype=np.int64), q.shape[1] + v.shape[1], values.shape
+        after, ends = np.full((n, rows), np.nan), np.full((n, rows, rows + k), np.nan)
+        measured = np.full((n, len(self.measures), rows + k), np.nan)
+        for i, lane in enumerate(lanes.tolist()):
+            cycles = tangent_cycles(self.of_lane(lane, values[i]), self.vary, self.measures)
+            if cycles is not None:
+                (after[i],), (ends[i],), (measured[i],) = cycles.slopes(
+                    one, *(part[i : i + 1] for part in (q, v, values))
+                )
+        return after, ends, measured
+
+    def of_lane(self, lane: int, values: Array) -> HybridSystem:
+        """Returns the system of one lane with values of `vary`, (k,)."""
+        own = {name: float(column[lane]) for name, column in self.fixed.items()}
+        return with_parameters(self.system, {**own, **dict(zip(self.vary, values.tolist(), strict=True))})
+
+    def jacobian(self, lane: int, state: State, values: Array) -> Array | float:
+        """Returns the exact Jacobian of one lane's return map; NaN if it is not sooner, or there is none."""
+        try:
+            return exact_jacobian(self.of_lane(lane, values), state) if self.slopes else np.nan
+        except REFUSALS:
+            return np.nan
+
     def alone(self, lane: int, state: State, values: Array) -> NDArray[np.complex128] | None:
         """Returns multipliers of one lane's fixed point by its cycle alone; None if there are none."""
-        own = {name: float(column[lane]) for name, column in self.fixed.items()}
-        system = with_parameters(self.system, {**own, **dict(zip(self.vary, values.tolist(), strict=True))})
         try:
-            return periodic.multipliers(system, state, min(self.rtol, 1e-10))
+            return periodic.multipliers(self.of_lane(lane, values), state, min(self.rtol, 1e-10))
         except NoGait:
             return None
 
@@ -93,7 +124,9 @@ class Spectra:
 
 
 def multipliers(cycle: LaneCycles, charts: Charts, values: Array) -> Spectra:
-    """Returns eigenvalues of the return maps' Jacobians by central differences, and residuals of the whole states.
+    """Returns eigenvalues of the return maps' Jacobians, and residuals of the whole states.
+
+    Jacobians are exact where that is sooner, and else central differences.
 
     Args:
         cycle: runs the cycles.
@@ -101,26 +134,29 @@ def multipliers(cycle: LaneCycles, charts: Charts, values: Array) -> Spectra:
         values: values of the varied parameters, (n, k).
     """
     n, d = len(charts), charts.dimension
-    offsets = np.concatenate([np.zeros((1, d)), stencil(d)])  # the fixed point itself in the same call
-    count = len(offsets)
-    lanes = np.repeat(np.arange(n), count)
+    jacobians = np.empty((n, d, d))
+    for i in range(n):
+        jacobians[i] = cycle.jacobian(i, (charts.q[i], charts.v[i]), values[i])
+    rest = np.flatnonzero(np.isnan(jacobians).any(axis=(1, 2)))
+    offsets = np.concatenate([np.zeros((n, d)), np.tile(stencil(d), (len(rest), 1))])
+    lanes = np.concatenate([np.arange(n), np.repeat(rest, 2 * d)])  # the fixed points themselves in the same call
     own = charts.take(lanes)
-    q, v = own.states(np.tile(offsets, (n, 1)))
-    after = cycle(lanes, q, v, values[lanes])
-    jacobians = differentiated(own.coordinates(after.q, after.v).reshape(n, count, d)[:, 1:])
-    closes = (after.reason == "").reshape(n, count)
+    after = cycle(lanes, *own.states(offsets), values[lanes])
+    closes, centre = after.reason == "", slice(n)
+    beside = np.where(closes[:, None], own.coordinates(after.q, after.v), np.nan)[n:]
+    jacobians[rest] = differentiated(beside.reshape(len(rest), 2 * d, d))
+    closes = closes[centre]
+    whole = closes & np.isfinite(jacobians).all(axis=(1, 2))
     found = np.full((n, d), np.nan + 0j)
-    whole = closes.all(axis=1) & np.isfinite(jacobians).all(axis=(1, 2))
     found[whole] = eigenvalues(jacobians[whole])
     # between lanes that one engine ran and those that the other did, differences show the engines' errors
-    for i in np.flatnonzero(whole & after.reference.reshape(n, count).any(axis=1)):
+    for i in np.intersect1d(rest[whole[rest]], lanes[after.reference]):
         spectrum = cycle.alone(int(i), (charts.q[i], charts.v[i]), values[i])
         whole[i], found[i] = spectrum is not None, np.nan if spectrum is None else spectrum
-    centre = slice(None, None, count)
-    moved = charts.section.displacement((q[centre], v[centre]), (after.q[centre], after.v[centre]))
-    residual = np.where(closes[:, 0], np.abs(moved).max(axis=1), np.inf)
+    moved = charts.section.displacement((own.q[centre], own.v[centre]), (after.q[centre], after.v[centre]))
+    residual = np.where(closes, np.abs(moved).max(axis=1), np.inf)
     durations = {phase: seconds[centre] for phase, seconds in after.durations.items()}
-    why = np.where(whole, CONVERGED, np.where(closes[:, 0], NO_MULTIPLIERS, after.reason[centre])).astype(object)
+    why = np.where(whole, CONVERGED, np.where(closes, NO_MULTIPLIERS, after.reason[centre])).astype(object)
     return Spectra(found, residual, durations, why)
 
 

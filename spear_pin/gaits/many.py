@@ -1,8 +1,8 @@
 """Very many gaits at once: fixed points and Floquet multipliers of lanes with different parameters.
 
 Newton's method works on the section's chart, with a damping for each lane. One call of `simulate_many` gives the
-residuals and the next columns of the Jacobians for all lanes. Lanes that fail from the common guess begin again from
-the solution of their nearest neighbour.
+residuals for all lanes, and the next columns of the Jacobians where exact ones take longer. Lanes that fail from the
+common guess begin again from the solution of their nearest neighbour.
 """
 
 from __future__ import annotations
@@ -206,8 +206,9 @@ class _Lanes:
             chosen = (slides == pattern).all(axis=1)
             own = lanes[chosen]
             charts = self.section.take(own).charts(q[chosen], v[chosen], pattern)
-            shooting = Shooting(charts, self.search.cycle(own), self.search.vary, self.search.wanted[own])
-            roots = shooting.solve(start[chosen], TOLERANCE, CALLS)
+            cycle = self.search.cycle(own)
+            shooting = Shooting(charts, cycle, self.search.vary, self.search.wanted[own], cycle.slopes)
+            roots = shooting.solve(start[chosen], TOLERANCE, calls=CALLS, always=False)
             self.fail(own, _why(roots), roots.norm)
             there = np.flatnonzero(roots.end == CONVERGED)
             self.finish(own[there], *shooting.states(there, roots.x[there]), roots.x[there, charts.dimension :])

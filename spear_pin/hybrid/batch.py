@@ -118,7 +118,7 @@ def simulate_many(
     _check(system, q, v, given, cycles)
     system = _varying(system, given)
     require()
-    code = taylor.Code(rtol / TIMES_FINER, observe, system.robot.nv <= taylor.UNROLLED if unroll is None else unroll)
+    code = taylor.Code(rtol / TIMES_FINER, observe, unrolled(system) if unroll is None else unroll)
     options, parts = Options(rtol, max_step=max_step), []
     for first in range(0, max(len(q), 1), CHUNK):
         chunk = slice(first, first + CHUNK)
@@ -141,6 +141,11 @@ def check_equations(system: HybridSystem) -> None:
         raise BadValue("system", system.kind, "one without hardware, brakes and dry friction of joints")
     if system.robot.added is not None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
+
+
+def unrolled(system: HybridSystem) -> bool:
+    """Tells whether cycles of a system run unrolled by default, which compiles for longer and then is fast."""
+    return system.robot.nv <= taylor.UNROLLED
 
 
 def may_differ(system: HybridSystem, name: str) -> bool:

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.charts import Charts
-from spear_pin.hybrid.newton import Lanes, OnIterates, Roots, Words, differentiated, ignored, newton, stencil
+from spear_pin.hybrid.newton import Lanes, Roots, Words, differentiated, newton, stencil
 from spear_pin.hybrid.orders import Order
 
 SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within this makes no gait, though it is nearly periodic
@@ -114,20 +115,16 @@ class Shooting:
         moved = charts.changes(after[:, :nq], after[:, nq:], ends @ along) - charts.changes(q, v, moves)
         return np.concatenate([moved, measured @ along], axis=1)
 
-    def solve(
-        self, start: Array, tolerance: float, calls: int | None = None, on_iterates: OnIterates = ignored
-    ) -> Roots:
+    def solve(self, start: Array, tolerance: float, **options: Any) -> Roots:
         """Solves for a gait of each lane by Newton's method, from the charts' origins.
 
         Args:
             start: initial values of the varied parameters, (n, k).
             tolerance: tolerance on the residual's largest component.
-            calls: most calls of the evaluator; None for no bound.
-            on_iterates: called with the lanes that have taken a step (or a first value), their numbers of steps, and
-                the residuals.
+            **options: `calls`, `always` and `on_iterates` of `newton`.
         """
         still = np.zeros((len(start), self.charts.dimension))
         scale = np.concatenate([np.ones_like(still), np.maximum(1.0, np.abs(start))], axis=1)
         begin = np.concatenate([still, start], axis=1)
         slopes = None if self.slopes is None else self.jacobians
-        return newton(self.residuals, begin, scale, tolerance, calls=calls, slopes=slopes, on_iterates=on_iterates)
+        return newton(self.residuals, begin, scale, tolerance, slopes=slopes, **options)

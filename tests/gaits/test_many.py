@@ -7,11 +7,13 @@ import pytest
 
 from spear_pin import Gait, find_gait
 from spear_pin.errors import BadValue, MissingExtra, UnknownName
-from spear_pin.gaits import many
+from spear_pin.gaits import lane_cycles, many
 from spear_pin.gaits.gait_table import CONVERGED, REASONS
+from spear_pin.gaits.lane_cycles import LaneCycles
 from spear_pin.gaits.many import find_many
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues, multipliers, residual
+from spear_pin.hybrid.periodic import chart, differentiate_return_map, eigenvalues, multipliers, residual
+from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 compiles = pytest.mark.extra("heyoka")
 WANTED = {"flight_time": 0.2}
@@ -75,6 +77,82 @@ class TestAgainstOneSearch:
         alone = eigenvalues(differentiate_return_map(gait.system, gait.state))
         np.testing.assert_allclose(table.multipliers[:, : len(alone)], [alone], rtol=0, atol=1e-5)
         np.testing.assert_allclose(table.v, [gait.state[1]], rtol=0, atol=1e-6)
+
+
+@compiles
+class TestExactJacobians:
+    """Of lanes whose cycles take longer than a derivative; the hop's do not, so that both kinds are quick for it."""
+
+    ASKED = ({"stiffness": [48.0, 49.0, 50.0]}, ["stance_torque"], WANTED)
+
+    @pytest.fixture
+    def lanes(self, monkeypatch):
+        """Numbers of lanes in each call of the batch engine."""
+        run, counts = lane_cycles.simulate_many, []
+
+        def counted(system, q, *rest, **options):
+            counts.append(len(q))
+            return run(system, q, *rest, **options)
+
+        monkeypatch.setattr(lane_cycles, "simulate_many", counted)
+        return counts
+
+    def test_find_the_gaits_of_differences(self, hop, lanes, monkeypatch):
+        differenced = find_many(hop.system, *self.ASKED, guess=hop.state)
+        before = sum(lanes)
+        monkeypatch.setattr(lane_cycles, "unrolled", lambda system: False)
+        exact = find_many(hop.system, *self.ASKED, guess=hop.state)
+        assert sum(lanes) - before < 0.5 * before and exact.converged.all()
+        np.testing.assert_allclose(exact.v, differenced.v, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(exact.multipliers, differenced.multipliers, rtol=0, atol=1e-7)
+        assert (exact.multipliers != differenced.multipliers).any()
+
+    def test_give_way_to_differences_where_there_is_none(self, hop, monkeypatch):
+        known = find_many(hop.system, *self.ASKED, guess=hop.state)
+
+        def refused(system, state):
+            raise NotDifferentiable("an event has none")
+
+        monkeypatch.setattr(lane_cycles, "unrolled", lambda system: False)
+        monkeypatch.setattr(lane_cycles, "tangent_cycles", lambda *given: None)
+        monkeypatch.setattr(lane_cycles, "exact_jacobian", refused)
+        found = find_many(hop.system, *self.ASKED, guess=hop.state)
+        np.testing.assert_array_equal(found.multipliers, known.multipliers)
+
+
+@compiles
+class TestDifferences:
+    """Of cycles beside a gait, one of which is changed."""
+
+    @pytest.fixture
+    def beside(self, hop, monkeypatch):
+        """Finds the multipliers of a hop with a change of its last cycle."""
+        run = LaneCycles.__call__
+
+        def found(change):
+            def changed(self, lanes, q, v, values):
+                after = run(self, lanes, q, v, values)
+                change(after)
+                return after
+
+            monkeypatch.setattr(LaneCycles, "__call__", changed)
+            cycles = LaneCycles(hop.system, {"stiffness": np.array([48.84])}, (), (), 1e-9)
+            return lane_cycles.multipliers(cycles, chart(hop.system, hop.state).lane, np.empty((1, 0)))
+
+        return found
+
+    def test_of_one_that_does_not_close(self, beside):
+        def opened(after):
+            after.reason[-1] = "no_event"
+
+        spectra = beside(opened)
+        assert spectra.reason[0] == "no_multipliers" and np.isnan(spectra.multipliers).all()
+
+    def test_of_one_that_the_reference_engine_ran(self, hop, beside):
+        def other(after):
+            after.reference[-1], after.q[-1] = True, after.q[-1] + 1e-6
+
+        np.testing.assert_allclose(beside(other).multipliers[0], multipliers(hop.system, hop.state), rtol=0, atol=1e-6)
 
 
 @compiles

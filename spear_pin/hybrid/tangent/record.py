@@ -13,6 +13,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Record
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.batch import unrolled
 from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines import taylor
@@ -38,7 +39,7 @@ _feet: WeakKeyDictionary[Compilation, dict[tuple[str, ...], TangentFeet]] = Weak
 def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
     """Returns the numbers of lanes for `Recorder`; lanes differ in the given numbers, (n,) each."""
     # optimised code would run in half the time, but take twelve times as long to compile
-    return Numbers(system, given, Code(TOL, unrolled=system.robot.nv <= taylor.UNROLLED, level=0))
+    return Numbers(system, given, Code(TOL, unrolled=unrolled(system), level=0))
 
 
 @lru_cache(taylor.MOST)

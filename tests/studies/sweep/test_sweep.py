@@ -13,6 +13,7 @@ import pytest
 
 from spear_pin import Gait, find_gait, hopping, load
 from spear_pin.errors import BadFile, BadValue, MissingExtra, UnknownName
+from spear_pin.gaits import lane_cycles
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import changed, with_hardware
 from spear_pin.studies.hardware import Rig
@@ -192,7 +193,9 @@ class TestInterrupted:
         assert store.read(out).identical(whole)
         assert sorted(path.name for path in tmp_path.iterdir()) == ["run.py", "whole.zarr"]
 
-    def test_goes_on_where_it_was(self, system, whole, tmp_path, monkeypatch):
+    def stopped(self, system, out):
+        """Breaks the sweep off after three chunks."""
+
         class Stop(Exception):
             pass
 
@@ -200,15 +203,30 @@ class TestInterrupted:
             if done == 9:
                 raise Stop
 
-        out, told = tmp_path / "whole.zarr", []
         with pytest.raises(Stop):
             sweep(system, POINTS, out, **ASKED, on_points=stop)
         assert not out.exists()
+
+    def test_goes_on_where_it_was(self, system, whole, tmp_path, monkeypatch):
+        out, told = tmp_path / "whole.zarr", []
+        self.stopped(system, out)
         found = sweep(system, POINTS, out, **ASKED, resume=True, on_points=lambda *counts: told.append(counts))
         assert told[0] == (9, 24) and told[-1] == (24, 24) and len(told) == 6
         assert found.identical(whole) and not store.parts(out).exists()
         monkeypatch.setattr(chunks, "_solve", None)
         assert sweep(system, POINTS, out, **ASKED, resume=True).identical(whole)  # nothing is left to do
+
+    def test_goes_on_by_exact_jacobians(self, system, whole, tmp_path, monkeypatch):
+        """As one does that was begun when all Jacobians were differences."""
+        self.stopped(system, tmp_path / "whole.zarr")
+        monkeypatch.setattr(lane_cycles, "unrolled", lambda system: False)
+        found = sweep(system, POINTS, tmp_path / "whole.zarr", **ASKED, resume=True)
+        np.testing.assert_array_equal(found["reason"], whole["reason"])
+        for name, near in (("q", 1e-9), ("v", 1e-8), ("largest_multiplier", 1e-6)):
+            same = np.isclose(found[name], whole[name], rtol=0, atol=near, equal_nan=True)
+            assert same.all()
+            assert (found[name][:9] == whole[name][:9]).all()
+        assert not found.identical(whole)
 
     def test_refuses_another_request(self, system, whole, tmp_path):
         out = tmp_path / "other.zarr"
