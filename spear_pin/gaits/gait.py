@@ -274,7 +274,7 @@ def _parts(system: HybridSystem) -> dict[str, Any]:
 def springs_data(system: HybridSystem) -> dict[str, Any]:
     """Returns a system's springs, as a file has them."""
     springs = {name: spring_data(spring) for name, spring in system.springs.items()}
-    alone = not system.sprung or [*springs] == [KNEE]
+    alone = [*springs] == [KNEE] or (springs and not system.sprung)
     return {"spring": next(iter(springs.values()))} if alone else {"springs": springs}
 
 

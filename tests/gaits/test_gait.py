@@ -9,12 +9,14 @@ import pytest
 
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping, load, monopod, simulate, vary
 from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.gaits.gait import springs_data, springs_of
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import changed, limits, parameter, with_hardware, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.studies.hardware import Rig
 from tests.slow import slow_but
+from tests.walkers import example
 
 
 def of_a_model(robot):
@@ -102,6 +104,9 @@ class TestSaveAndLoad:
         heavy = replace(hop, system=with_numbers(hop.system, {"knee_mass": 0.7}))
         again = Gait.load(heavy.save(tmp_path / "hop.json")).system.robot
         assert again.model == heavy.system.robot.model != hop.system.robot.model and again.varied == {"knee_mass": 0.7}
+
+    def test_keeps_that_there_is_no_spring(self):
+        assert springs_of(springs_data(example().rimless_wheel())) == {}
 
     def test_path_may_be_text(self, tmp_path, hop):
         path = hop.save(str(tmp_path / "hop.json"))
