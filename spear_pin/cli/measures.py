@@ -10,7 +10,10 @@ from spear_pin.cli.arguments import Commands, add_command
 from spear_pin.cli.output import joined
 
 WIDTH, WIDE = 110, 28  # characters of a line, and of a name in it
-PLACES = "Words in capitals stand for a joint, toe, phase or event, N for a number. Searches take all without (*)."
+PLACES = (
+    "Words in capitals stand for a joint, toe, phase or event, N for a number. Searches take all without (*).\n"
+    "Of joints that slide, angles are in m, speeds in m/s and torques in N."
+)
 
 
 def add(commands: Commands) -> None:
@@ -30,4 +33,4 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         head = f"{each.pattern:<{WIDE}}{'' if each.unit == '1' else each.unit:<9}"
         first, *more = textwrap.wrap(each.text + ("" if target else " (*)"), WIDTH - len(head))
         lines += [head + first, *(" " * len(head) + line for line in more)]
-    return {"measures": rows, "text": joined([*lines, "", PLACES])}
+    return {"measures": rows, "text": joined([*lines, "", *PLACES.splitlines()])}

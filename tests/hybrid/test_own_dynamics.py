@@ -5,10 +5,12 @@ from dataclasses import dataclass
 
 import pytest
 
-from spear_pin import find_gait
+from spear_pin import find_gait, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid import own_dynamics
 from spear_pin.hybrid.automaton import STICK, Domain, Guard, Reset
+from spear_pin.studies.comparison.measures import of_side
+from spear_pin.studies.comparison.sides import Side
 from tests.walkers import example
 
 
@@ -51,7 +53,13 @@ def test_measures_leave_out_what_is_per_weight():
     flight = Domain("flight", "flight", (), fly, guards=(lands,))
     units, options = {"x": "m", "z": "m"}, {"section": "lands", "cyclic": ["x"]}
     ball = own_dynamics.own_dynamics("ball", units, Ball(), [flight], **options, guess=lambda p: ([0, 0], [1.9, 3.9]))
-    found = find_gait(ball).sensitivity(["wind", "kick"]).derivatives
+    gait = find_gait(ball)
+    of_motors = of_side(Side("ball", "gait", ball.robot, simulate(ball, gait.state, cycles=1), gait))["motors"]
+    assert {("peak torque, x", "N"), ("rms torque, z", "N"), ("peak speed, z", "m/s")} <= of_motors.keys()
+    whole = gait.sensitivity(["wind", "kick"])
+    units = {"peak_speed_z": "m/s", "peak_torque_x": "N", "least_z": "m", "effort": "N²·s"}
+    assert {name: whole.output_units[name] for name in units} == units
+    found = whole.derivatives
     assert found["mean_speed"] == pytest.approx([1.0, 0.0], abs=1e-8)
     assert found["period"] == pytest.approx([0.0, 4.0 / 9.81], abs=1e-8)
     assert "cost_of_transport" not in found

@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.measures.signals import Signals
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.column_names import motors_at
+from spear_pin.hybrid.column_names import lengths, motors_at
 from spear_pin.hybrid.path_springs import unit_along
+from spear_pin.model.robot import Robot
 
 
 class Named(NamedTuple):
@@ -223,6 +224,9 @@ SHOWN = [
 ]
 """Kinds of measures that the page of any gait shows; every page and comparison shows those that are added behind."""
 OF_A_WAY = ("stride", "mean_speed", "turn", "cost_of_transport", "cost_of_transport_positive", "effort_per_distance")
+OF_ALL_JOINTS = ("effort", "effort_per_distance")
+ALONG_A_RAIL = {"rad": "m", "rad/s": "m/s", "N·m": "N", "N²·m²·s": "N²·s", "N²·m·s": "N²·s/m"}
+"""Units of measures of joints that slide, by those of joints that turn."""
 STANDARD = len(SHOWN)
 PLACES = re.compile(r"[A-Z]{2,}|(?<=_)N$")
 
@@ -268,12 +272,20 @@ def unit_in(system: HybridSystem, entry: Named, name: str) -> str:
         for mount in (mount for domain in system.domains for mount in domain.mounts):
             if name == f"deflection_{mount.name}":
                 return unit_along(mount.along, system.robot)
-    return entry.unit
+    return unit_on(system.robot, entry, name)
 
 
-def fitting(entry: Named) -> str:
-    """Returns the regular expression of the names of an entry's measures."""
-    return PLACES.sub(".+", entry.pattern)
+def unit_on(robot: Robot, entry: Named, name: str) -> str:
+    """Returns the unit of a robot's measure, by its entry and name: joints that slide have others."""
+    if not ("JOINT" in entry.pattern or entry.kind in OF_ALL_JOINTS):
+        return entry.unit
+    measured = {lengths(robot)[joint] for joint in robot.actuated if re.fullmatch(fitting(entry, joint), name)}
+    return ALONG_A_RAIL.get(entry.unit, entry.unit) if measured == {"m"} else entry.unit
+
+
+def fitting(entry: Named, joint: str = "") -> str:
+    """Returns the regular expression of the names of an entry's measures, or of those of one joint."""
+    return PLACES.sub(lambda word: re.escape(joint) if joint and word[0] == "JOINT" else ".+", entry.pattern)
 
 
 def described(name: str) -> Named:

@@ -16,6 +16,7 @@ from spear_pin.gaits.sensitivity.heat import drive_of, motors_of_joint
 from spear_pin.gaits.sensitivity.measure import Group, Measure, total
 from spear_pin.gaits.sensitivity.signals import Pieces, peak, roots
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.column_names import lengths, unit_of
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.model.catalogue import sized
@@ -77,7 +78,8 @@ def electricity(cycle: Derivative, drives: Mapping[str, Drive], names: Sequence[
         return {**parts, **whole}
 
     def reserves(of: Mapping[str, Measure]) -> dict[str, Measure]:
-        return {RESERVE + name: Measure(*_reserve(u, w, joint), "N·m") for name, joint, u, w in joints()}
+        units = {name: unit_of("u", measured) for name, measured in lengths(robot).items()}
+        return {RESERVE + name: Measure(*_reserve(u, w, joint), units[name]) for name, joint, u, w in joints()}
 
     return Group(f"{ELECTRICITY}(_.*)?", taken), Group(f"{RESERVE}.*", reserves)
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN, STANDARD
+from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN, STANDARD, described, unit_on
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.column_names import PAIR, lengths, motors_at, of_a_pair, parted, unit_of
 from spear_pin.hybrid.trajectory import Trajectory
@@ -60,14 +60,15 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
         (f"peak normal force, {_effort(f'force_z_{name}')}", "N"): found[f"peak_force_{name}"] for name in run.toes
     }
     forces |= {(f"friction used, {_words(name)}", ""): found[f"friction_used_{name}"] for name in run.toes}
-    forces["peak normal force, in weights", ""] = curves.peak(run.force[:, :, -1].sum(axis=1)) / robot.weight
+    if robot.weight:
+        forces["peak normal force, in weights", ""] = curves.peak(run.force[:, :, -1].sum(axis=1)) / robot.weight
     torques: Values = {}
+    measured, units = lengths(robot), {name: unit_on(robot, described(name), name) for name in found}
     for joint in run.actuated:
         one = _words(joint) + ONE * (motors_at(joint) > 1)
-        torques[f"peak torque, {one}", "N·m"] = found[f"peak_torque_{joint}"]
-        torques[f"rms torque, {one}", "N·m"] = found[f"rms_torque_{joint}"]
-        torques[f"peak speed, {_words(joint)}", "rad/s"] = found[f"peak_speed_{joint}"]
-    measured = lengths(robot)
+        for kind, of in (("peak_torque", one), ("rms_torque", one), ("peak_speed", _words(joint))):
+            name = f"{kind}_{joint}"
+            torques[f"{_words(kind)}, {of}", units[name]] = found[name]
     for i, joint in enumerate(run.spring_joints):
         unit = unit_of("spring", measured[joint])
         torques[f"peak spring torque, {_effort(f'spring_{joint}')}", unit] = curves.amount(run.spring[:, i])
@@ -80,7 +81,7 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
         energy = {
             ("motors' work, positive", "J"): found["positive_work"],
             ("motors' work, |power|", "J"): found["absolute_work"],
-            ("effort", "N²·m²·s"): found["effort"],
+            ("effort", units["effort"]): found["effort"],
         }
     if "cost_of_transport" in found:
         energy["cost of transport", ""] = found["cost_of_transport"]
@@ -88,7 +89,7 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
     for each in CATALOGUE:
         if each.kind in SHOWN[STANDARD:]:
             for name, value in each.values(sampled).items():
-                groups.get(each.unit, motion)[_words(name), each.unit.replace("1", "")] = value
+                groups.get(each.unit, motion)[_words(name), unit_on(robot, each, name).replace("1", "")] = value
     if run.cycles:
         for flow in dict.fromkeys([*run.ledger.kinds, *run.ledger.flows]):
             joint = flow.removeprefix("motor_")
@@ -102,12 +103,13 @@ def _body(robot: Robot) -> Values:
     found: Values = {("mass", "kg"): robot.mass, ("coordinates", ""): float(robot.nv), ("motors", ""): float(robot.nu)}
     for leg in robot.legs[:4]:
         found |= {(f"thigh, {_words(leg.name)}", "m"): leg.thigh, (f"shank, {_words(leg.name)}", "m"): leg.shank}
+    measured = lengths(robot)
     for joint in robot.actuated[:12]:
         found[f"gear ratio, {_words(joint)}", ""] = robot.gear_ratio(joint)
         found[f"rotor inertia at the joint, {_words(joint)}", "kg·m²"] = float(robot.model.armature[robot.index(joint)])
         limit = robot.limits[joint].effort
         if 0.0 < limit < np.inf:
-            found[f"limit of torque, {_words(joint)}", "N·m"] = float(limit)
+            found[f"limit of torque, {_words(joint)}", unit_of("u", measured[joint])] = float(limit)
     return found
 
 

@@ -3,8 +3,9 @@
 import pytest
 
 from spear_pin.errors import UnknownName
-from spear_pin.gaits.measures.catalogue import CATALOGUE, described
+from spear_pin.gaits.measures.catalogue import CATALOGUE, described, unit_on
 from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.model.unit_masses import unit_masses
 from tests.gaits.bounding_gaits import gait, trajectory
 
 
@@ -42,3 +43,18 @@ def test_each_says_what_it_is_in_a_sentence():
 def test_an_unknown_name():
     with pytest.raises(UnknownName, match="clearance"):
         described("clearance_toe")
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        *(("peak_torque_slide", "N"), ("rms_torque_turn", "N·m"), ("peak_speed_slide", "m/s"), ("least_turn", "rad")),
+        *(("greatest_slide", "m"), ("slide_rate_at_lands", "m/s"), ("slide_at_lands", "m"), ("reserve_slide", "N")),
+        *(("turn", "rad"), ("mean_speed", "m/s"), ("effort", "N²·m²·s"), ("deflection_slide", "m")),
+    ],
+)
+def test_joints_that_slide_have_units_of_their_own(name, unit):
+    both, rails = unit_masses(slide="m", turn="rad"), unit_masses(slide="m", lift="m")
+    assert unit_on(both, described(name), name) == unit
+    of_rails = {"effort": "N²·s", "effort_per_distance": "N²·s/m", "turn": "rad"}
+    assert {each: unit_on(rails, described(each), each) for each in of_rails} == of_rails
