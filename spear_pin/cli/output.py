@@ -88,8 +88,10 @@ def _write(stream: TextIO, text: str) -> None:
 
 
 def aligned(rows: Iterable[tuple[str, str]]) -> str:
-    """Lines of a name and what it says, in two columns."""
-    return joined(f"{name:<21}{value}" for name, value in rows)
+    """Lines of a name and what it says, in two columns, of which long names widen the first."""
+    told = [*rows]
+    wide = max([20, *(len(name) for name, _ in told)])
+    return joined(f"{name:<{wide}} {value}" for name, value in told)
 
 
 def joined(lines: Iterable[str]) -> str:
