@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from numbers import Real
 from typing import Any, ClassVar
 
@@ -22,6 +22,7 @@ from spear_pin.model.legs import in_convention, sided, simple
 from spear_pin.model.robot import Robot
 
 Shape = tuple[tuple[float, ...], ...]
+Valid = Mapping[str, tuple[Callable[[float], bool], str]]
 AHEAD, PITCH = 0, 2  # indices of the torso's travel and pitch
 SIDES = (1.0, -1.0)  # to which Q-SPEAR's knees flex
 ALIKE = 1e-9  # relative: thigh and shank count as equally long, and the leg angle is linear
@@ -136,7 +137,7 @@ class BoundingLaw:
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        valid: dict[str, tuple[Callable[[float], bool], str]] = {
+        valid: Valid = {
             "virtual_stiffness": (lambda k: k >= 0, "a number >= 0, in N·m/rad"),
             "epsilon": (lambda e: e > 0, "a number > 0, in s"),
             "knee_rest": (lambda a: 0 < a < math.pi, "between 0 and π rad"),
@@ -146,20 +147,25 @@ class BoundingLaw:
             "flight_1_span": (lambda span: span > 0, "a number > 0, in m"),
             "flight_2_span": (lambda span: span > 0, "a number > 0, in m"),
         }
-        for name, shape in SHAPES.items():
-            if not has_shape(getattr(self, name), shape):
-                expected = f"{' x '.join(map(str, shape))} finite numbers, as tuples"
-                raise BadValue(f"BoundingLaw.{name}", getattr(self, name), expected)
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name in (*SHAPES, "lift_off", "nominal"):
-                continue
-            test, expected = valid.get(field.name, (lambda number: abs(number) >= 0, "a finite number"))
-            require(f"BoundingLaw.{field.name}", value, test, expected)
-        if self.lift_off not in ("knee", "force"):
-            raise BadValue("BoundingLaw.lift_off", self.lift_off, "'knee' or 'force'")
+        check_numbers(self, valid, SHAPES)
         if self.nominal != () and not has_shape(self.nominal, (STATES,)):
             raise BadValue("BoundingLaw.nominal", self.nominal, f"{STATES} finite numbers, or ()")
+
+
+def check_numbers(law: Any, valid: Valid, shapes: Mapping[str, tuple[int, ...]]) -> None:
+    """Checks the numbers of a law, by tests and what they expect in words, and nested tuples by their shapes.
+
+    Raises:
+        BadValue: one is not finite or not valid, or the rule for lift-off is unknown.
+    """
+    for name, value in vars(law).items():
+        place = f"{type(law).__name__}.{name}"
+        if name in shapes and not has_shape(value, shapes[name]):
+            raise BadValue(place, value, f"{' x '.join(map(str, shapes[name]))} finite numbers, as tuples")
+        if name == "lift_off" and value not in ("knee", "force"):
+            raise BadValue(place, value, "'knee' or 'force'")
+        if name not in (*shapes, "lift_off", "nominal", "plane"):
+            require(place, value, *valid.get(name, (lambda number: abs(number) >= 0, "a finite number")))
 
 
 def has_shape(value: Any, shape: tuple[int, ...]) -> bool:

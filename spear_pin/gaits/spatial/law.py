@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from spear_pin.errors import require
-from spear_pin.gaits.bounding_law import LEGS, PAIR, BoundingLaw, Shape
+from spear_pin.gaits.bounding_law import LEGS, PAIR, BoundingLaw, Shape, Valid, check_numbers
 from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.gaits.spatial.legs import FLIGHTS, Group, Leg
 from spear_pin.kinds import typed
@@ -91,16 +89,12 @@ class SpatialLaw:
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        valid: dict[str, tuple[Callable[[float], bool], str]] = {
+        valid: Valid = {
             "adduction_stiffness": (lambda k: k >= 0, "a number >= 0, in N·m/rad"),
             "adduction_damping": (lambda b: b >= 0, "a number >= 0, in N·m·s/rad"),
             "adduction_epsilon": (lambda e: e > 0, "a number > 0, in s"),
         }
-        for field in fields(self)[1:]:
-            if isinstance(getattr(self, field.name), tuple):
-                continue
-            test, expected = valid.get(field.name, (math.isfinite, "a finite number"))
-            require(f"SpatialLaw.{field.name}", getattr(self, field.name), test, expected)
+        check_numbers(self, valid, {})
 
     @classmethod
     @typed

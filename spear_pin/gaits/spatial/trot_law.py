@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import ClassVar
 
-from spear_pin.errors import BadValue, require
-from spear_pin.gaits.bounding_law import LEGS, Shape, has_shape
+from spear_pin.gaits.bounding_law import LEGS, Shape, Valid, check_numbers
 from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import Group, Leg
@@ -112,7 +111,7 @@ class TrotLaw:
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        valid: dict[str, tuple[Callable[[float], bool], str]] = {
+        valid: Valid = {
             **dict.fromkeys(("epsilon", "adduction_epsilon"), (lambda e: e > 0, "a number > 0, in s")),
             **dict.fromkeys(("knee_rest", "knee_touchdown"), (lambda a: 0 < a < math.pi, "between 0 and π rad")),
             **dict.fromkeys(
@@ -121,17 +120,7 @@ class TrotLaw:
             "stance_span": (lambda span: span < 0, "a number < 0, in rad"),
             "flight_span": (lambda span: span > 0, "a number > 0, in m"),
         }
-        for name, shape in SHAPES.items():
-            if not has_shape(getattr(self, name), shape):
-                expected = f"{' x '.join(map(str, shape))} finite numbers, as tuples"
-                raise BadValue(f"TrotLaw.{name}", getattr(self, name), expected)
-        for field in fields(self):
-            if field.name in (*SHAPES, "lift_off", "nominal"):
-                continue
-            test, expected = valid.get(field.name, (math.isfinite, "a finite number"))
-            require(f"TrotLaw.{field.name}", getattr(self, field.name), test, expected)
-        if self.lift_off not in ("knee", "force"):
-            raise BadValue("TrotLaw.lift_off", self.lift_off, "'knee' or 'force'")
+        check_numbers(self, valid, SHAPES)
 
     def torques(self, leg: Leg, ahead: float) -> tuple[float, float, float]:
         """Returns torques of a landing leg for adduction (to the left), hip and knee (extending), in N·m."""
