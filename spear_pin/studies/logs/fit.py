@@ -23,7 +23,7 @@ from spear_pin.studies.logs.phases import LogPhase
 from spear_pin.studies.logs.played import number_of, played, played_with, with_own
 from spear_pin.studies.logs.residuals import LAG, ZERO, Residuals
 from spear_pin.studies.logs.shooting import Shot
-from spear_pin.studies.logs.spread import Found, correlation_time, spread
+from spear_pin.studies.logs.spread import Found, correlation_time, spread, spread_by_parts
 
 TOLERANCE = 1e-10
 EVALUATIONS = 60
@@ -47,7 +47,7 @@ class MotionFit(Shown):
         shots: the model's motion over each of them.
         residuals: model less log, for each of them, (n, m), in rad or m.
         rms: root of their mean square.
-        inflation: factor by which deviations are larger than those of white residuals.
+        inflation: factor by which deviations are larger than those of white residuals, at least.
         left_out: phases that were not used, with the reason.
         doubts: what to keep in mind, in sentences.
         converged: whether the search met its tolerance.
@@ -173,7 +173,9 @@ def _solved(problem: Residuals, left_out: tuple[LogPhase, ...]) -> MotionFit:
     shots = problem.shots(x)
     residuals = tuple(residual for _, residual, _ in shots)
     inflation = float(np.sqrt(np.mean([correlation_time(each) for residual in residuals for each in residual.T])))
-    deviations, correlation = spread(problem, problem.joined(x), inflation)
+    last = problem.joined(x)
+    noisy, correlation = spread(problem, last, inflation)
+    deviations = np.maximum(noisy, spread_by_parts(problem, last, problem.parts))
     units = {name: _unit(problem, name) for name in problem.over}
     values = zip(problem.over, x[:k].tolist(), deviations.tolist(), strict=True)
     found = {name: Found(value, deviation, units[name]) for name, value, deviation in values}

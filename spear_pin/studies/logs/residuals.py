@@ -13,11 +13,12 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number
 from spear_pin.studies.logs.arcs import RATE, LogArc, rates_of
-from spear_pin.studies.logs.measured import Measured
+from spear_pin.studies.logs.measured import FLIGHT, Measured
 from spear_pin.studies.logs.played import FRICTION, number_of, played_with
 from spear_pin.studies.logs.shooting import Shooter, Shot
 
 ZERO, LAG, HYSTERESIS = "_zero", "lag", "hysteresis"
+PARTS = 4  # of each phase, by which what the model misses in every hop is told
 STEP = 1e-5  # rad or m, by which a start is differentiated
 
 
@@ -58,6 +59,12 @@ class Residuals:
         length = max(self.joints.length(arc.near) for arc in self.arcs)
         units = [self.leg.robot.units[row] for row in self.joints.rows]
         return np.array([1.0 if unit == "rad" else 1.0 / length for unit in units])
+
+    @cached_property
+    def parts(self) -> Array:
+        """Number of the part of the motion that each residual belongs to, (N,): a quarter of all stances or flights."""
+        sizes = [(FLIGHT == arc.phase.name, arc.positions.shape) for arc in self.arcs]
+        return np.concatenate([np.repeat(PARTS * (flies + np.arange(n) / n) // 1.0, m) for flies, (n, m) in sizes])
 
     def number(self, name: str) -> float:
         """Returns a number of the leg, by its name for users."""

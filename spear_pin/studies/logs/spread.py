@@ -20,7 +20,8 @@ class Found:
 
     Attributes:
         value: the value, in its unit.
-        deviation: its standard deviation, inflated for residuals that are correlated in time.
+        deviation: its standard deviation: that of residuals that are correlated in time, or, where it is larger, that
+            by which the value moves as a quarter of all stances or flights is left out.
         unit: the unit.
     """
 
@@ -39,12 +40,7 @@ def spread(problem: Residuals, at: tuple[Array, Array], inflation: float) -> tup
         BadValue: some values cannot be told apart at all.
     """
     residual, jacobian = at
-    k = len(problem.over)
-    own, starts = jacobian[:, :k], jacobian[:, k:]
-    basis, _ = np.linalg.qr(starts)
-    seen = own - basis @ (basis.T @ own)  # what no start explains
-    lengths = np.linalg.norm(seen, axis=0)
-    scaled = seen / np.where(lengths > 0.0, lengths, 1.0)
+    scaled, lengths = _seen(problem, jacobian)
     _, sizes, rows = np.linalg.svd(scaled, full_matrices=False)
     if sizes[-1] < SINGULAR * sizes[0]:
         alike = [name for name, share in zip(problem.over, np.abs(rows[-1]), strict=True) if share > 0.2]
@@ -54,6 +50,33 @@ def spread(problem: Residuals, at: tuple[Array, Array], inflation: float) -> tup
     covariance = np.linalg.inv(scaled.T @ scaled) * float(residual @ residual) / free
     widths = np.sqrt(np.diag(covariance))
     return inflation * widths / lengths, covariance / np.outer(widths, widths)
+
+
+def spread_by_parts(problem: Residuals, at: tuple[Array, Array], parts: Array) -> Array:
+    """Returns the standard deviations of the fitted values by the jackknife that leaves out one part at a time.
+
+    What the model misses at one instant of every hop is one error, not many: such a part has these instants of all
+    hops. What starts explain of the residuals stays explained.
+
+    Args:
+        problem: the least squares.
+        at: residuals, (N,), at the solution, and their Jacobian.
+        parts: number of the part that a residual belongs to, (N,).
+    """
+    residual, jacobian = at
+    scaled, lengths = _seen(problem, jacobian)
+    kept = [parts != part for part in np.unique(parts)]
+    moved = [np.linalg.lstsq(scaled[rows], residual[rows], rcond=None)[0] / lengths for rows in kept]
+    return np.asarray(np.sqrt((1.0 - 1.0 / len(kept)) * np.sum(np.square(moved), axis=0)))
+
+
+def _seen(problem: Residuals, jacobian: Array) -> tuple[Array, Array]:
+    """Returns the slopes by the fitted values that no start explains, of length one, (N, k), and their lengths."""
+    own, starts = np.split(jacobian, [len(problem.over)], axis=1)
+    basis, _ = np.linalg.qr(starts)
+    seen = own - basis @ (basis.T @ own)
+    lengths = np.linalg.norm(seen, axis=0)
+    return seen / np.where(lengths > 0.0, lengths, 1.0), lengths
 
 
 def _anchor(alike: Sequence[str]) -> str:

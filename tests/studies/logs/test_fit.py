@@ -187,7 +187,7 @@ def test_a_wrong_mass_scales_all_forces(crank, plain_log):
 
 def test_a_spring_that_is_not_there_has_no_stiffness(sprung, plain_log):
     found = identify_motion(sprung, plain_log[0], ["stiffness"])
-    assert abs(found["stiffness"].value) < 2.0 * found["stiffness"].deviation < 0.01
+    assert abs(found["stiffness"].value) < 2.0 * found["stiffness"].deviation < 0.1
 
 
 def test_a_model_that_misses_something_is_told(crank, plain_log):
