@@ -41,7 +41,7 @@ def fit_over_log(fit: MotionFit) -> Figure:
         fit: the fit.
     """
     pieces = [
-        _Piece(arc.t, arc.positions, arc.positions + residual, arc.phase)
+        _Piece(arc.t, arc.seen, arc.seen + residual, arc.phase)
         for arc, residual in zip(fit.arcs, fit.residuals, strict=True)
     ]
     names = {name: fit.leg.robot.units[fit.leg.robot.index(name)] for name in fit.joints}

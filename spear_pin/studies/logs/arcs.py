@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,6 +33,7 @@ class LogArc:
         near: configuration at the first sample, (nv,), with the toe on the ground.
         touchdown: measured positions at touchdown, (m,), where springs are latched.
         base: rates of the base at the first sample of a flight, in m/s, from the push-off; None for a stance.
+        beside: what else was measured, of coordinates of the base, (n, o); NaN where nothing was.
     """
 
     phase: LogPhase
@@ -41,10 +43,22 @@ class LogArc:
     near: Array
     touchdown: Array
     base: Array | None
+    beside: Array
+
+    @property
+    def seen(self) -> Array:
+        """All that was measured, (n, m + o)."""
+        return np.hstack([self.positions, self.beside])
 
 
 def arcs_of(
-    system: HybridSystem, joints: Measured, log: Log, settle: float, whole: bool = False, torques: bool = True
+    system: HybridSystem,
+    joints: Measured,
+    log: Log,
+    settle: float,
+    whole: bool = False,
+    torques: bool = True,
+    beside: Sequence[str] = (),
 ) -> tuple[list[LogArc], list[LogPhase]]:
     """Returns the arcs of a log, and the phases that are left out.
 
@@ -55,11 +69,13 @@ def arcs_of(
         settle: time after each touchdown that is left out, in s; half of it before one.
         whole: whether a stance goes on to the next touchdown.
         torques: whether the log needs the torques of all motors.
+        beside: names of coordinates of the base whose positions are taken as well.
     """
     found, left_out = list[LogArc](), list[LogPhase]()
     ratios = {joint: system.robot.gear_ratio(joint) for joint in system.robot.actuated}
     applied = with_torques(log, system.robot.actuated, ratios, torques)
     positions = np.column_stack([log[name] for name in joints.joints])
+    others = np.array([log[name] for name in beside]).reshape(len(beside), len(log.t)).T
     good = np.isfinite(positions).all(axis=1) & np.isfinite(applied).all(axis=1)
     near, touchdown = None, positions[good][0]
     phases = find_phases(system.robot, log)
@@ -84,7 +100,8 @@ def arcs_of(
             continue
         near = joints.configuration(positions[inside[0]], near)
         base = None if stance else _base(joints, log.t, positions, before[-RATE:], log.t[inside[0]], near)
-        found.append(LogArc(phase, log.t[inside], positions[inside], applied[inside], near, touchdown, base))
+        arc = log.t[inside], positions[inside], applied[inside]
+        found.append(LogArc(phase, *arc, near, touchdown, base, others[inside]))
     return found, left_out
 
 

@@ -50,7 +50,8 @@ def doubts(
     if "torque_scale" in problem.over:
         yield "masses were held: torque_scale and all inertias and forces go with them"
     moved = float(np.median([np.ptp(arc.positions, axis=0).max() for arc in problem.arcs]))
-    sizes = [float(np.sqrt(np.mean(residual**2))) for _, residual, _ in shots]
+    m = len(problem.joints.rows)
+    sizes = [float(np.sqrt(np.mean(residual[:, :m] ** 2))) for _, residual, _ in shots]
     if (share := float(np.median(sizes)) / moved) > POOR:
         hint = "" if share < LARGE else "; are units and signs right?"
         yield f"the model misses something: the residuals are {100.0 * share:.1f} % of the motion{hint}"

@@ -21,12 +21,13 @@ from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.measured import FLIGHT, STANCE, measured
 from spear_pin.studies.logs.phases import LogPhase
 from spear_pin.studies.logs.played import number_of, played, played_with, with_own
-from spear_pin.studies.logs.residuals import LAG, ZERO, Residuals
+from spear_pin.studies.logs.residuals import HEIGHT, HEIGHT_SENSOR, LAG, ZERO, Residuals
 from spear_pin.studies.logs.shooting import Shot
 from spear_pin.studies.logs.spread import Found, correlation_time, spread, spread_by_parts
 
 TOLERANCE = 1e-10
 EVALUATIONS = 60
+REWEIGHTED = 2  # times that a second sensor's noise is taken anew
 COARSE, FINEST = 0.05, 8  # of residuals or slopes, by which halved steps may change them; and times shorter steps
 NOTHING = 1e-4  # size of residuals, in rad, below which such changes do not matter
 STIFF = "friction makes the motion stiffer than the integration resolves: deviations may be wrong"
@@ -40,12 +41,12 @@ class MotionFit(Shown):
         source: the system as it was given.
         system: the system with the values that are its own numbers.
         leg: the leg as it was shot, with all values, see `played`.
-        joints: names of the measured joints.
+        joints: names of the measured joints, then "boom_z" if its sensor was fitted.
         found: the values, by name.
         correlation: their correlations, (k, k), in that order.
         arcs: the phases that were shot over.
         shots: the model's motion over each of them.
-        residuals: model less log, for each of them, (n, m), in rad or m.
+        residuals: model less log, for each of them, (n, m), in rad or m; NaN where nothing was measured.
         rms: root of their mean square.
         inflation: factor by which deviations are larger than those of white residuals, at least.
         left_out: phases that were not used, with the reason.
@@ -106,6 +107,7 @@ def identify_motion(
         over: names of what is fitted: numbers of robot and springs, such as "crank_armature", "stiffness", "rest" and
             "hysteresis"; "torque_scale", by which measured torques are multiplied; Coulomb's friction of a joint,
             "crank_friction"; the zero of a joint's sensor, "crank_zero"; and "lag", how late positions are stamped.
+            With "boom_z_zero" or "boom_z_lag" the log's "boom_z", the height of the base, is used with its own noise.
         start: values from which the search begins, or that are held if they are not in `over`.
         phases: which phases are shot over: "stance", "flight" or both.
         settle: time after each touchdown that is left out, in s.
@@ -125,26 +127,28 @@ def identify_motion(
     if not logs:
         raise BadValue("log", logs, "a log at least")
     joints = measured(system.robot, logs[0])
+    beside = (HEIGHT,) if {*HEIGHT_SENSOR} & {*over, *given} else ()
     leg, of_sensors = played(system), [*(f"{joint}{ZERO}" for joint in joints.joints), LAG]
+    of_sensors += HEIGHT_SENSOR if beside else ()
     own = tuple(name for name in over if name not in of_sensors)
     for name in (*own, *(name for name in given if name not in of_sensors)):
         _known(leg, number_of(system, name)[0], of_sensors)
     leg = played_with(leg, system, {name: value for name, value in given.items() if name not in of_sensors})
     arcs, left_out = [], list[LogPhase]()
     for each in logs:
-        some, others = arcs_of(system, joints, each, settle)
+        some, others = arcs_of(system, joints, each, settle, beside=beside)
         arcs += [arc for arc in some if arc.phase.name in phases]
         left_out += others
     if not arcs:
         raise BadValue("log", [each.source for each in logs], "one with a stance or flight that can be used")
     sensors = {name: float(given.get(name, 0.0)) for name in of_sensors}
-    problem = Residuals(system, leg, joints, tuple(arcs), over, own, sensors)
+    problem = Residuals(system, leg, joints, tuple(arcs), over, own, sensors, beside)
     return _solved(problem, tuple(left_out))
 
 
 def _unit(problem: Residuals, name: str) -> str:
     """Returns the unit of a fitted value."""
-    if name == LAG:
+    if name in (LAG, HEIGHT_SENSOR[1]):
         return "s"
     joint = name.removesuffix(ZERO)
     if name in problem.sensors:
@@ -164,6 +168,9 @@ def _solved(problem: Residuals, left_out: tuple[LogPhase, ...]) -> MotionFit:
     spread(problem, problem.joined(first), 1.0)  # what is not told apart is refused before the search
     while True:
         solution = _search(problem, first)
+        for _ in range(REWEIGHTED if problem.beside else 0):
+            problem = problem.balanced(np.asarray(solution.x))
+            solution = _search(problem, np.asarray(solution.x))
         x, k = np.asarray(solution.x), len(problem.over)
         finer = replace(problem, steps=2 * problem.steps)
         coarse = _differ(problem.joined(x), finer.joined(x))
@@ -172,7 +179,8 @@ def _solved(problem: Residuals, left_out: tuple[LogPhase, ...]) -> MotionFit:
         problem, first = finer, x
     shots = problem.shots(x)
     residuals = tuple(residual for _, residual, _ in shots)
-    inflation = float(np.sqrt(np.mean([correlation_time(each) for residual in residuals for each in residual.T])))
+    each_alone = [each[np.isfinite(each)] for residual in residuals for each in residual.T]
+    inflation = float(np.sqrt(np.mean([correlation_time(each) for each in each_alone if each.size])))
     last = problem.joined(x)
     noisy, correlation = spread(problem, last, inflation)
     deviations = np.maximum(noisy, spread_by_parts(problem, last, problem.parts))
@@ -184,13 +192,13 @@ def _solved(problem: Residuals, left_out: tuple[LogPhase, ...]) -> MotionFit:
         problem.system,
         with_own(problem.system, leg, {name: found[name].value for name in problem.own}),
         leg,
-        problem.joints.joints,
+        problem.names,
         found,
         correlation,
         problem.arcs,
         tuple(shot for shot, _, _ in shots),
         residuals,
-        float(np.sqrt(np.mean(np.concatenate([(problem.weights * each).ravel() for each in residuals]) ** 2))),
+        float(np.sqrt(np.mean(last[0] ** 2))),
         inflation,
         left_out,
         (*doubts(problem, found, correlation, solution, shots), *([STIFF] if coarse else [])),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +18,10 @@ from spear_pin.studies.logs.played import FRICTION, number_of, played_with
 from spear_pin.studies.logs.shooting import Shooter, Shot
 
 ZERO, LAG, HYSTERESIS = "_zero", "lag", "hysteresis"
+HEIGHT = "boom_z"  # the coordinate that a sensor beside those of the joints may show, with a lag of its own
+HEIGHT_SENSOR = f"{HEIGHT}{ZERO}", f"{HEIGHT}_{LAG}"
 PARTS = 4  # of each phase, by which what the model misses in every hop is told
+LEAST = 1e-3  # of the joints' residuals: those of what is beside do not count as less
 STEP = 1e-5  # rad or m, by which a start is differentiated
 
 
@@ -34,7 +37,9 @@ class Residuals:
         over: names of the fitted values.
         own: those of them that are numbers of the leg, and not of sensors.
         sensors: values of sensors, by name: zeros, and the lag.
+        beside: names of measured coordinates of the base: the height, or none.
         steps: by how much steps are shorter than need be, where friction makes the equations stiff.
+        trust: factor of the weights of what is beside.
     """
 
     system: HybridSystem
@@ -44,27 +49,38 @@ class Residuals:
     over: tuple[str, ...]
     own: tuple[str, ...]
     sensors: Mapping[str, float]
+    beside: tuple[str, ...] = ()
     steps: int = 1
+    trust: float = 1.0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all that was measured, (m + o)."""
+        return *self.joints.joints, *self.beside
 
     @cached_property
     def places(self) -> list[slice]:
         """Places of the unknowns of each arc's start."""
-        sizes = [len(self.joints.rows) + len(self.joints.leading[arc.phase.name]) for arc in self.arcs]
+        sizes = [len(each) for each in self._starts]
         ends = len(self.over) + np.cumsum([0, *sizes])
         return [slice(int(i), int(j)) for i, j in zip(ends[:-1], ends[1:], strict=True)]
 
     @cached_property
     def weights(self) -> Array:
-        """Weights of the measured joints, (m,): those of a length in m count as angles of its leg do."""
+        """Weights of all that was measured, (m + o,): lengths in m count as angles of a leg so long do."""
         length = max(self.joints.length(arc.near) for arc in self.arcs)
-        units = [self.leg.robot.units[row] for row in self.joints.rows]
-        return np.array([1.0 if unit == "rad" else 1.0 / length for unit in units])
+        units = [self.leg.robot.units[self.leg.robot.index(name)] for name in self.names]
+        own = np.array([1.0 if unit == "rad" else 1.0 / length for unit in units])
+        return own * np.where(np.arange(len(own)) < len(self.joints.rows), 1.0, self.trust)
 
     @cached_property
     def parts(self) -> Array:
         """Number of the part of the motion that each residual belongs to, (N,): a quarter of all stances or flights."""
-        sizes = [(FLIGHT == arc.phase.name, arc.positions.shape) for arc in self.arcs]
-        return np.concatenate([np.repeat(PARTS * (flies + np.arange(n) / n) // 1.0, m) for flies, (n, m) in sizes])
+        found = []
+        for arc in self.arcs:
+            quarters = PARTS * ((arc.phase.name == FLIGHT) + np.arange(len(arc.t)) / len(arc.t)) // 1.0
+            found.append(np.broadcast_to(quarters[:, None], arc.seen.shape)[np.isfinite(arc.seen)])
+        return np.concatenate(found)
 
     def number(self, name: str) -> float:
         """Returns a number of the leg, by its name for users."""
@@ -74,10 +90,24 @@ class Residuals:
     def first(self) -> Array:
         """Returns the values from which the search begins."""
         values = [self.sensors[name] if name in self.sensors else self.number(name) for name in self.over]
-        some = slice(0, RATE)
-        rates = [rates_of(self.joints, arc.phase.name, arc.t[some], arc.positions[some], 0) for arc in self.arcs]
-        starts = [np.concatenate([arc.positions[0], own]) for arc, own in zip(self.arcs, rates, strict=True)]
-        return np.concatenate([values, *starts])
+        return np.concatenate([values, *self._starts])
+
+    @cached_property
+    def _starts(self) -> list[Array]:
+        """Where arcs set out: positions, leading rates, and in flight how far off the base is if it is measured."""
+        some, found = slice(0, RATE), []
+        for arc in self.arcs:
+            rates = rates_of(self.joints, arc.phase.name, arc.t[some], arc.positions[some], 0)
+            base = np.zeros(2 * len(self.beside) if arc.phase.name == FLIGHT else 0)
+            found.append(np.concatenate([arc.positions[0], rates, base]))
+        return found
+
+    def balanced(self, x: Array) -> Residuals:
+        """Returns the same with what is beside weighted by its own noise, as it is at x."""
+        m = len(self.joints.rows)
+        residual = self.weights * np.vstack([residual for _, residual, _ in self.shots(x)])
+        sizes = [float(np.sqrt(np.nanmean(each**2))) for each in (residual[:, :m], residual[:, m:])]
+        return replace(self, trust=self.trust * sizes[0] / max(sizes[1], LEAST * sizes[0]))
 
     def bounds(self, first: Array) -> tuple[Array, Array]:
         """Returns least and largest values: what is positive stays so, and friction may vanish."""
@@ -95,13 +125,11 @@ class Residuals:
         return played_with(self.leg, self.system, {name: values[name] for name in self.own})
 
     def shots(self, x: Array) -> list[tuple[Shot, Array, Array]]:
-        """Returns, of each arc, the shot, the residuals, (n, m), and their Jacobian, (n, m, unknowns)."""
+        """Returns, of each arc, the shot, the residuals, (n, m + o), and their Jacobian, (n, m + o, unknowns)."""
         k, keys = len(self.over), tuple(number_of(self.system, name)[0] for name in self.own)
         shooter = Shooter(self.leg_with(x), keys)
         values = dict(self.sensors) | dict(zip(self.over, x[:k].tolist(), strict=True))
-        zeros = np.array([values[f"{joint}{ZERO}"] for joint in self.joints.joints])
-        rows = self.joints.rows
-        rate_rows = [self.leg.robot.nv + row for row in rows]
+        zeros, nv = np.array([values[f"{joint}{ZERO}"] for joint in self.joints.joints]), self.leg.robot.nv
         found = []
         for mine, arc in zip(self.places, self.arcs, strict=True):
             y, slope = self._begin(x[mine], arc)
@@ -110,19 +138,24 @@ class Residuals:
             latched, turns = self._latched(arc, zeros)
             dlatched = np.hstack([np.zeros((len(turns), c)), turns])
             shot = shooter.shoot(arc.phase.name, arc.t, arc.torques, y, dy, latched, dlatched, self.steps)
-            late = values[LAG]
-            positions = CubicHermiteSpline(arc.t, shot.y[:, rows], shot.y[:, rate_rows])
-            residual = positions(arc.t - late) + zeros - arc.positions
+            residual = -arc.seen
             jacobian = np.zeros((*residual.shape, len(x)))
-            whole = CubicHermiteSpline(arc.t, shot.dy[:, rows], shot.dy[:, rate_rows])(arc.t - late)
-            jacobian[:, :, [self.over.index(name) for name in self.own]] = whole[:, :, : len(self.own)]
-            jacobian[:, :, mine] = whole[:, :, len(self.own) : c]
-            for j, joint in enumerate(self.joints.joints):
-                if f"{joint}{ZERO}" in self.over:
-                    jacobian[:, :, self.over.index(f"{joint}{ZERO}")] = whole[:, :, c + j]
-                    jacobian[:, j, self.over.index(f"{joint}{ZERO}")] += 1.0
-            if LAG in self.over:
-                jacobian[:, :, self.over.index(LAG)] = -positions(arc.t - late, 1)
+            for i, name in enumerate(self.names):
+                row, zero = self.leg.robot.index(name), f"{name}{ZERO}"
+                lag = f"{name}_{LAG}" if name in self.beside else LAG
+                late = arc.t - values[lag]
+                positions = CubicHermiteSpline(arc.t, shot.y[:, row], shot.y[:, nv + row])
+                residual[:, i] += positions(late) + values[zero]
+                whole = CubicHermiteSpline(arc.t, shot.dy[:, row], shot.dy[:, nv + row])(late)
+                jacobian[:, i, [self.over.index(each) for each in self.own]] = whole[:, : len(self.own)]
+                jacobian[:, i, mine] = whole[:, len(self.own) : c]
+                for j, joint in enumerate(self.joints.joints):
+                    if f"{joint}{ZERO}" in self.over:
+                        jacobian[:, i, self.over.index(f"{joint}{ZERO}")] = whole[:, c + j]
+                if zero in self.over:
+                    jacobian[:, i, self.over.index(zero)] += 1.0
+                if lag in self.over:
+                    jacobian[:, i, self.over.index(lag)] = -positions(late, 1)
             found.append((shot, residual, jacobian))
         return found
 
@@ -136,10 +169,14 @@ class Residuals:
 
     def _begin(self, at: Array, arc: LogArc) -> tuple[Array, Array]:
         """Returns the state at which an arc sets out, (2 nv,), and its derivatives, (2 nv, d), by differences."""
-        m = len(self.joints.rows)
+        m, robot = len(self.joints.rows), self.leg.robot
+        ends = m + len(self.joints.leading[arc.phase.name])
+        base = [first + robot.index(name) for first in (0, robot.nv) for name in self.beside]
 
         def state(at: Array) -> Array:
-            return self.joints.state(arc.phase.name, at[:m], at[m:], arc.near, arc.base)
+            y = self.joints.state(arc.phase.name, at[:m], at[m:ends], arc.near, arc.base)
+            y[base[: len(at) - ends]] += at[ends:]
+            return y
 
         steps = STEP * np.eye(len(at))
         return state(at), np.array([(state(at + h) - state(at - h)) / (2.0 * STEP) for h in steps]).T
@@ -147,6 +184,7 @@ class Residuals:
     def joined(self, x: Array) -> tuple[Array, Array]:
         """Returns all residuals, (N,), weighted, and their Jacobian, (N, unknowns)."""
         shots = self.shots(x)
-        residuals = [(self.weights * residual).ravel() for _, residual, _ in shots]
-        jacobians = [(self.weights[:, None] * jacobian).reshape(-1, len(x)) for _, _, jacobian in shots]
+        there = [np.isfinite(residual) for _, residual, _ in shots]
+        residuals = [(self.weights * shot[1])[each] for shot, each in zip(shots, there, strict=True)]
+        jacobians = [(self.weights[:, None] * shot[2])[each] for shot, each in zip(shots, there, strict=True)]
         return np.concatenate(residuals), np.vstack(jacobians)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 
 from spear_pin import hopping, load, simulate, vary
 from spear_pin.errors import BadValue, UnknownName
@@ -97,6 +98,33 @@ def test_most_values_are_within_two_deviations(cases):
     assert len(outside) <= 0.1 * len(away), outside
     assert max(map(abs, away.values())) < 5.0
     assert 0.5 < np.sqrt(np.mean(np.square([*away.values()]))) < 1.5  # deviations are not too large either
+
+
+@pytest.mark.slow
+def test_a_second_sensor_has_a_lag_a_zero_and_a_noise_of_its_own(bare, plain_log):
+    """The base's height, as a camera may see it: late, from another zero, at every other sample."""
+    (log, run), lag, zero, noise = plain_log, 0.003, 0.05, 2e-4
+    t, first = np.unique(run.t, return_index=True)
+    line = CubicHermiteSpline(t, run.q[first, 0], run.v[first, 0])
+    height = line(log.t - lag) + zero + noise * np.random.default_rng(8).standard_normal(len(log.t))
+    height[::2] = np.nan
+    both = replace(noisy(log), values={**noisy(log).values, "boom_z": height})
+    fit = identify_motion(bare, both, ["torque_scale", "boom_z_zero", "boom_z_lag"])
+    truth = {"torque_scale": 1.0, "boom_z_zero": zero, "boom_z_lag": lag}
+    away = {name: (fit[name].value - value) / fit[name].deviation for name, value in truth.items()}
+    assert max(map(abs, away.values())) < 2.0, away
+    assert fit["boom_z_zero"].deviation < 4 * noise / np.sqrt(120) and fit["boom_z_lag"].deviation < 1e-4
+    assert [fit[name].unit for name in truth] == ["1", "m", "s"] and fit.joints == ("crank", "boom_z")
+    own = np.concatenate([residual[np.isfinite(residual[:, 1])] for residual in fit.residuals])
+    assert own.std(axis=0) == pytest.approx([NOISE, noise], rel=0.1)
+    assert fit.rms == pytest.approx(NOISE, rel=0.05)
+    held = identify_motion(bare, both, ["torque_scale"], start={"boom_z_zero": zero, "boom_z_lag": lag})
+    assert held["torque_scale"].value == pytest.approx(1.0, abs=2e-3) and held.joints == fit.joints
+
+
+def test_a_second_sensor_that_is_not_in_the_log_is_named(bare, plain_log):
+    with pytest.raises(UnknownName, match="quantity of the log synthetic 'boom_z'; valid: crank, crank_torque"):
+        identify_motion(bare, plain_log[0], ["boom_z_lag"])
 
 
 def two_joints(run, turned=0.0):

@@ -15,8 +15,7 @@ POSITIONS = np.column_stack([np.sin(T), 0.1 * T])
 def fit(*sources, found=1):
     """What a picture takes of a fit to logs, with a flight of the second left out."""
     arcs = [
-        SimpleNamespace(phase=LogPhase("stance", 0.0, 0.2, True, "", each), t=T, positions=POSITIONS)
-        for each in sources
+        SimpleNamespace(phase=LogPhase("stance", 0.0, 0.2, True, "", each), t=T, seen=POSITIONS) for each in sources
     ]
     robot = SimpleNamespace(units=("rad", "m"), index=("crank", "slide").index)
     return SimpleNamespace(
