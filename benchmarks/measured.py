@@ -176,16 +176,21 @@ def fitted(name: str, fit: MotionFit) -> tuple[str, ...]:
 
 
 def settled(plain: Condition, springy: Condition | None, settle: float) -> tuple[str, ...]:
-    """A row of values fitted with another time left out, and of the hysteresis that follows with them."""
+    """A row of values fitted with another time left out, and of the hysteresis that follows with them.
+
+    The guide's friction was held for it, and adds its deviation: what one takes from the motion, the other does not.
+    """
     fit = identify_motion(leg(plain.mass), plain.whole, FREE, settle=settle)
     found = [f"{fit[each].value:.4g} ± {fit[each].deviation:.2g}" for each in FREE]
     if springy is None:
         return (f"{1e3 * settle:.0f}", *found, "")
     own = replace(load("crank_hopper").settings.springs["leg"], damping=0.0)
     values = {name: fit[name].value for name in FREE}
-    fit = identify_motion(leg(springy.mass, own), springy.hops, SPRING, start=values, phases=["stance"])
-    spring = fit["hysteresis"]
-    return (f"{1e3 * settle:.0f}", *found, f"{spring.value:.3g} ± {spring.deviation:.2g}")
+    spring = identify_motion(leg(springy.mass, own), springy.hops, SPRING, start=values, phases=["stance"])[
+        "hysteresis"
+    ]
+    deviation = np.hypot(spring.deviation, fit["boom_z_friction"].deviation)
+    return (f"{1e3 * settle:.0f}", *found, f"{spring.value:.3g} ± {deviation:.2g}")
 
 
 def with_spring(condition: Condition, values: Mapping[str, float], folders: list[Path]) -> list[Row]:
