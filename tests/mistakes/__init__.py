@@ -1,6 +1,6 @@
 """Mistakes made on purpose, as data, by the layer that they are made in."""
 
-from tests.mistakes import cycles, fronts, gaits, hybrid, model, rules, tangents
+from tests.mistakes import cycles, fronts, gaits, hybrid, logs, model, rules, tangents
 from tests.mistakes.mutation import Mutation
 
 __all__ = ["MUTATIONS", "Mutation"]
@@ -12,5 +12,6 @@ MUTATIONS = [
     *cycles.MUTATIONS,
     *tangents.MUTATIONS,
     *gaits.MUTATIONS,
+    *logs.MUTATIONS,
     *fronts.MUTATIONS,
 ]
