@@ -16,6 +16,7 @@ from spear_pin.studies.logs.spread import Found
 ALIKE = 0.98  # correlation of two values that are hardly told apart
 POOR = 0.02  # of the motion: residuals that no sensor explains
 LARGE = 0.2  # of the motion: what hardly any leg misses
+FEW = 4  # phases, with fewer of which it is not seen how they differ
 WORSE = 4.0  # times the median rms of all phases: one that fits worse is perhaps something else
 
 
@@ -49,6 +50,8 @@ def doubts(
                 yield f"{pair}: with one held, the other's deviation would be {larger:.0f} times less"
     if "torque_scale" in problem.over:
         yield "masses were held: torque_scale and all inertias and forces go with them"
+    if (n := len(problem.arcs)) < FEW:
+        yield f"{n} phase{'s are' if n > 1 else ' is'} few: the deviations do not tell how hops differ"
     moved = float(np.median([np.ptp(arc.positions, axis=0).max() for arc in problem.arcs]))
     m = len(problem.joints.rows)
     sizes = [float(np.sqrt(np.mean(residual[:, :m] ** 2))) for _, residual, _ in shots]

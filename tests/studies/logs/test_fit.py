@@ -12,6 +12,7 @@ from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import number
 from spear_pin.studies.logs import Log, identify_motion
 from spear_pin.studies.logs.shooting import Shooter
+from spear_pin.viz.plots.logs import fit_over_log
 from tests.studies.logs.crank_leg import DEGREE, configured, sampled, spring, synthetic
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -118,6 +119,7 @@ def test_a_second_sensor_has_a_lag_a_zero_and_a_noise_of_its_own(bare, plain_log
     own = np.concatenate([residual[np.isfinite(residual[:, 1])] for residual in fit.residuals])
     assert own.std(axis=0) == pytest.approx([NOISE, noise], rel=0.1)
     assert fit.rms == pytest.approx(NOISE, rel=0.05)
+    assert len(fit_over_log(fit).axes) == 4  # both sensors, and the residuals of each
     held = identify_motion(bare, both, ["torque_scale"], start={"boom_z_zero": zero, "boom_z_lag": lag})
     assert held["torque_scale"].value == pytest.approx(1.0, abs=2e-3) and held.joints == fit.joints
 
@@ -176,6 +178,7 @@ def test_friction_that_is_stiffer_than_the_steps_is_told(bare, plain_log, fricti
     given = {"crank_friction": friction}
     found = identify_motion(bare, log, ["crank_armature"], start=given, phases=["flight"])
     assert any("stiffer than the integration resolves" in each for each in found.doubts) is said
+    assert "1 phase is few: the deviations do not tell how hops differ" in found.doubts
     shooter = Shooter(found.leg, ("crank_armature",))
     (arc,), (shot,) = found.arcs, found.shots
     finer = shooter.shoot("flight", arc.t, arc.torques, shot.y[0], shot.dy[0], arc.near, steps=32).dy[:, 1, 0]
@@ -229,6 +232,7 @@ def test_a_phase_that_is_something_else_is_told(bare, plain_log):
     bent = log["crank"] + np.where(abs(log.t - 0.5) < 0.05, 0.05 * np.cos(10 * np.pi * (log.t - 0.5)) ** 2, 0.0)
     found = identify_motion(bare, replace(log, values={**log.values, "crank": bent}), list(LEG))
     assert any("the stance from 0.415 s of synthetic fits worse than the others" in each for each in found.doubts)
+    assert not any("how hops differ" in each for each in found.doubts)
 
 
 @pytest.mark.parametrize(
