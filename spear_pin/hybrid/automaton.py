@@ -23,7 +23,7 @@ from spear_pin.hybrid.domain import Reset as Reset
 from spear_pin.hybrid.domain import Switch as Switch
 from spear_pin.hybrid.ground import Ground, as_ground, refuse_slopes
 from spear_pin.hybrid.hardware import Hardware
-from spear_pin.hybrid.soundness import check
+from spear_pin.hybrid.soundness import check, moves_as_one
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
@@ -54,7 +54,8 @@ class HybridSystem:
         law: parameters of the control law.
         springs: the springs by name; of several mounts of the same kind, as those of two legs, the one that they share.
         contact: parameters of the ground, a `Ground` or the `Contact` of a level one.
-        domains: the domains, sorted by phase, sticking before slipping.
+        domains: the domains, sorted by phase, sticking before slipping; those in which toes of one body would slide
+            differently are left out.
         section: name of the event that closes a cycle, see `shortest_flight`. A system without a section has an empty
             name, and runs from a moment until it ends.
         cyclic: coordinates on which the dynamics do not depend: translation along x or, on a slope, along the ground,
@@ -102,6 +103,7 @@ class HybridSystem:
     sprung: bool = False
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "domains", tuple(each for each in self.domains if moves_as_one(self.robot, each)))
         if self.made.get("build") is not self.build:  # a system with another builder is as that builder makes it
             made = {name: getattr(self, name) for name in REPLACED} | {"build": self.build, "builder": self.build}
             object.__setattr__(self, "made", made)

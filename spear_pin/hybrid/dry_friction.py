@@ -16,9 +16,10 @@ from itertools import product
 
 from spear_pin.errors import BadValue, listed, require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import OPEN, SLIPS
+from spear_pin.hybrid.contact import SLIPS
 from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.parameters import changed
+from spear_pin.hybrid.rules.footing import Bound, closed_toes
 from spear_pin.hybrid.rules.guards import rubbing_guards
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import row_along
@@ -91,7 +92,7 @@ def modes_of(domain: Domain, robot: Robot, held: Sequence[Rub]) -> list[Domain]:
 
 def left_free(domain: Domain, robot: Robot) -> int:
     """Returns how many joints move freely in a domain with its contacts, in the plane or in space."""
-    modes = zip(robot.toes, domain.contacts, strict=True)
-    return len(robot.independent) - sum(
-        0 if mode == OPEN else 1 if mode in SLIPS or toe in robot.guided else robot.dimension for toe, mode in modes
-    )
+    closed = closed_toes(robot.toes, domain)
+    first = Bound(robot).first([toe for toe, _ in closed])
+    rows = (1 if mode in SLIPS else robot.dimension - row for (_, mode), row in zip(closed, first, strict=True))
+    return len(robot.independent) - sum(rows)

@@ -97,6 +97,9 @@ class Dynamics(Protocol):
     def force(self, toe: str) -> tuple[Any, ...]:
         """Returns the ground force on a toe, along the ground and normal to it, in N."""
 
+    def foot_force(self, toe: str) -> tuple[Any, ...]:
+        """Returns the ground force on all toes of a toe's body, along the ground and normal to it, in N."""
+
     def pivot(self, toe: str) -> Any:
         """Returns the effective inverse mass of the normal force of a slipping toe, in 1/kg."""
 

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.contact import CONTACTS, OPEN, PINNED
+import numpy as np
+import pinocchio as pin
+
+from spear_pin.errors import BadValue, UnknownName, listed
+from spear_pin.hybrid.contact import CONTACTS, OPEN, PINNED, SIGN
 from spear_pin.hybrid.domain import Domain, Held, Latch, Mount, Reset
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.model.path import Path
@@ -77,6 +80,7 @@ def _check_domain(robot: Robot, domain: Domain, springs: Collection[str]) -> Non
         expected = f"{len(toes)}, one for each of {', '.join(toes)}" if toes else "none, as the robot has no toes"
         raise BadValue(f"contacts of domain {domain.name!r}", domain.contacts, expected)
     _known("contact of domain {!r}", place, domain.contacts, CONTACTS)
+    _check_feet(robot, domain)
     names = [mount.name for mount in domain.mounts]
     if twice := next((name for name in names if names.count(name) > 1), ""):
         raise BadValue(f"springs of domain {domain.name!r}", names, f"each name once, and not {twice!r} again")
@@ -90,6 +94,29 @@ def _check_domain(robot: Robot, domain: Domain, springs: Collection[str]) -> Non
             raise BadValue(what, None, "the name of a held value, as the spring has hysteresis")
     for rub in domain.rubs:
         _check_path("dry friction", rub.along, robot, domain)
+
+
+def _check_feet(robot: Robot, domain: Domain) -> None:
+    """Refuses toes of one body on the ground that bind the same motion: in space, a third one, or if it cannot turn."""
+    for foot in {*robot.feet.values()}:
+        closed = [toe for toe, mode in zip(robot.toes, domain.contacts, strict=True) if toe in foot and mode != OPEN]
+        if len(closed) < 2:
+            continue
+        flat = f"contacts of domain {domain.name!r}", domain.contacts
+        if robot.dimension == 3 or len(closed) > 2:
+            most = "one toe of a body in space" if robot.dimension == 3 else "two toes of a body"
+            raise BadValue(*flat, f"at most {most} on the ground, not {listed(closed)}")
+        q = pin.integrate(robot.model, pin.neutral(robot.model), np.linspace(0.3, 0.7, robot.nv))
+        if np.linalg.matrix_rank(np.concatenate([robot.toe_jacobian(q, toe) for toe in closed])) < 3:
+            raise BadValue(
+                *flat, f"one of {listed(closed)} on the ground, as both bind less than x, z and turn of a body"
+            )
+
+
+def moves_as_one(robot: Robot, domain: Domain) -> bool:
+    """Tells whether toes of one body that are on the ground all rest or all slide to the same side."""
+    ways = {toe: SIGN.get(mode, 0.0) for toe, mode in zip(robot.toes, domain.contacts, strict=False) if mode != OPEN}
+    return all(len({ways[toe] for toe in foot if toe in ways}) < 2 for foot in robot.feet.values())
 
 
 def _check_path(name: str, path: Path, robot: Robot, domain: Domain) -> None:

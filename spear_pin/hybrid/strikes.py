@@ -28,6 +28,7 @@ from spear_pin.hybrid.rules.impact import (
 )
 from spear_pin.hybrid.rules.sliding_impact import sliding_impact
 from spear_pin.hybrid.rules.spatial_impact import spatial_impact
+from spear_pin.model.feet import leading
 from spear_pin.model.path import Joints
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import row_along
@@ -242,8 +243,10 @@ def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Arra
     jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in struck]) @ basis
     stay = [toe in reset.impact or bool(reset.grips) for toe in struck]
     v, impulse[toes, 1] = landed(mass_matrix, jacobian, before, stay)
-    strike = plastic_impact if len(struck) == 1 else joint_impact
-    impact: Impact | JointImpact = strike(mass_matrix, jacobian, v, system.contact.friction)
+    found = mass_matrix, jacobian, v, system.contact.friction
+    impact: Impact | JointImpact = (
+        plastic_impact(*found) if len(struck) == 1 else joint_impact(*found, leading(robot.feet, struck))
+    )
     work = 0.5 * float(impulse[toes, 1] @ (jacobian @ (before + v))[1::2]) - impact.loss
     impulse[toes] += impact.impulse
     rises = {}

@@ -18,6 +18,7 @@ from spear_pin.errors import BadValue, UnknownName, listed
 from spear_pin.model.coordinates import CONFIGURATION, VELOCITY, is_planar, parts_of, vector_of
 from spear_pin.model.cut import Cut
 from spear_pin.model.directions import WORLD_ALIGNED, Axes, Directions, Round
+from spear_pin.model.feet import feet_of
 from spear_pin.model.frames import frame_id
 from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.limits import Limits, limits_of
@@ -56,6 +57,7 @@ class Robot(Shown):
             post along a circle about it and vertically.
         dimension: number of these directions, 2 or 3.
         radii: radius of each round foot, in m, by its toe, the centre.
+        feet: of each toe, all toes of its body, in their order, as heel and toe.
         loops: closed loops, if its settings give any; `model` is the tree without them.
         closure: the constraints that close the loops, None without loops.
         reach: what a law calls hip and knee on a leg with loops, if its settings say so.
@@ -114,6 +116,7 @@ class Robot(Shown):
         round_feet = {} if settings is None else settings.radii
         self.radii = {toe: round_feet[toe] for toe in self.toes if toe in round_feet}
         radii = {self._toe_ids[toe]: radius for toe, radius in self.radii.items()}
+        self.feet = feet_of(model, self._toe_ids)
         self.directions: Directions = Axes(len(self._rows), radii) if post is None else Round(post)
         self.dimension = self.directions.dimension
 

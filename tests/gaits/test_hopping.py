@@ -39,6 +39,8 @@ class SymbolicDynamics:
     def force(self, toe):
         return sp.symbols("F_x F_z", real=True)
 
+    foot_force = force
+
     def toe_velocity(self, toe):
         return sp.symbols("v_x v_z", real=True)
 

@@ -127,6 +127,8 @@ class FakeFlow:
     def force(self, toe):
         return self.toes[toe][1]
 
+    foot_force = force
+
     def toe_acceleration(self, toe):
         return self.toes[toe][2], 0.0
 

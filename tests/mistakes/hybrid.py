@@ -206,7 +206,36 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/rules/footing",
         ["hybrid/test_loops"],
-        {"a guided toe held along the ground": ("if toe in robot.guided else 0", "if False else 0")},
+        {"a guided toe held along the ground": ("if toe in self._guided or", "if")},
+    ),
+    *mistakes_in(
+        "hybrid/rules/footing",
+        ["hybrid/test_heel_and_toe"],
+        {
+            "heel and toe both held along the ground": ("or lead < i else 0", "else 0"),
+            "a foot's grip is that of one toe": ("dynamics.friction_coefficient * whole)", "grip)"),
+            "all force along the ground on each toe": ("share * each for each", "1.0 * each for each"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/soundness",
+        ["hybrid/test_heel_and_toe"],
+        {"toes of one body slide differently": ("SIGN.get(mode, 0.0) for toe", "0.0 for toe")},
+    ),
+    *mistakes_in(
+        "hybrid/rules/impact",
+        ["hybrid/test_heel_and_toe"],
+        {"heel and toe share an impulse equally": ("if normal else 0.5", "if False else 0.5")},
+    ),
+    *mistakes_in(
+        "hybrid/tangent/resets",
+        ["hybrid/test_heel_and_toe"],
+        {"derivatives: heel and toe depend on each other": ("if row % 2 or leads", "if True or leads")},
+    ),
+    *mistakes_in(
+        "hybrid/rules/entry",
+        ["hybrid/test_heel_and_toe"],
+        {"a heel that rises slowly falls": ("1e-5, 1e-4)  # s: how far", "1e-5)  # s: how far")},
     ),
     *mistakes_in(
         "hybrid/strikes",

@@ -77,8 +77,8 @@ MUTATIONS = [
         ["hybrid/test_events", "hybrid/test_equations_of_motion", "hybrid/test_periodic"],
         {
             "friction cone of half the width": (
-                "ops: dyn.friction_coefficient * dyn.force(toe)[1] + side",
-                "ops: 0.5 * dyn.friction_coefficient * dyn.force(toe)[1] + side",
+                "return dyn.friction_coefficient * normal + side",
+                "return 0.5 * dyn.friction_coefficient * normal + side",
             ),
             "lift-off when the force rises": ("dyn, ops: dyn.force(toe)[-1]\n", "dyn, ops: -dyn.force(toe)[-1]\n"),
             "touchdown a tenth of a millimetre early": (

@@ -61,7 +61,10 @@ MUTATIONS = [
                 "grip = friction if after[2 * i] > 0.0 else -friction",
             ),
             "derivatives: an impact on a border": ("if margin < DEGENERATE", "if margin < -1.0"),
-            "derivatives: toes that depend on each other": ("if not np.linalg.cond(values) < SINGULAR", "if False"),
+            "derivatives: toes that depend on each other": (
+                "if not np.linalg.cond(values[",
+                "if False and np.linalg.cond(values[",
+            ),
         },
     ),
     *mistakes_in(

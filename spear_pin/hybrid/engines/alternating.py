@@ -74,5 +74,9 @@ class Alternating:
         """Returns the ground force on a toe, along the ground and normal to it, in N."""
         return tuple(self._blend(self._stance.force(toe), self._flight.force(toe)))
 
+    def foot_force(self, toe: str) -> tuple[Any, ...]:
+        """Returns the ground force on all toes of a toe's body, along the ground and normal to it, in N."""
+        return tuple(self._blend(self._stance.foot_force(toe), self._flight.foot_force(toe)))
+
     def _blend(self, stance: Sequence[Any], flight: Sequence[Any]) -> list[Any]:
         return [self._share * s + (1.0 - self._share) * f for s, f in zip(stance, flight, strict=True)]

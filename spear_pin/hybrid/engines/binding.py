@@ -46,7 +46,7 @@ class Binding:
     def resting(self, toes: Sequence[str], sliding: Collection[str] = ()) -> tuple[list[Array], list[Array]]:
         """Returns rows and drifts as `rows` does, for toes that rest without those along which nothing binds them."""
         rows, drifts = self.rows(toes)
-        first = [0 if toe in sliding else self.bound.first[toe] for toe in toes]
+        first = [0 if toe in sliding else row for toe, row in zip(toes, self.bound.first(toes), strict=True)]
         if not any(first):
             return rows, drifts
         first += [0] * (len(rows) - len(toes))

@@ -27,7 +27,7 @@ from spear_pin.hybrid.flow_names import DAMPING, by_spring, flow_names, flow_of_
 from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.own import refuse_in_law
 from spear_pin.hybrid.pull import Pull
-from spear_pin.hybrid.rules.footing import Rubbing, along, closed_toes
+from spear_pin.hybrid.rules.footing import Rubbing, along, closed_toes, of_foot, shared
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.hybrid.springs import pull_of, torque_on
 from spear_pin.model.directions import WORLD_ALIGNED
@@ -87,7 +87,8 @@ class Flow:
         bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
         self._at_rest = [toe for toe in robot.toes if toe in bearing]  # as the controller assumes
         self._in_law = False  # whether a user's law is being called
-        self._forces: dict[str, tuple[float, ...]] = dict.fromkeys(robot.toes, self._k * (0.0,))
+        self._unloaded = self._k * (0.0,)
+        self._forces: dict[str, tuple[float, ...]] = {toe: self._unloaded for toe, _ in self._closed}
         self._pivots = dict.fromkeys(robot.toes, math.nan)
         self._accelerate: Callable[[Array], Array] = (
             self._slip if self._slips else self._stick if self._closed or self._stuck or self._closure else self._open
@@ -312,7 +313,13 @@ class Flow:
         """Returns the ground force on a toe in the last call, along the ground and normal to it, in N; not for laws."""
         if self._in_law:
             refuse_in_law("force")
-        return self._forces[toe]
+        return shared(self.system.robot, toe, self._forces) if toe in self._forces else self._unloaded
+
+    def foot_force(self, toe: str) -> tuple[float, ...]:
+        """Returns the ground force on all toes of a toe's body in the last call, as `force` does; not for laws."""
+        if self._in_law:
+            refuse_in_law("foot_force")
+        return of_foot(self.system.robot, toe, self._forces) if toe in self._forces else self._unloaded
 
     def pivot(self, toe: str) -> float:
         """Returns the pivot of a slipping toe in the last call, in 1/kg; not for laws.
@@ -405,9 +412,9 @@ class Flow:
         a, multiplier, schur = constrained(self._data.M, net, *grounded.constraint(toes, ways))
         inverse_pivots, multipliers = np.diag(np.linalg.inv(schur)), multiplier.tolist()
         row = 0
-        for toe in toes:
+        for toe, first in zip(toes, self._binding.bound.first(toes), strict=True):
             if toe not in ways:
-                self._forces[toe], row = self._binding.bound.force(toe, multipliers, row)
+                self._forces[toe], row = self._binding.bound.force(first, multipliers, row)
             else:
                 normal = multipliers[row]
                 self._forces[toe] = *(-friction * way * normal for way in ways[toe]), normal

@@ -24,7 +24,7 @@ from spear_pin.hybrid.fields import adjusted
 from spear_pin.hybrid.ground import refuse_slopes
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
 from spear_pin.hybrid.pull import Pull
-from spear_pin.hybrid.rules.footing import Bound, closed_toes, size
+from spear_pin.hybrid.rules.footing import Bound, closed_toes, of_foot, shared, size
 from spear_pin.hybrid.springs import numbered, pull_of, rest_length, torque_on
 from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.scalars import dot, negated, plus, times
@@ -88,6 +88,7 @@ class Motion:
         self._taken = [toe for toe in robot.toes if toe in bearing] if at_rest is None else list(at_rest)
         self._k = robot.dimension
         self._bound = Bound(robot)
+        self._first = self._bound.first([toe for toe, _ in self._closed])
         self._motors = [self._index[joint] for joint in robot.actuated]
         self._imposed: Imposed | None = None  # by the law, if it imposes accelerations
         self._in_law = False
@@ -142,9 +143,9 @@ class Motion:
         forces: dict[str, tuple[Any, ...]] = {}
         pivots: dict[str, Any] = {}
         row = 0
-        for toe, mode in self._closed:
+        for (toe, mode), first in zip(self._closed, self._first, strict=True):
             if mode in RESTS:
-                forces[toe], row = self._bound.force(toe, multipliers, row)
+                forces[toe], row = self._bound.force(first, multipliers, row)
                 continue
             friction, normal = self.numbers.ground.friction, multipliers[row]
             forces[toe] = *(-way * friction * normal for way in self._ways[toe]), normal
@@ -216,7 +217,15 @@ class Motion:
         """Returns the ground force on a toe, along the ground and normal to it, in N; not for laws."""
         if self._in_law:
             refuse_in_law("force")
-        return self._solution[1].get(toe, self._k * (0.0,))
+        forces = self._solution[1]
+        return shared(self.system.robot, toe, forces) if toe in forces else self._k * (0.0,)
+
+    def foot_force(self, toe: str) -> tuple[Any, ...]:
+        """Returns the ground force on all toes of a toe's body, as `force` does; not for laws."""
+        if self._in_law:
+            refuse_in_law("foot_force")
+        forces = self._solution[1]
+        return of_foot(self.system.robot, toe, forces) if toe in forces else self._k * (0.0,)
 
     def pivot(self, toe: str) -> Any:
         """Returns the effective inverse mass of the normal force of a slipping toe, in 1/kg; not for laws."""
@@ -335,17 +344,17 @@ class Motion:
     def _at_rest(self) -> tuple[Matrix, list[Any]]:
         rows: Matrix = []
         drift: list[Any] = []
-        for toe in self._taken:
-            rows += self.jacobian(toe)[self._bound.first[toe] :]
-            drift += self._feet.drifts[toe][self._bound.first[toe] :]
+        for toe, first in zip(self._taken, self._bound.first(self._taken), strict=True):
+            rows += self.jacobian(toe)[first:]
+            drift += self._feet.drifts[toe][first:]
         return [*rows, *self._terms.loop_rows], [*drift, *self._terms.loop_drifts]
 
     def _constraint(self) -> tuple[Matrix, Matrix, list[Any]]:
         rows: Matrix = []
         directions: Matrix = []
         drift: list[Any] = []
-        for toe, mode in self._closed:
-            (*tangential, z), own, first = self.jacobian(toe), self._feet.drifts[toe], self._bound.first[toe]
+        for (toe, mode), first in zip(self._closed, self._first, strict=True):
+            (*tangential, z), own = self.jacobian(toe), self._feet.drifts[toe]
             if mode in RESTS:
                 rows += [*tangential, z][first:]
                 directions += [*tangential, z][first:]

@@ -24,13 +24,14 @@ from spear_pin.hybrid.engines.taylor import (
     require,
     steps,
 )
-from spear_pin.hybrid.rules.entry import NONE, bent, clear, falls, stays_on_zero, thresholds
+from spear_pin.hybrid.rules.entry import GLIMPSES, NONE, bent, clear, falls, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness
 from spear_pin.hybrid.rules.impact import rises, routh
 from spear_pin.model.scalars import dot
 
-UNCLEAR = -2  # marks an event on entering a domain that happens, or may happen, only later than `AHEAD`
+UNCLEAR = -2  # marks an event on entering a domain that happens, or may happen, later than a motion is followed
 OF_TOE = len(Footing._fields)
+FURTHER = [h for h in GLIMPSES if h > AHEAD]
 
 
 class Entry(NamedTuple):
@@ -112,15 +113,19 @@ class Single:
             return Entry(fits, t, y, UNCLEAR)
         if not (waiting or on_kink):
             return Entry(fits, t, y, NONE)
-        guards = self.domain.guards
+        guards, seen = self.domain.guards, later
+        for h in FURTHER:
+            if not any(stays_on_zero(guards[i - self._slopes], values[i], seen[i] - values[i]) for i in waiting):
+                break
+            seen = self._later(t, y, parameters, here[: self._slopes], h)[1]
         for i in waiting:
-            guard, change = guards[i - self._slopes], later[i] - values[i]
+            guard, change = guards[i - self._slopes], seen[i] - values[i]
             if stays_on_zero(guard, values[i], change):
                 return Entry(fits, t, y, UNCLEAR)
             if falls(guard, values[i], change):
                 return Entry(fits, t, y, i - self._slopes)
         if not self._is_clear(later):
-            rises = all(later[i] > 0.0 for i in waiting)
+            rises = all(seen[i] > values[i] for i in waiting)
             # where another guard falls so soon, motion begins here: guards that rise are no events
             return Entry(fits, t, y, NONE if waiting and rises and not on_kink else UNCLEAR)
         self._entered = t + AHEAD, state, later
@@ -131,16 +136,16 @@ class Single:
         state, later = self._later(t, y, parameters, self._values(t, y, parameters)[: self._slopes])
         return (t + AHEAD, state) if self._is_clear(later) else None
 
-    def _later(self, t: float, y: Array, parameters: Array, k1: Array) -> tuple[Array, list[float]]:
-        """Returns the state `AHEAD` later and the domain's values there, by Kutta's third order; k1 is dy/dt now.
+    def _later(self, t: float, y: Array, parameters: Array, k1: Array, h: float = AHEAD) -> tuple[Array, list[float]]:
+        """Returns the state h seconds later and the domain's values there, by Kutta's third order; k1 is dy/dt now.
 
         Second order is too coarse where toes begin to slide.
         """
         n = self._slopes
-        k2 = self._values(t + 0.5 * AHEAD, y + 0.5 * AHEAD * k1, parameters)[:n]
-        k3 = self._values(t + AHEAD, y + AHEAD * (2.0 * k2 - k1), parameters)[:n]
-        state = y + AHEAD / 6.0 * (k1 + 4.0 * k2 + k3)
-        return state, self._values(t + AHEAD, state, parameters).tolist()
+        k2 = self._values(t + 0.5 * h, y + 0.5 * h * k1, parameters)[:n]
+        k3 = self._values(t + h, y + h * (2.0 * k2 - k1), parameters)[:n]
+        state = y + h / 6.0 * (k1 + 4.0 * k2 + k3)
+        return state, self._values(t + h, state, parameters).tolist()
 
     def _is_clear(self, later: list[float]) -> bool:
         return bool(clear([later[i] for i, _ in self._thresholds], later[self._kinks]))

@@ -12,6 +12,7 @@ from spear_pin.hybrid.per_lane import applied, null_spaces
 from spear_pin.hybrid.rules.footing import along
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
+from spear_pin.model.feet import leading
 
 
 def strike(numbers: Numbers, toes: list[str], lands: tuple[str, ...], group: Group) -> tuple[Group, Group]:
@@ -41,7 +42,8 @@ def strike(numbers: Numbers, toes: list[str], lands: tuple[str, ...], group: Gro
         D, J, v = along_it @ D @ basis, J @ basis, applied(along_it, v)
     if len(toes) > 1:
         each = zip(D, J, v, np.broadcast_to(friction, n), strict=True)
-        impacts = [joint_impact(*values[:3], float(values[3])) for values in each]
+        leads = leading(numbers.system.robot.feet, toes)
+        impacts = [joint_impact(*values[:3], float(values[3]), leads) for values in each]
         speeds = np.array([(J[i] @ impact.v)[1::2] * impact.leaves for i, impact in enumerate(impacts)])
         held = {**held, **{rise(toe): speeds[:, i] for i, toe in enumerate(toes)}}
         after = np.array([impact.v for impact in impacts])

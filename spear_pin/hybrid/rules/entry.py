@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Guard
 
-GLIMPSES = (1e-7, 1e-6, 1e-5)  # s: how far a guard on zero is followed to decide whether it rises or falls
+GLIMPSES = (1e-7, 1e-6, 1e-5, 1e-4)  # s: how far a guard on zero is followed to decide whether it rises or falls
 AWAY = (1e-6, 1e-7, 1e-8, 1e-5, 1e-4)  # s: steps, tried in turn, that take guards off zero before any guard falls
 CHANGE = 1e-14  # smallest change of a guard's value, in its unit, that is not rounding
 BENT = 1e-9  # a value that changes sign at a kink is on zero within this, in its unit

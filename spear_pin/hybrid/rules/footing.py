@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from spear_pin.hybrid.contact import OPEN, SIGN, SLIPS, STICK
 from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Dynamics, Operations
 from spear_pin.hybrid.rules.scalars import first, where
+from spear_pin.model.feet import leading
 from spear_pin.model.robot import Robot
+from spear_pin.model.scalars import vanishes
 
 AT_REST = 1e-7  # m/s
 UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
@@ -29,9 +31,10 @@ class Footing(NamedTuple):
     Attributes:
         speed: sliding speed, in m/s: along the mode's direction if the toe slides; if it sticks, forward in the plane
             and the modulus in space.
-        tangential: force along the ground, in N; in space its modulus.
+        tangential: force along the ground, in N; in space its modulus. If the toe rests, it is that on its foot, on all
+            toes of its body that are on the ground.
         normal: force out of the ground, in N.
-        grip: μ times the normal force, in N.
+        grip: μ times the normal force, in N; if the toe rests, times that on its foot.
         acceleration: acceleration of a sliding toe along the mode's direction, in m/s².
         pivot: pivot of a sliding toe, in 1/kg; not positive means Painlevé's paradox.
     """
@@ -66,27 +69,71 @@ def closed_toes(toes: Sequence[str], domain: Domain) -> list[tuple[str, str]]:
 class Bound:
     """The rows that bind toes at rest, in the order of the toes.
 
-    Those of a guided toe, which moves up and down only, are without the one along the ground.
+    The row along the ground is left out for a guided toe, which moves up and down only, and for a toe whose body has
+    another one on the ground before it: both move along the ground alike. Their force along the ground is found for the
+    first of them.
 
     Args:
         robot: the robot.
     """
 
     def __init__(self, robot: Robot) -> None:
-        self._dimension = robot.dimension
-        self.first = {toe: robot.dimension - 1 if toe in robot.guided else 0 for toe in robot.toes}
+        self._dimension, self._guided, self._feet = robot.dimension, robot.guided, robot.feet
+        self._all_bind = not robot.guided and all(len(foot) == 1 for foot in robot.feet.values())
 
-    def force(self, toe: str, multipliers: Sequence[Any], row: int) -> tuple[tuple[Any, ...], int]:
-        """Returns the force on a toe whose rows begin at one, along the ground and normal to it, and the next row."""
-        first, end = self.first[toe], row + self._dimension - self.first[toe]
-        return (*first * (0.0,), *multipliers[row:end]), end
+    def first(self, toes: Sequence[str]) -> list[int]:
+        """Returns of each toe, if it rests with those before it on the ground, the first of its rows that binds it."""
+        if self._all_bind:
+            return [0] * len(toes)
+        leads = enumerate(zip(toes, leading(self._feet, toes), strict=True))
+        return [self._dimension - 1 if toe in self._guided or lead < i else 0 for i, (toe, lead) in leads]
+
+    def force(self, begin: int, multipliers: Sequence[Any], row: int) -> tuple[tuple[Any, ...], int]:
+        """Returns the force on a toe whose rows begin at one, along the ground and normal to it, and the next row.
+
+        Args:
+            begin: the first of its rows, by `first`.
+            multipliers: multipliers of all rows.
+            row: index of its first multiplier.
+        """
+        end = row + self._dimension - begin
+        return (*begin * (0.0,), *multipliers[row:end]), end
 
     def forces(self, toes: Sequence[str], multipliers: Sequence[Any]) -> dict[str, tuple[Any, ...]]:
         """Returns the forces on toes, whose rows come first."""
         found, row = dict[str, tuple[Any, ...]](), 0
-        for toe in toes:
-            found[toe], row = self.force(toe, multipliers, row)
+        for toe, begin in zip(toes, self.first(toes), strict=True):
+            found[toe], row = self.force(begin, multipliers, row)
         return found
+
+
+def of_foot(robot: Robot, toe: str, forces: Mapping[str, Sequence[Any]]) -> tuple[Any, ...]:
+    """Returns the force on all toes of a toe's body that are on the ground, along the ground and normal to it.
+
+    Args:
+        robot: the robot.
+        toe: the toe.
+        forces: the force on each toe on the ground, as `Bound` finds it.
+    """
+    if len(robot.feet[toe]) == 1:
+        return tuple(forces[toe])
+    one, *others = (forces[each] for each in robot.feet[toe] if each in forces)
+    return tuple(sum(parts[1:], parts[0]) for parts in zip(one, *others, strict=True))
+
+
+def shared(robot: Robot, toe: str, forces: Mapping[str, Sequence[Any]]) -> tuple[Any, ...]:
+    """Returns the force on a toe; along the ground toes of one body share it as they share the normal force.
+
+    The equations of a rigid body give only the sum. With these shares each toe is in its cone if the sum is.
+    """
+    foot = robot.feet[toe]
+    if len(foot) == 1 or sum(each in forces for each in foot) == 1:
+        return tuple(forces[toe])
+    *tangential, whole = of_foot(robot, toe, forces)
+    if vanishes(whole):
+        return tuple(forces[toe])
+    share = forces[toe][-1] / whole
+    return *(share * each for each in tangential), forces[toe][-1]
 
 
 def footing(dynamics: Dynamics, toe: str, mode: str, ops: Operations = FLOATS) -> Footing:
@@ -94,7 +141,8 @@ def footing(dynamics: Dynamics, toe: str, mode: str, ops: Operations = FLOATS) -
     *tangential, normal = dynamics.force(toe)
     velocity, grip = dynamics.toe_velocity(toe)[:-1], dynamics.friction_coefficient * normal
     if mode == STICK:
-        return Footing(size(velocity, ops), size(tangential, ops), normal, grip)
+        *tangential, whole = dynamics.foot_force(toe)
+        return Footing(size(velocity, ops), size(tangential, ops), normal, dynamics.friction_coefficient * whole)
     way = (SIGN[mode],) if mode in SIGN else dynamics.direction(toe)
     acceleration, pivot = dynamics.toe_acceleration(toe)[:-1], dynamics.pivot(toe)
     return Footing(along(way, velocity), size(tangential, ops), normal, grip, along(way, acceleration), pivot)

@@ -32,8 +32,16 @@ def normal_force(toe: str) -> GuardValue:
 
 
 def cone_margin(toe: str, side: float) -> GuardValue:
-    """Returns the guard μ F_z + side F_x, in N, which is zero where the toe begins to slide to that side, (3.18)."""
-    return lambda t, q, v, held, p, dyn, ops: dyn.friction_coefficient * dyn.force(toe)[1] + side * dyn.force(toe)[0]
+    """Returns the guard μ F_z + side F_x, in N, which is zero where the toe begins to slide to that side, (3.18).
+
+    Toes of one body slide together, so F is the sum of the forces on those that are on the ground.
+    """
+
+    def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
+        along, normal = dyn.foot_force(toe)
+        return dyn.friction_coefficient * normal + side * along
+
+    return margin
 
 
 def circular_margin(toe: str) -> GuardValue:

@@ -145,7 +145,7 @@ def routh(A: Any, before: Any, friction: Any) -> tuple[tuple[Any, Any], Any]:
     return (where(strikes, tangential, 0.0), where(strikes, normal, 0.0)), where(strikes, slides, slide != 0.0)
 
 
-def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
+def joint_impact(D: Array, J: Array, v: Array, friction: float, leads: Sequence[int] | None = None) -> JointImpact:
     """Computes a plastic impact on several toes at once, by Moreau's law with zero restitution.
 
     Let u = J v⁺ be the toes' velocities after the impact. Each toe has 0 ≤ Λ_z ⊥ u_z ≥ 0, and sticks with |Λ_x| ≤ μ Λ_z
@@ -155,6 +155,8 @@ def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
     order. If rounding leaves none that satisfies the law to `AGREES`, the one that violates it least is taken. If the
     rows of sticking toes depend on each other, their impulse is the smallest.
 
+    Toes of one body stick or slide together, and share the impulse along the ground as the normal one, as forces.
+
     The law compares only the velocities before and after. If a single toe sticks in the end, the result is that of
     `plastic_impact`; if its sliding reverses during the impact, the two may differ.
 
@@ -163,29 +165,38 @@ def joint_impact(D: Array, J: Array, v: Array, friction: float) -> JointImpact:
         J: Jacobians of the toes, with rows x and z of each toe, (2 m, nv).
         v: velocity before, (nv,).
         friction: coefficient of friction.
+        leads: of each toe, the first toe on its body; without, each toe is on a body of its own.
     """
     response = np.linalg.solve(D, J.T)
     A, before = J @ response, J @ v
+    leads = range(len(J) // 2) if leads is None else leads
+    impulse, modes = moreau(A, before, friction, leads)
+    after = v + response @ impulse
+    work = 0.5 * float(impulse @ (before + J @ after))
+    slides, leaves = (tuple(KINDS[mode] == kind for mode in modes) for kind in ("slip", "open"))
+    return JointImpact(after, impulse.reshape(-1, 2), -work, slides, leaves)
+
+
+def moreau(A: Array, before: Array, friction: float, leads: Sequence[int]) -> tuple[Array, tuple[int, ...]]:
+    """Returns the impulses of a joint impact, (2 m,), and the modes of the toes.
+
+    Args:
+        A: J D⁻¹ Jᵀ, (2 m, 2 m).
+        before: J v before the impact, (2 m,).
+        friction: coefficient of friction.
+        leads: of each toe, the first toe on its body.
+    """
     weight = np.trace(A) / len(A)  # impulses are measured by the velocities that they cause
     allowed = max(AGREES * float(np.abs(before).max()), ROUNDING)
-    m = len(J) // 2
-    least, modes, impulse = math.inf, (_OPEN,) * m, np.zeros(len(J))
-    for candidate in _combinations(m):
-        trial = _impulse(A, before, candidate, friction)
+    least, modes, impulse = math.inf, (_OPEN,) * len(leads), np.zeros(len(A))
+    for candidate in _combinations(tuple(leads)):
+        trial = _impulse(A, before, candidate, friction, leads)
         violation = _violation(before + A @ trial, trial, candidate, friction, weight)
         if violation < least:
             least, modes, impulse = violation, candidate, trial
         if violation <= allowed:
             break
-    after = v + response @ impulse
-    work = 0.5 * float(impulse @ (before + J @ after))
-    return JointImpact(
-        after,
-        impulse.reshape(-1, 2),
-        -work,
-        tuple(mode in _SIDES for mode in modes),
-        tuple(mode == _OPEN for mode in modes),
-    )
+    return impulse, modes
 
 
 def rises(speed: Any) -> Any:
@@ -219,32 +230,41 @@ def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, 
 
 _STICK, _OPEN = 0, 2
 _SIDES = (1, -1)  # a toe that slides forward, or backward
+KINDS = {_STICK: "stick", **dict.fromkeys(_SIDES, "slip"), _OPEN: "open"}
 
 
 @cache
-def _combinations(m: int) -> tuple[tuple[int, ...], ...]:
-    """Returns the combinations of the modes that m toes may have, in order of preference."""
-    modes = product((_STICK, *_SIDES, _OPEN), repeat=m)
-    return tuple(sorted(modes, key=lambda each: (-each.count(_STICK), each.count(_OPEN))))
+def _combinations(leads: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
+    """Returns the combinations of the modes that toes may have, in order of preference."""
+    modes = product((_STICK, *_SIDES, _OPEN), repeat=len(leads))
+    alike = [each for each in modes if all(len({each[i], each[lead], _OPEN}) < 3 for i, lead in enumerate(leads))]
+    return tuple(sorted(alike, key=lambda each: (-each.count(_STICK), each.count(_OPEN))))
 
 
-def _impulse(A: Array, before: Array, modes: tuple[int, ...], friction: float) -> Array:
+def _impulse(A: Array, before: Array, modes: tuple[int, ...], friction: float, leads: Sequence[int]) -> Array:
     """Returns the impulse for which the toes keep to these modes, whether or not the law allows it."""
     rows: list[int] = []
     directions: list[Array] = []
     unit = np.eye(len(A))
+    beside = [(lead, i) for i, lead in enumerate(leads) if lead < i and modes[lead] == modes[i] == _STICK]
+    led = [i for _, i in beside]
     for i, mode in enumerate(modes):
         if mode == _STICK:
-            rows += [2 * i, 2 * i + 1]
-            directions += [unit[2 * i], unit[2 * i + 1]]
+            own = [2 * i + 1] if i in led else [2 * i, 2 * i + 1]
+            rows += own
+            directions += [*unit[own]]
         elif mode in _SIDES:
             rows.append(2 * i + 1)
             directions.append(unit[2 * i + 1] - mode * friction * unit[2 * i])
     if not rows:
         return np.zeros(len(A))
     G = np.array(directions).T
-    found = np.linalg.lstsq(A[rows] @ G, -before[rows], rcond=None)[0]
-    return np.asarray(G @ found, np.float64)
+    found = np.asarray(G @ np.linalg.lstsq(A[rows] @ G, -before[rows], rcond=None)[0], np.float64)
+    pairs = found.reshape(-1, 2)
+    for foot in map(list, beside):
+        along, normal = pairs[foot].sum(axis=0)
+        pairs[foot, 0] = along * (pairs[foot, 1] / normal if normal else 0.5)
+    return found
 
 
 def _violation(u: Array, impulse: Array, modes: tuple[int, ...], friction: float, weight: float) -> float:

@@ -38,6 +38,7 @@ from spear_pin.hybrid.tangent.onset import setting_out, turned
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable, stopped, struck, struck_in_space
+from spear_pin.model.feet import leading
 
 SAME = 1e-7  # SI units: by how much the state after an event may differ from that of the engine
 GRAZING = 1e-6  # slope of a guard at zero, relative to its mean slope over the arc, below which it grazes
@@ -204,7 +205,7 @@ class _Whole:
             if pins(self.system, arc.domain, reset):
                 change, slope = stopped(feet, slopes, range(len(feet.speeds)))
             else:
-                change, slope, lifted = struck(feet, slopes, toes, reset.impact)
+                change, slope, lifted = struck(feet, slopes, toes, reset.impact, leading(self.system.robot.feet, toes))
             now.held = {**now.held, **lifted}
         else:
             return y

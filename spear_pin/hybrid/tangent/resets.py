@@ -15,7 +15,7 @@ from spear_pin.hybrid.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.guards import struck as told
-from spear_pin.hybrid.rules.impact import joint_impact, rises, routh
+from spear_pin.hybrid.rules.impact import KINDS, moreau, rises, routh
 from spear_pin.hybrid.rules.spatial_impact import find_impulses
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
@@ -34,7 +34,7 @@ REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
 
 
 def struck(
-    feet: ToeNumbers, slopes: ToeNumbers, toes: Sequence[str], lands: Sequence[str]
+    feet: ToeNumbers, slopes: ToeNumbers, toes: Sequence[str], lands: Sequence[str], leads: Sequence[int]
 ) -> tuple[Array, Array, dict[str, Any]]:
     """Returns an impact's change of velocity, (nv,), its derivatives, (nv, c), and the values held for lifted toes.
 
@@ -43,6 +43,7 @@ def struck(
         slopes: derivatives of these numbers.
         toes: names of these toes.
         lands: names of the toes that land.
+        leads: of each toe, the first of these toes on its body.
 
     Raises:
         NotDifferentiable: a toe that lands rises again, as at the end of bounces, or the smallest perturbation may
@@ -57,7 +58,7 @@ def struck(
     if len(toes) == 1:
         impulses, _ = routh(A, before, friction)
     else:
-        impulses, speeds = _joint(feet, A, before, friction)
+        impulses, speeds = _joint(feet, A, before, friction, leads)
         lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
     given, change = np.array([value_of(each) for each in impulses]), derivatives(impulses, len(slopes.friction))
     return *_moved(feet, slopes, given, change), lifted
@@ -194,18 +195,19 @@ def _check_modes(modes: Sequence[str], after: Array, total: Array, friction: flo
             raise NotDifferentiable(BORDER)
 
 
-def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any) -> tuple[list[Any], list[Any]]:
+def _joint(
+    feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any, leads: Sequence[int]
+) -> tuple[list[Any], list[Any]]:
     """Returns the impulses of a joint impact, and the lift speeds of toes, for the active set that the rule finds."""
     size, values, mu = len(feet.speeds), feet.inverse_inertia, float(feet.friction)
-    if not np.linalg.cond(values) < SINGULAR:
+    free = [row for row in range(size) if row % 2 or leads[row // 2] == row // 2]  # toes of one body move along alike
+    if not np.linalg.cond(values[np.ix_(free, free)]) < SINGULAR:
         raise NotDifferentiable("toes in an impact cannot move independently, so their impulses are not unique")
     if np.abs(feet.speeds).max() < DEGENERATE:  # in m/s: the toes only touch, and rounding decides the rest
         raise NotDifferentiable(BORDER)
-    # in the coordinates of the toes' own velocities the rule needs the inverse of A as the mass matrix
-    impact = joint_impact(np.asarray(np.linalg.inv(values), dtype=np.float64), np.eye(size), feet.speeds, mu)
-    after, outcomes = impact.v, zip(impact.slides, impact.leaves, strict=True)
-    modes = ["slip" if slides else "open" if leaves else "stick" for slides, leaves in outcomes]
-    _check_modes(modes, after.reshape(-1, 2), impact.impulse, mu)
+    impulse, found = moreau(values, feet.speeds, mu, leads)
+    after, modes = feet.speeds + values @ impulse, [KINDS[mode] for mode in found]
+    _check_modes(modes, after.reshape(-1, 2), impulse.reshape(-1, 2), mu)
     rows: list[int] = []
     directions: list[list[Any]] = []
     for i, mode in enumerate(modes):
@@ -215,10 +217,11 @@ def _joint(feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: An
             rows.append(2 * i + 1)
             directions.append([z + grip * x if x else z for x, z in zip(*unit, strict=True)])
         elif mode == "stick":
-            rows += [2 * i, 2 * i + 1]
-            directions += unit
+            first = 1 if leads[i] < i and modes[leads[i]] == "stick" else 0
+            rows += [2 * i, 2 * i + 1][first:]
+            directions += unit[first:]
     matrix = [[dot(A[row], direction) for direction in directions] for row in rows]
-    found = solve(matrix, [-before[row] for row in rows])
-    impulses = [dot([direction[k] for direction in directions], found) for k in range(size)]
-    speeds = [before[k] + dot(A[k], impulses) if impact.leaves[k // 2] else 0.0 for k in range(1, size, 2)]
+    pushes = solve(matrix, [-before[row] for row in rows])
+    impulses = [dot([direction[k] for direction in directions], pushes) for k in range(size)]
+    speeds = [before[k] + dot(A[k], impulses) if modes[k // 2] == "open" else 0.0 for k in range(1, size, 2)]
     return impulses, speeds

@@ -2,6 +2,7 @@
 
 import math
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from spear_pin.hybrid.rules.footing import (
     Rubbing,
     fitness,
     footing,
+    shared,
     torn_off,
 )
 
@@ -134,6 +136,8 @@ class Said:
     def force(self, toe):
         return -8.0, 20.0
 
+    foot_force = force
+
     def pivot(self, toe):
         return 0.7
 
@@ -149,3 +153,16 @@ def test_torn_off():
         expected = mode == STICK and bore > BORE and after in (SLIP_FORWARD, SLIP_BACKWARD) and bears <= 0.0
         assert torn_off(mode, bore, after, bears) == expected
     assert torn_off(STICK, np.array([1.0, 0.0]), SLIP_FORWARD, np.array([-1.0, -1.0])).tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("forces", "shares"),
+    [
+        ({"heel": (4.0, 1.0), "toe": (0.0, 3.0)}, [(1.0, 1.0), (3.0, 3.0)]),
+        ({"heel": (0.0, 0.0), "toe": (0.0, 0.0)}, [(0.0, 0.0), (0.0, 0.0)]),
+        ({"heel": (-2.0, 5.0)}, [(-2.0, 5.0)]),
+    ],
+)
+def test_toes_of_one_body_share_the_force_along_the_ground_as_the_normal_one(forces, shares):
+    robot = SimpleNamespace(feet=dict.fromkeys(("heel", "toe"), ("heel", "toe")))
+    assert [shared(robot, toe, forces) for toe in forces] == shares

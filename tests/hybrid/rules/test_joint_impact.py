@@ -225,3 +225,19 @@ class TestLanded:
             after, impulse = landed(D, J, before, lands)
             np.testing.assert_array_equal(after, before)
             assert not impulse.any()
+
+
+def test_toes_of_one_body_move_as_if_each_had_a_cone_of_its_own():
+    """The sum of forces in cones is any force in the cone of the sum; here the impulse of each toe is unique."""
+    rng, found = np.random.default_rng(0), set()
+    for _ in range(60):
+        m, B, friction = int(rng.integers(2, 4)), rng.normal(size=(5, 5)), float(rng.choice([0.1, 0.5, 1.5]))
+        D, J, v = B @ B.T + 0.3 * np.eye(5), rng.normal(size=(2 * m, 5)), rng.normal(size=5)
+        J[2] = J[0]
+        impact = joint_impact(D, J, v, friction, [0, 0, 2][:m])
+        np.testing.assert_allclose(impact.v, joint_impact(D, J, v, friction).v, atol=1e-9)
+        (heel, toe), slides, leaves = impact.impulse[:2], impact.slides[:2], impact.leaves[:2]
+        found.add((slides, leaves))
+        if not any(leaves):
+            assert slides[0] == slides[1] and heel[0] * toe[1] == pytest.approx(toe[0] * heel[1], abs=1e-9)
+    assert len(found) > 5
