@@ -95,11 +95,11 @@ def speed_at_lift_off(run):
 @pytest.fixture(autouse=True)
 def measures_of_ones_own():
     """Those that a test, or a block of the docs, registers are gone after it."""
-    from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN
+    from spear_pin.gaits.measures.catalogue import CATALOGUE
 
-    before = list(CATALOGUE), list(SHOWN)
+    before = list(CATALOGUE)
     yield
-    CATALOGUE[:], SHOWN[:] = before
+    CATALOGUE[:] = before
 
 
 @pytest.fixture(scope="session")

@@ -126,7 +126,7 @@ def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[
     gait = None if arguments.what == "hop" else named_gait(arguments.what)
     if gait is not None and arguments.speed is not None and gait.system.kind != "bounding":
         raise BadValue("--speed", arguments.speed, f"only with a bound; this gait is of the kind {gait.system.kind!r}")
-    bounds = gait is not None and gait.system.kind == "bounding"
+    bounds = gait is not None and "hopping" not in gait.system.kind
     solved, measure = (SPEED_BY, "mean_speed") if bounds else ("stance_torque", "flight_time")
     value = arguments.speed if bounds else arguments.flight_time
     target = {} if value is None else {measure: value}

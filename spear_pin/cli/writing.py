@@ -126,9 +126,21 @@ def write_motion(
         "files": [*map(str, files)],
         "pictures": pictures,
         "opened": page,
-        "text": aligned([*ended(end), *rows(summary), *last]),
+        "text": aligned([*ended(end), *rows(summary), *_added(summary["measures"]), *last]),
         "python": str(program),
     }
+
+
+def _added(measures: dict[str, float]) -> Rows:
+    """Rows of the measures that commands show behind their own figures."""
+    from spear_pin.gaits.measures.catalogue import added, described
+
+    rows = []
+    for each in added():
+        places = {name.removeprefix(each.kind): value for name, value in measures.items() if described(name) is each}
+        told = ", ".join(f"{place.replace('_', ' ')} {value:.4g}".strip() for place, value in places.items())
+        rows.append((each.kind.replace("_", " ").lower(), f"{told} {each.unit.replace('1', '')}".strip()))
+    return rows
 
 
 def write_study(

@@ -182,7 +182,7 @@ class Gait(Shown):
             BadFile: the file cannot be read, or is not a gait: a field is missing, unknown, or of another kind, or a
                 number is not finite or not valid.
         """
-        if str(path) in (*library.names(), *library.IN_SPACE) or not ({"/", "\\", "."} & set(str(path))):
+        if str(path) in library.all_names() or not ({"/", "\\", "."} & set(str(path))):
             path = library.path(str(path))
         text = read_bytes(path)
         try:

@@ -39,6 +39,11 @@ class TestFamily:
         result = printed(capsys, "family", "hop", *over)
         assert [end["reason"] for end in result["ends"]] == ["range", "range"]
 
+    @pytest.mark.slow
+    def test_of_a_trot(self, capsys, tmp_path):
+        over = ("--over", "mean_speed=1.99:2.01", "--points", 2, "--out", tmp_path)
+        assert "posterior hip torque" in run(capsys, "family", "trot", *over)[1]
+
 
 class TestMistakes:
     @pytest.mark.parametrize(

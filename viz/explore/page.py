@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN, STANDARD
+from spear_pin.gaits.measures.catalogue import SHOWN, added
 from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.knobs import Subject
@@ -91,7 +91,7 @@ EFFECTS: Mapping[str, tuple[str, ...]] = {  # figures whose derivatives are show
         "posterior_hip_torque",
         MULTIPLIER,
     ),
-    "gait": (*SHOWN[:STANDARD], MULTIPLIER),
+    "gait": (*SHOWN, MULTIPLIER),
 }
 SAID: Mapping[str, tuple[str, str]] = {  # beside the sliders, and how long a change takes without the extra
     "hop": ("Unless the flight time is kept, the torque stays where its slider is.", "a second or so"),
@@ -149,7 +149,7 @@ def _opening(subject: Subject, engine: Engine) -> dict[str, Any]:
     views = views_of(subject)
     hops = next(iter(views.values()))(subject.at(), engine)
     frames, scene = _scene(hops)
-    known, own = figures(hops), [each for each in CATALOGUE if each.kind in SHOWN[STANDARD:]]
+    known, own = figures(hops), added()
     effects = (*EFFECTS[subject.kind], *(each.kind for each in own))
     readouts = READOUTS[subject.kind] | {each.kind: (in_words(each.kind), each.unit, 3) for each in own}
     return {

@@ -39,14 +39,19 @@ def names() -> tuple[str, ...]:
     return tuple(sorted(stem for stem in stems if stem not in IN_SPACE))
 
 
+def all_names() -> tuple[str, ...]:
+    """Returns the names of all gaits that ship."""
+    return (*names(), *IN_SPACE)
+
+
 def path(name: str) -> Path:
     """Returns the path of a shipped gait.
 
     Raises:
         UnknownName: no shipped gait has that name.
     """
-    if name not in (*names(), *IN_SPACE):
-        raise UnknownName("gait", name, [*names(), *IN_SPACE], "the path of a saved gait")
+    if name not in all_names():
+        raise UnknownName("gait", name, all_names(), "the path of a saved gait")
     return Path(str(files(__name__).joinpath(f"{name}.json")))
 
 

@@ -29,6 +29,7 @@ class Named(NamedTuple):
         of: returns the measure of a cycle's `Signals`, given the joint, toe, phase or event if the pattern has one;
             None where there is none. Without it, other data than the cycle's are needed.
         sampled: whether samples give it.
+        shown: whether commands, pages and comparisons show it behind their own figures.
     """
 
     pattern: str
@@ -36,6 +37,7 @@ class Named(NamedTuple):
     text: str
     of: Callable[..., Any] | None = None
     sampled: bool = True
+    shown: bool = False
 
     @property
     def kind(self) -> str:
@@ -218,21 +220,20 @@ CATALOGUE: list[Named] = [
     Named("heating_JOINT", "1", "Rms torque of one motor over its continuous torque, both behind its gears."),
     Named("multiplier_N", "1", "Modulus of a Floquet multiplier, by decreasing size."),
 ]
-SHOWN = [
+SHOWN = (
     *("mean_speed", "stride", "period", "peak_force", "friction_used", "peak_torque", "rms_torque", "peak_speed"),
     *("positive_work", "cost_of_transport", "effort"),
-]
-"""Kinds of measures that the page of any gait shows; every page and comparison shows those that are added behind."""
+)
+"""Kinds of measures that the page of any gait shows as its own figures."""
 OF_A_WAY = ("stride", "mean_speed", "turn", "cost_of_transport", "cost_of_transport_positive", "effort_per_distance")
 OF_ALL_JOINTS = ("effort", "effort_per_distance")
 ALONG_A_RAIL = {"rad": "m", "rad/s": "m/s", "N·m": "N", "N²·m²·s": "N²·s", "N²·m·s": "N²·s/m"}
 """Units of measures of joints that slide, by those of joints that turn."""
-STANDARD = len(SHOWN)
 PLACES = re.compile(r"[A-Z]{2,}|(?<=_)N$")
 
 
 def register(entry: Named) -> None:
-    """Adds a measure of one's own, which is then known wherever measures are asked for by name.
+    """Adds a measure of one's own, which is then known by name, and shown, wherever measures are.
 
     Raises:
         BadValue: the entry has no formula, its name stands for several places, or the catalogue has such names.
@@ -245,8 +246,12 @@ def register(entry: Named) -> None:
         alike = each.kind == entry.kind or re.fullmatch(fitting(each), entry.pattern)
         if alike or re.fullmatch(fitting(entry), each.pattern):
             raise BadValue("pattern", entry.pattern, f"a name that the catalogue does not have yet, as {each.pattern}")
-    CATALOGUE.append(entry)
-    SHOWN.append(entry.kind)
+    CATALOGUE.append(entry._replace(shown=True))
+
+
+def added() -> list[Named]:
+    """Returns the measures that commands, pages and comparisons show behind their own figures."""
+    return [each for each in CATALOGUE if each.shown]
 
 
 def names_in(system: HybridSystem) -> list[str]:

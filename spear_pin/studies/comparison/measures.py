@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.measures.catalogue import CATALOGUE, SHOWN, STANDARD, described, unit_on
+from spear_pin.gaits.measures.catalogue import added, unit_on
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.column_names import PAIR, lengths, motors_at, of_a_pair, parted, unit_of
 from spear_pin.hybrid.trajectory import Trajectory
@@ -86,10 +86,9 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
     if "cost_of_transport" in found:
         energy["cost of transport", ""] = found["cost_of_transport"]
     groups = {"N": forces, "N·s": forces, "N·m": torques, "J": energy}
-    for each in CATALOGUE:
-        if each.kind in SHOWN[STANDARD:]:
-            for name, value in each.values(sampled).items():
-                groups.get(each.unit, motion)[_words(name), unit_on(robot, each, name).replace("1", "")] = value
+    for each in added():
+        for name, value in each.values(sampled).items():
+            groups.get(each.unit, motion)[_words(name), unit_on(robot, each, name).replace("1", "")] = value
     if run.cycles:
         for flow in dict.fromkeys([*run.ledger.kinds, *run.ledger.flows]):
             joint = flow.removeprefix("motor_")

@@ -101,7 +101,7 @@ def read(item: Item, of: Gait | None = None) -> Gait | Trajectory | Robot | Spri
     suffix = Path(words).suffix.lower()
     if suffix == ".npz":
         return Trajectory.load(words)
-    if suffix == ".json" or words in library.names():
+    if suffix == ".json" or words in library.all_names():
         return Gait.load(words)
     if "=" in words and not Path(words).exists():
         return _spring(words, Spring() if of is None else of.system.spring)
@@ -109,7 +109,7 @@ def read(item: Item, of: Gait | None = None) -> Gait | Trajectory | Robot | Spri
         return load(words)
     except UnknownName as error:
         also = "a spring such as stiffness=40, or the path of a gait (.json), a trajectory (.npz) or a robot"
-        raise UnknownName("gait or robot", words, [*library.names(), *error.valid], also) from error
+        raise UnknownName("gait or robot", words, [*library.all_names(), *error.valid], also) from error
 
 
 def called(item: Item, read_item: Gait | Trajectory | Robot | Spring) -> str:

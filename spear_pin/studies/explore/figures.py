@@ -8,7 +8,7 @@ from dataclasses import asdict
 from typing import TypeVar
 
 from spear_pin.gaits.bounding_law import LEGS
-from spear_pin.gaits.measures.catalogue import SHOWN, STANDARD
+from spear_pin.gaits.measures.catalogue import SHOWN, added
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.model.loading import ROBOTS
 from spear_pin.model.robot import Robot
@@ -23,15 +23,16 @@ T = TypeVar("T")
 
 def figures(motion: Motion) -> dict[str, float | None]:
     """Returns figures of a motion, SI units; None where there is none. See the functions of each kind."""
-    of_any = gait_figures(motion) if len(SHOWN) > STANDARD else {}
-    return FIGURES[motion.knobs.subject.kind](motion) | {name: of_any[name] for name in SHOWN[STANDARD:]}
+    of_any = gait_figures(motion) if added() else {}
+    return FIGURES[motion.knobs.subject.kind](motion) | {each.kind: of_any[each.kind] for each in added()}
 
 
 def gait_figures(motion: Motion) -> dict[str, float | None]:
     """Returns measures of a cycle by their names; of joints and toes the largest."""
     system, cycles = motion.knobs.system, range(1, motion.trajectory.cycles + 1)
     found = Sampled(system.robot, motion.trajectory, cycles, halves=bool(system.mirrored_toes)).values()
-    return {name: max(of_kind(found, name).values(), default=None) for name in SHOWN}
+    kinds = [*SHOWN, *(each.kind for each in added())]
+    return {name: max(of_kind(found, name).values(), default=None) for name in kinds}
 
 
 def of_kind(found: Mapping[str, T], kind: str) -> dict[str, T]:

@@ -12,7 +12,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.bounding_law import LEGS
-from spear_pin.gaits.measures.catalogue import SHOWN, STANDARD
+from spear_pin.gaits.measures.catalogue import SHOWN, added
 from spear_pin.gaits.sensitivity.measure import Measure, ratio
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.orbit import Orbit, branch, orbit_of_gait
@@ -128,7 +128,8 @@ def _branch(motion: Motion) -> _Branch:
 def _slopes(motion: Motion, branch: _Branch) -> Iterator[tuple[str, Array]]:
     """Returns derivatives of each figure that equals the measure: not a stance peak where the swing's is higher."""
     shown = figures(motion)
-    for name, measure in (*MEASURES[motion.knobs.subject.kind](branch), *_of_gait(branch, SHOWN[STANDARD:])):
+    own = [each.kind for each in added()]
+    for name, measure in (*MEASURES[motion.knobs.subject.kind](branch), *_of_gait(branch, own)):
         value = shown[name]
         if value is not None and math.isclose(value, measure.value, rel_tol=ALIKE):
             yield name, measure.derivative

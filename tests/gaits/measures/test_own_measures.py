@@ -1,5 +1,6 @@
 """A measure of one's own is known wherever measures are: in summaries, targets, derivatives, designs and pages."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,8 @@ from spear_pin.studies.explore.gaits import gait_to_explore
 from spear_pin.studies.explore.tangents import tangents
 from spear_pin.studies.hop import summarize
 from spear_pin.studies.sweep.job import asked
+from tests.cli.calls import run
+from tests.gaits.feeding import idle
 
 IMPULSE = Named(
     "impulse_TOE",
@@ -105,6 +108,14 @@ class TestWithDerivatives:
         motion = carried(subject.at())
         assert figures(motion)["impulse"] > 0.0
         assert np.isfinite(tangents(motion).slopes["stiffness"]["impulse"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [("bound", "--cycles=1"), ("trot", "{folder}/steady.json", "--cycles=2")])
+def test_commands_print_it(words, capsys, tmp_path):
+    idle(Gait.load("trot")).save(tmp_path / "steady.json")
+    status, out, _ = run(capsys, *(word.format(folder=tmp_path) for word in words), f"--out={tmp_path}")
+    assert status == 0 and re.search(r"^impulse +(\w+ )*toe .* N·s$", out, re.MULTILINE)
 
 
 def test_a_comparison_has_it():

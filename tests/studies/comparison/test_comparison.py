@@ -114,7 +114,7 @@ def test_slopes_and_kinds_are_of_the_task(sides, hop):
 def test_turns_are_of_the_task():
     sides = sides_of([Gait.load("turn_4"), Gait.load("turn_9")], cycles=1)
     assert "turns a cycle 4.000 and 9.000 °" in said(sides, measures(sides))[0]
-    sides = sides_of([Gait.load("trot")] * 2, cycles=1)
+    sides = sides_of(["trot", "trot"], cycles=1)
     assert not any("task" in sentence for sentence in said(sides, measures(sides)))
 
 
