@@ -28,7 +28,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     rows, lines = list[dict[str, Any]](), [f"{'measure':<{WIDE}}{'unit':<9}meaning"]
     for each in CATALOGUE:
-        target = each.of is not None
+        target = each.wanted
         rows.append({"name": each.pattern, "unit": each.unit, "meaning": each.text, "target": target})
         head = f"{each.pattern:<{WIDE}}{'' if each.unit == '1' else each.unit:<9}"
         first, *more = textwrap.wrap(each.text + ("" if target else " (*)"), WIDTH - len(head))

@@ -17,15 +17,14 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.measures.curves import Curves
 from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.gaits.measures.signals import LEAST_STRIDE, transport
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
 from spear_pin.studies.published_costs import CostPoint, Kind
 
-ADVANCE = 1e-6  # m a cycle: less is hopping in place
 REGENERATION = {"electrical_0": 0.0, "electrical_24": 0.24, "electrical_100": 1.0}  # 24 %: Chapter 1, of its [42]
 
 
@@ -168,8 +167,8 @@ class Costs:
         Raises:
             BadValue: the gait does not advance.
         """
-        require("distance", self.distance, lambda d: d > ADVANCE, "a number > 0, in m: a gait that goes forward")
-        return {name: energy / (self.weight * self.distance) for name, energy in self.energy.items()}
+        require("distance", self.distance, lambda d: d > LEAST_STRIDE, "a number > 0, in m: a gait that goes forward")
+        return {name: transport(energy, self.weight, self.distance) for name, energy in self.energy.items()}
 
     @property
     def of_height(self) -> dict[str, float]:
@@ -197,7 +196,10 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
         BadValue: hardware and drives are given, the numbers of drives and joints differ, or no cycle is left.
     """
     robot = system.robot
-    sampled = Sampled(robot, trajectory, _cycles(trajectory, skip), bool(system.mirrored_toes))
+    if drives is not None and len(drives) != len(trajectory.actuated):
+        raise BadValue("drives", len(drives), f"{len(trajectory.actuated)}, one for each of {trajectory.actuated}")
+    driven = dict(zip(trajectory.actuated, drives or (), strict=False))
+    sampled = Sampled(robot, trajectory, _cycles(trajectory, skip), bool(system.mirrored_toes), driven)
     energy = {f"mechanical_{kind}": sampled.largest(f"{kind}_work") for kind in ("absolute", "positive")}
     parts: tuple[float, float] | None = None
     if trajectory.electrical is not None:
@@ -206,14 +208,8 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
         flow = energy_flow(system, trajectory, skip)
         parts = flow.total("given"), flow.total("regained")
     elif drives is not None:
-        if len(drives) != len(trajectory.actuated):
-            raise BadValue("drives", len(drives), f"{len(trajectory.actuated)}, one for each of {trajectory.actuated}")
-        given = regained = 0.0
-        for drive, (joint, torque) in zip(drives, sampled.torques.items(), strict=True):
-            halves = sampled.curves.halves(drive.bus_power, torque, sampled.speeds[joint])
-            share = motors_at(joint) / sampled.count
-            given, regained = given + share * halves[0], regained + share * halves[1]
-        parts = given, regained
+        halves = [each for joint in driven if (each := sampled.electricity(joint))]
+        parts = sum(given for given, _ in halves), sum(regained for _, regained in halves)
     if parts is not None:
         energy |= {name: parts[0] - share * parts[1] for name, share in REGENERATION.items()}
     distance = sampled.stride if system.cyclic else 0.0

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.measures.signals import Signals
+from spear_pin.gaits.measures.signals import Signals, transport
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import lengths, motors_at
 from spear_pin.hybrid.path_springs import unit_along
@@ -29,6 +29,7 @@ class Named(NamedTuple):
         of: returns the measure of a cycle's `Signals`, given the joint, toe, phase or event if the pattern has one;
             None where there is none. Without it, other data than the cycle's are needed.
         sampled: whether samples give it.
+        driven: whether it needs the motors' drives, so that only those who give them ask for it.
         shown: whether commands, pages and comparisons show it behind their own figures.
     """
 
@@ -37,12 +38,18 @@ class Named(NamedTuple):
     text: str
     of: Callable[..., Any] | None = None
     sampled: bool = True
+    driven: bool = False
     shown: bool = False
 
     @property
     def kind(self) -> str:
         """The name without the joint or toe behind it."""
         return self.pattern.removesuffix("_JOINT").removesuffix("_TOE")
+
+    @property
+    def wanted(self) -> bool:
+        """Whether the robot's motion alone gives it, so that a search may ask for it."""
+        return self.of is not None and not self.driven
 
     def values(self, cycle: Signals) -> dict[str, Any]:
         """Returns all measures of this kind that a cycle has, by name."""
@@ -79,8 +86,11 @@ def _per_distance(of: Callable[[Signals], Any]) -> Callable[[Signals], Any]:
 
 
 def _transport(of: Callable[[Signals], Any]) -> Callable[[Signals], Any]:
-    found = _per_distance(lambda cycle: of(cycle) / cycle.weight)
-    return lambda cycle: found(cycle) if cycle.robot.weight else None  # none without gravity
+    return lambda cycle: (
+        None  # none without gravity either
+        if cycle.distance is None or not cycle.robot.weight
+        else transport(of(cycle), cycle.weight, cycle.distance)
+    )
 
 
 def _rms(cycle: Signals, joint: str) -> Any:
@@ -102,6 +112,20 @@ def _largest(signals: str, of: str) -> Callable[[Signals, str], Any]:
         return None if signal is None else getattr(cycle, of)(signal)
 
     return found
+
+
+def _taken(cycle: Signals, joint: str) -> Any:
+    found = cycle.electricity(joint)
+    return found and found[0]
+
+
+def _all_taken(cycle: Signals) -> Any:
+    parts = [_taken(cycle, joint) for joint in cycle.torques]
+    return None if None in parts else sum(parts)
+
+
+def _heating(cycle: Signals, joint: str) -> Any:
+    return _rms(cycle, joint) / cycle.drives[joint].continuous_torque if joint in cycle.drives else None
 
 
 def _normal(cycle: Signals, toe: str) -> Any:
@@ -214,10 +238,28 @@ CATALOGUE: list[Named] = [
     ),
     Named("heat_JOINT", "J", "Heat of the windings of all motors of a joint in a cycle."),
     Named("energy", "J", "Work and heat of all motors in a cycle."),
-    Named("electricity_JOINT", "J", "Electricity that all motors of a joint take in a cycle; none is given back."),
-    Named("electricity", "J", "Electricity that all motors take in a cycle; none is given back."),
+    Named(
+        "electricity_JOINT",
+        "J",
+        "Electricity that all motors of a joint take in a cycle; none is given back.",
+        _taken,
+        driven=True,
+    ),
+    Named(
+        "electricity",
+        "J",
+        "Electricity that all motors take in a cycle; none is given back.",
+        _all_taken,
+        driven=True,
+    ),
     Named("reserve_JOINT", "N·m", "Smallest torque that one motor still has in reserve, at the joint."),
-    Named("heating_JOINT", "1", "Rms torque of one motor over its continuous torque, both behind its gears."),
+    Named(
+        "heating_JOINT",
+        "1",
+        "Rms torque of one motor over its continuous torque, both behind its gears.",
+        _heating,
+        driven=True,
+    ),
     Named("multiplier_N", "1", "Modulus of a Floquet multiplier, by decreasing size."),
 ]
 SHOWN = (
@@ -264,7 +306,7 @@ def names_in(system: HybridSystem) -> list[str]:
     for each in CATALOGUE:
         pattern = each.pattern.replace("SECTION", system.section)
         word = next((word for word in PLACED if word in pattern), "")
-        if each.of is None or (each.pattern in OF_A_WAY and not moves):
+        if not each.wanted or (each.pattern in OF_A_WAY and not moves):
             continue
         there = springs if each.kind == "deflection" else places.get(word, ())
         found += [pattern.replace(word, place) for place in there] if word else [pattern]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ from spear_pin.gaits.measures.curves import Curves
 from spear_pin.gaits.measures.signals import Signals
 from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.trajectory import Trajectory
+from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
 
 
@@ -29,12 +30,14 @@ class Sampled(Signals):
         cycles: numbers of whole cycles that follow each other; empty: all samples count as one cycle. If a gait closes
             in the mirror, two cycles make a stride, in which each leg does what the other does.
         halves: whether a cycle is half a stride, which covers distance along the heading with which it begins.
+        drives: drive of one motor of joints, for their electricity and heat.
     """
 
     robot: Robot
     trajectory: Trajectory
     cycles: Sequence[int] = (1,)
     halves: bool = False
+    drives: Mapping[str, Drive] = field(default_factory=dict)
 
     def values(self) -> dict[str, float]:
         """Returns all measures by the names of the catalogue."""
@@ -138,6 +141,13 @@ class Sampled(Signals):
             *along, normal = self.trajectory.force[:, i].T
             found[toe] = along[0] if len(along) == 1 else np.hypot(*along), normal
         return found
+
+    def electricity(self, joint: str) -> tuple[float, float] | None:
+        """Returns what all motors of a joint take from their supply, and what they give back, in J; None if unknown."""
+        if joint not in self.drives:
+            return None
+        taken, back = self.curves.halves(self.drives[joint].bus_power, self.torques[joint], self.speeds[joint])
+        return taken * motors_at(joint) / self.count, back * motors_at(joint) / self.count
 
     def integral(self, signal: Array) -> float:
         """Returns ∫ of a signal over a cycle."""

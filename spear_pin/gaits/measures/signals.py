@@ -9,11 +9,17 @@ from types import MappingProxyType
 from typing import Any
 
 from spear_pin.hybrid.column_names import motors_at
+from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
 
 LEAST_STRIDE = 1e-3  # m: a shorter stride transports nothing
 NOTHING: Mapping[str, Any] = MappingProxyType({})
 PRESSED = 0.02  # share of a toe's even share of the weight above which friction counts
+
+
+def transport(energy: Any, weight: Any, distance: Any) -> Any:
+    """Returns the cost of transport: an energy over the weight and the distance covered."""
+    return energy / (weight * distance)
 
 
 class Signals(ABC):
@@ -24,10 +30,12 @@ class Signals(ABC):
     Attributes:
         robot: the robot that moves.
         section: name of the event at which the cycle closes.
+        drives: drive of one motor of joints, as far as they are given.
     """
 
     robot: Robot
     section: str = ""
+    drives: Mapping[str, Drive] = NOTHING
 
     @property
     @abstractmethod
@@ -96,6 +104,10 @@ class Signals(ABC):
         """Least deflection of each spring as it releases, in rad or m."""
         return NOTHING
 
+    def electricity(self, joint: str) -> Any:
+        """Returns what all motors of a joint take from their supply, and what they give back, in J; None if unknown."""
+        return None
+
     # integrals and peaks
 
     @abstractmethod
@@ -128,16 +140,17 @@ class Signals(ABC):
     @cached_property
     def net_work(self) -> Any:
         """Work of all motors, in J."""
-        return sum(self.integral(power) for power in self._powers)
+        return sum(self.integral(power) for power in self.powers.values())
 
     @cached_property
     def positive_work(self) -> Any:
         """Work of all motors where they drive, in J."""
-        return sum(self.positive(power) for power in self._powers)
+        return sum(self.positive(power) for power in self.powers.values())
 
     @cached_property
-    def _powers(self) -> list[Any]:
-        return [torque * self.speeds[joint] * float(motors_at(joint)) for joint, torque in self.torques.items()]
+    def powers(self) -> dict[str, Any]:
+        """Mechanical power of all motors of each joint, in W."""
+        return {joint: torque * self.speeds[joint] * float(motors_at(joint)) for joint, torque in self.torques.items()}
 
     @property
     def pressed(self) -> Any:

@@ -48,7 +48,8 @@ def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Gr
         more: other groups of measures.
     """
     signals = Differentiated(cycle, start, weight)
-    return Measures([*(Group(fitting(each), partial(_found, each, signals)) for each in CATALOGUE if each.of), *more])
+    wanted = [each for each in CATALOGUE if each.wanted]
+    return Measures([*(Group(fitting(each), partial(_found, each, signals)) for each in wanted), *more])
 
 
 def _found(entry: Named, signals: Differentiated, of: Any) -> dict[str, Measure]:

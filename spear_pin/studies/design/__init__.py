@@ -4,7 +4,7 @@ Torques and stiffnesses here are those of one leg and its motor, half of the sag
 """
 
 from spear_pin.studies.design.drive_choice import Design, codesign, smallest_violation
-from spear_pin.studies.design.envelopes import EnvelopeUse, against, electrical_cost, energy_drawn
+from spear_pin.studies.design.envelopes import EnvelopeUse, against, electrical_cost
 from spear_pin.studies.design.families import Member, family
 from spear_pin.studies.design.operating_points import (
     STIFFNESSES,
@@ -26,7 +26,6 @@ __all__ = [
     "against",
     "codesign",
     "electrical_cost",
-    "energy_drawn",
     "family",
     "joints_of",
     "motors_of",

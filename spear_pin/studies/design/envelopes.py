@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.gaits.measures.signals import transport
+from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive
-from spear_pin.studies.bound import mean_speed
-from spear_pin.studies.design.operating_points import Points, points
+from spear_pin.studies.design.operating_points import Points, joints_of
 
 
 @dataclass(frozen=True)
@@ -47,12 +48,13 @@ def against(given: Points, drive: Drive) -> EnvelopeUse:
     """Compares operating points with a drive's torque-speed envelope, Fig. 5.8."""
     margin = np.asarray(drive.margin(given.torque, given.speed))
     out = margin < 0.0
-    share = np.trapezoid(out.astype(float), given.t, axis=0) / (given.t[-1] - given.t[0])
+    curves, columns = given.curves, zip(given.torque.T, given.speed.T, strict=True)
+    missed = [curves.halves(lambda u, w: np.sign(drive.margin(u, w)), *each)[1] for each in columns]
     near = (given.since < 0.02) | (given.until < 0.02)
     return EnvelopeUse(
         drive=drive,
         margin=margin,
-        outside=np.asarray(share),
+        outside=np.array(missed) / curves.duration,
         worst=margin.min(axis=0),
         near_events=float(near[out].mean()) if out.any() else float("nan"),
         heating=given.rms / drive.continuous_torque,
@@ -60,29 +62,15 @@ def against(given: Points, drive: Drive) -> EnvelopeUse:
 
 
 @typed
-def energy_drawn(given: Points, drive: Drive, regeneration: float = 0.0) -> float:
-    """Returns the electrical energy that all motors of one kind of joint draw in a cycle, both legs of each pair, in J.
-
-    Args:
-        given: operating points of one cycle.
-        drive: drive of each of the joints.
-        regeneration: share of the electrical power given back that is stored.
-    """
-    columns = zip(given.torque.T, given.speed.T, strict=True)
-    halves = [given.curves.halves(drive.bus_power, torque, speed) for torque, speed in columns]
-    return given.motors * sum(drawn - regeneration * back for drawn, back in halves)
-
-
-@typed
-def electrical_cost(gait: Gait, knee: Drive, regeneration: float = 0.0) -> float:
+def electrical_cost(gait: Gait, knee: Drive) -> float:
     """Returns the cost of transport from the knee motors' electricity and the hips' positive mechanical power.
 
     Args:
         gait: a bounding gait.
-        knee: drive of each knee.
-        regeneration: share of the electrical power given back that is stored.
+        knee: drive of each knee; nothing that it gives back is stored.
     """
-    knees, hips = points(gait, "knee"), points(gait, "hip")
-    positive = sum(hips.curves.positive(power) for power in (hips.torque * hips.speed).T)
-    energy = energy_drawn(knees, knee, regeneration) + PAIR * positive
-    return energy / (gait.system.robot.weight * gait.period * abs(mean_speed(gait)))
+    robot = gait.system.robot
+    knees = joints_of(robot, "knee")
+    sampled = Sampled(robot, simulate(gait.system, gait.state, progress=False), drives=dict.fromkeys(knees, knee))
+    hips = sum(sampled.positive(power) for joint, power in sampled.powers.items() if joint not in knees)
+    return float(transport(sum(sampled.of("electricity").values()) + hips, sampled.weight, sampled.distance))

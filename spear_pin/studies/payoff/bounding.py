@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.optimize import MESHES, search
 from spear_pin.gaits.request import Request
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.settings import refuse_special
-from spear_pin.studies.bound import held_by, summarize
+from spear_pin.studies.bound import held_by
 from spear_pin.studies.design import motors_of
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
@@ -77,16 +78,10 @@ def figures_of(gait: Gait, motors: Motors, request: Request) -> Figures:
         request: request of the search, for the bounds that are active.
     """
     trajectory = simulate(gait.system, gait.state, progress=False)
-    said = summarize(gait, trajectory)
-    return figures(
-        gait,
-        motors,
-        trajectory,
-        work=gait.system.robot.weight * said["stride"],
-        speed=said["speed"],
-        friction=said["friction_used"],
-        held=held_by(gait, request, said["friction_used"]),
-    )
+    stride = Sampled(gait.system.robot, trajectory)
+    held = held_by(gait, request, stride.largest("friction_used"))
+    work, speed = stride.weight * stride.distance, stride.largest("mean_speed")
+    return figures(gait, motors, trajectory, work=work, speed=speed, held=held)
 
 
 class Bounds(Gaits):

@@ -8,17 +8,20 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.robot import Robot
-from spear_pin.studies.design import against, energy_drawn, joints_of, motors_of, points_of
+from spear_pin.studies.design import against, joints_of, motors_of, points_of
 from spear_pin.studies.payoff.motors import PARTS, Motors
+
+KINDS = {"peak": "peak_torque", "rms": "rms_torque", "heat": "heating", "rate": "peak_speed"}  # of measures of joints
 
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures of a gait, of one cycle of its simulation. Torques are those of one motor; joints by their names.
+    """Figures of a gait, of one cycle of its simulation, as of the catalogue of measures; joints by their names.
 
     Attributes:
         stiffness: stiffness of a leg's spring, in N·m/rad, or N/m along a path whose length is in m.
@@ -27,14 +30,14 @@ class Figures:
             energy; for a bound the cost of transport.
         shares: share of the cost, by part.
         mechanical: the same for |motor power|.
-        peak: largest torque, in N·m.
-        rms: root mean square of the torque, in N·m.
-        heat: rms torque over the drive's continuous torque.
-        rate: largest joint speed, in rad/s.
+        peak: `peak_torque_JOINT`, in N·m.
+        rms: `rms_torque_JOINT`, in N·m.
+        heat: `heating_JOINT`.
+        rate: `peak_speed_JOINT`, in rad/s.
         torque_used: peak torque over the limit in the robot's file; None where it has none.
         rate_used: the same for the joint speed.
         outside: share of the cycle in which a motor is outside its torque-speed envelope.
-        friction: friction used, as of the catalogue of measures.
+        friction: `friction_used`.
         durations: in s, by phase.
         multiplier: modulus of the largest Floquet multiplier.
         residual: residual of the fixed point.
@@ -74,7 +77,6 @@ def figures(
     *,
     work: float,
     speed: float,
-    friction: float,
     held: tuple[str, ...] = (),
     starts: int = 1,
 ) -> Figures:
@@ -86,41 +88,30 @@ def figures(
         trajectory: trajectory of one cycle.
         work: work to which the cost refers, in J.
         speed: mean forward speed, in m/s; for a hop in place its flight time, in s.
-        friction: friction used, as of the catalogue of measures.
         held: bounds of the search that are active at the gait, in words.
         starts: number of starts of the search that ended at this cost.
     """
     robot = gait.system.robot
-    shares: dict[str, float] = {}
-    by_joint: dict[str, dict[str, float]] = {name: {} for name in ("peak", "rms", "heat", "rate")}
-    outside = mechanical = 0.0
-    for part in PARTS:
-        given, drive = points_of(robot, trajectory, part), getattr(motors, part)
-        shares[part] = energy_drawn(given, drive) / work
-        use = against(given, drive)
-        outside = max(outside, float(use.outside.max()))
-        curves = given.curves
-        mechanical += given.motors * sum(map(curves.absolute, (given.torque * given.speed).T)) / work
-        columns = {
-            "peak": map(curves.amount, given.torque.T),
-            "rms": given.rms,
-            "heat": use.heating,
-            "rate": map(curves.amount, given.speed.T),
-        }
-        for name, values in columns.items():
-            by_joint[name] |= dict(zip(joints_of(robot, part), map(float, values), strict=True))
+    joints = {part: joints_of(robot, part) for part in PARTS}
+    drives = {joint: getattr(motors, part) for part in PARTS for joint in joints[part]}
+    sampled = Sampled(robot, trajectory, drives=drives)
+    taken = sampled.of("electricity")
+    shares = {part: sum(taken[joint] for joint in joints[part]) / work for part in PARTS}
+    by_joint = {name: {joint: sampled.of(kind)[joint] for joint in drives} for name, kind in KINDS.items()}
     cost = sum(shares.values())
     return Figures(
         stiffness=gait.system.spring.stiffness / motors_of(robot),
         speed=speed,
         cost=cost,
         shares=shares,
-        mechanical=mechanical,
+        mechanical=sampled.largest("absolute_work") / work,
         **by_joint,
         torque_used=_used(robot, by_joint["peak"], "effort", motors_of(robot)),
         rate_used=_used(robot, by_joint["rate"], "velocity", 1),
-        outside=outside,
-        friction=friction,
+        outside=max(
+            float(against(points_of(robot, trajectory, part), getattr(motors, part)).outside.max()) for part in PARTS
+        ),
+        friction=sampled.largest("friction_used"),
         durations=dict(gait.durations),
         multiplier=float(abs(gait.multipliers[0])),
         residual=gait.residual,

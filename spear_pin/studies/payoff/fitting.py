@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from spear_pin.errors import Infeasible, NoGait, SpearError
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
-from spear_pin.studies.design import points_of
+from spear_pin.studies.design import joints_of
 from spear_pin.studies.payoff.gaits import Gaits
 from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, known, own_rotors
 from spear_pin.studies.payoff.searcher import Tell
@@ -62,11 +63,9 @@ def _taken(gaits: Gaits, robot: Robot, speeds: Sequence[float], store: Store, te
         except (Infeasible, NoGait) as error:
             failure = error
             continue
-        trajectory = simulate(gait.system, gait.state, progress=False)
-        takes = {}
-        for part in PARTS:
-            given = points_of(robot, trajectory, part)
-            takes[part] = float(given.rms.max()), float(abs(given.speed).max())
+        cycle = Sampled(robot, simulate(gait.system, gait.state, progress=False))
+        loads = [cycle.of(kind) for kind in ("rms_torque", "peak_speed")]
+        takes = {part: [max(load[joint] for joint in joints_of(robot, part)) for load in loads] for part in PARTS}
         store.keep({"key": "reference", "speed": speed, "takes": takes})
         return store.get("reference") or {}
     assert failure is not None

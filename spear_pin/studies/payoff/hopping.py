@@ -20,7 +20,6 @@ from spear_pin.errors import BadValue, NoGait, UnknownName, listed
 from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
-from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.springing import KNEE
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch
@@ -134,7 +133,7 @@ def figures_of(
     """
     robot, flight = gait.system.robot, gait.durations["flight"]
     trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
-    friction, done = Sampled(robot, trajectory).largest("friction_used"), work(own or robot, flight)
+    done = work(own or robot, flight)
     held, starts = ((), 1) if best is None else (_held(best.design, done), best.starts)
     found = figures(
         gait,
@@ -142,7 +141,6 @@ def figures_of(
         trajectory,
         work=done,
         speed=flight,
-        friction=friction,
         held=held,
         starts=starts,
     )

@@ -7,6 +7,7 @@ import pytest
 
 from spear_pin import Gait, find_gait, hopping, simulate
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, total
 from spear_pin.gaits.sensitivity.orbit import Orbit
@@ -15,13 +16,15 @@ from spear_pin.hybrid.tangent.seeds import seeds
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.variants import vary
-from spear_pin.studies.design import against, energy_drawn, points_of
+from spear_pin.studies.design import against, points_of
 
 OVER = ("stiffness", "knee_ratio", "friction", "hip_to_knee", "knee_motor_size", "hip_motor_size", "knee_motor_mass")
 DRIVES = {
     "knee": Drive(motor("spear_ii_knee"), Gearbox(15.0, 0.83), 24.0),
     "hip": Drive(motor("ec_90_flat_260w"), Gearbox(60.0, 0.7), 96.0),
 }
+KNEES = ("posterior_knee", "anterior_knee")
+TAKEN = [f"{name}_{joint}" for name in ("electricity", "heating") for joint in KNEES]
 OUTPUTS = (
     *("electricity", "electricity_knee", "electricity_hip", "reserve_knee", "reserve_hip", "effort", "deflection_knee"),
     *("heating_knee", "heating_hip"),
@@ -45,8 +48,10 @@ def test_electricity_is_that_of_samples(hop, table, joint):
     given, drive = points_of(hop.system.robot, sampled(hop, 6400), joint), DRIVES[joint]
     power = np.maximum(drive.bus_power(given.torque, given.speed), 0.0).sum(axis=1)
     assert table.outputs[f"electricity_{joint}"] == pytest.approx(np.trapezoid(power, given.t), rel=1e-5)
-    found = energy_drawn(points_of(hop.system.robot, sampled(hop, 100), joint), drive)
-    assert found == pytest.approx(table.outputs[f"electricity_{joint}"], rel=1e-8)
+    found = Sampled(hop.system.robot, sampled(hop, 100), drives=DRIVES).values()
+    assert found["electricity"] == pytest.approx(table.outputs["electricity"], rel=1e-8)
+    assert found[f"heating_{joint}"] == pytest.approx(table.outputs[f"heating_{joint}"], rel=1e-8)
+    assert found[f"electricity_{joint}"] == pytest.approx(table.outputs[f"electricity_{joint}"], rel=1e-8)
     assert table.outputs["electricity"] == pytest.approx(sum(table.outputs[f"electricity_{each}"] for each in DRIVES))
 
 
@@ -107,10 +112,10 @@ def test_heating_is_the_share_of_the_continuous_torque(hop, table):
 @pytest.mark.extra("heyoka")
 def test_drives_of_a_pair_share_its_torque():
     gait, drive = Gait.load("long_stride"), Drive(motor("ec_90_flat_260w"), Gearbox(15.0, 0.83), 48.0)
-    found = gait.sensitivity(["torso_mass"], motors={"posterior_knee": drive, "anterior_knee": drive}).outputs
-    drawn = energy_drawn(points_of(gait.system.robot, sampled(gait, 3200), "knee"), drive)
-    both = found["electricity_posterior_knee"] + found["electricity_anterior_knee"]
-    assert both == pytest.approx(drawn, rel=1e-4) and "electricity" not in found
+    found = gait.sensitivity(["torso_mass"], motors=dict.fromkeys(KNEES, drive)).outputs
+    knees = Sampled(gait.system.robot, sampled(gait, 100), drives=dict.fromkeys(KNEES, drive)).values()
+    assert [knees[name] for name in TAKEN] == pytest.approx([found[name] for name in TAKEN], rel=1e-7)
+    assert "electricity" not in found and "electricity" not in knees
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ from spear_pin import Gait
 from spear_pin.errors import NoGait
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.collocation import Solution
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.design import sprung
@@ -32,6 +33,11 @@ def cost(point):
         return bare
     stiffness = BEST[point.kind] if point.stiffness is None else point.stiffness
     return bare * (1.0 - GAINS[point.kind] * max(0.0, 1.0 - ((stiffness - BEST[point.kind]) / 100.0) ** 2))
+
+
+def drawn_by(robot, cycle, motors):
+    """Electricity of a leg's motors in a cycle, in J."""
+    return Sampled(robot, cycle, drives={"knee": motors.knee, "hip": motors.hip}).values()["electricity"]
 
 
 class Stub:

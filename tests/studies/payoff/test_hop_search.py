@@ -11,13 +11,14 @@ from spear_pin.errors import MissingExtra, NoGait
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number, rebuilt, with_parameters
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
-from spear_pin.studies.design import energy_drawn, points_of
+from spear_pin.studies.design import points_of
 from spear_pin.studies.payoff import Motors, Point, hop_search
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.hop_search import CLEAR, TAUT, TREAD, Task, best_hop, descended, led_to, limits, starts
 from spear_pin.studies.payoff.hopping import ranges
 from spear_pin.studies.payoff.knee import released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
+from tests.studies.payoff.stub import drawn_by
 
 
 @pytest.fixture(scope="module")
@@ -201,7 +202,7 @@ def test_a_spring_that_is_slack_on_the_way_is_told(start, monkeypatch):
 class TestDescent:
     def drawn(self, gait, motors):
         cycle = simulate(gait.system, gait.state, samples=480, progress=False)
-        return sum(energy_drawn(points_of(gait.system.robot, cycle, part), getattr(motors, part)) for part in PARTS)
+        return drawn_by(gait.system.robot, cycle, motors)
 
     @pytest.mark.parametrize(("kind", "stiffness"), [(SWITCHED, 48.84), (FIXED, 100.0)])
     def test_it_leads_down_within_limits(self, start, motors, kind, stiffness):

@@ -10,14 +10,14 @@ from spear_pin.errors import SpearError
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.hybrid.parameters import with_numbers, with_parameters
 from spear_pin.model.catalogue import sized
-from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.payoff import Motors, Point, Search, answer, hops
 from spear_pin.studies.payoff.gaits import attempt
 from spear_pin.studies.payoff.grid import FIXED, SWITCHED
 from spear_pin.studies.payoff.hopping import HOPS, MESH, Hops, figures_of, ranges, task_of, work
-from spear_pin.studies.payoff.motors import PARTS, known
+from spear_pin.studies.payoff.motors import known
 from spear_pin.studies.payoff.searches import SearchEnd, rebuilt, written
 from tests.model.small_leg import small_leg
+from tests.studies.payoff.stub import drawn_by
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ class TestFigures:
         rise = 9.81 * flight**2 / 8.0
         assert work(hop.system.robot, flight) == pytest.approx(6.8 * 9.81 * rise)
         cycle = simulate(hop.system, hop.state, samples=MESH)
-        drawn = sum(energy_drawn(points_of(hop.system.robot, cycle, part), getattr(motors, part)) for part in PARTS)
+        drawn = drawn_by(hop.system.robot, cycle, motors)
         assert found.cost == pytest.approx(drawn / (6.8 * 9.81 * rise))
         assert HOPS.energy(hop.system.robot, found) == pytest.approx(drawn)
         assert found.speed == flight and set(found.peak) == {"knee", "hip"} and found.residual <= 1e-9
@@ -59,9 +59,7 @@ class TestFigures:
             motors.knee, motor=sized(motors.knee.motor, 2.0), gearbox=replace(motors.knee.gearbox, ratio=12.0)
         )
         cycle = simulate(gait.system, gait.state, samples=MESH)
-        drawn = sum(
-            energy_drawn(points_of(robot, cycle, part), drive) for part, drive in (("knee", other), ("hip", motors.hip))
-        )
+        drawn = drawn_by(robot, cycle, Motors(other, motors.hip))
         assert found.cost * work(robot, flight) == pytest.approx(drawn) and found.chosen == {"knee_motor_size": 2.0}
         at_home = figures_of(gait, motors, own=hop.system.robot)
         assert HOPS.energy(hop.system.robot, at_home) == pytest.approx(drawn) and at_home.cost > found.cost

@@ -11,7 +11,6 @@ from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import rebuilt as of_law
 from spear_pin.model.path import Joints
-from spear_pin.studies.design import energy_drawn, points_of
 from spear_pin.studies.payoff import Motors, Search, hop_search
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
 from spear_pin.studies.payoff.hop_search import TAUT, descended, led_to, problem
@@ -19,6 +18,7 @@ from spear_pin.studies.payoff.hopping import HOPS, Hops, along_of, figures_of, h
 from spear_pin.studies.payoff.knee import levers, released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
 from spear_pin.studies.payoff.searches import rebuilt, written
+from tests.studies.payoff.stub import drawn_by
 
 CABLE = Joints({"knee": 0.03, "hip": 0.006})  # m
 
@@ -135,7 +135,7 @@ class TestDescent:
         alone = find_gait(made, ["stance_torque"], {"flight_time": 0.2}, guess=beside)
         assert alone.system.law.stance_torque == pytest.approx(end.system.law.stance_torque, rel=1e-6)
         cycle = simulate(alone.system, alone.state, samples=480, progress=False)
-        drawn = sum(energy_drawn(points_of(robot, cycle, part), getattr(motors, part)) for part in PARTS)
+        drawn = drawn_by(robot, cycle, motors)
         assert drawn == pytest.approx(design.objective, rel=1e-4) and design.missed < 1e-3
         assert min(cycle.springs.stretch[cycle.phase == "stance", 0][1:]) > 0.0
 
