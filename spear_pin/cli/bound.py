@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli import bound_in_space
@@ -79,19 +80,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     figures = {"gait": name, **summarize(gait, trajectory)}
     if robot.cut is not None:
         figures |= _searched(gait, figures["friction_used"])
+    title, plot = f"{called(robot)} bounding at {figures['speed']:.2f} m/s", partial(bound_summary, gait=gait)
+    told = [*notes, *_of_the_search(figures), *rests_on(robot)]
     return write_motion(
-        arguments,
-        "bound",
-        gait,
-        trajectory,
-        end,
-        figures,
-        _rows,
-        title=f"{called(robot)} bounding at {figures['speed']:.2f} m/s",
-        program=program,
-        told=[*notes, *_of_the_search(figures), *rests_on(robot)],
-        plot=lambda motion: bound_summary(motion, gait),
-        saved=[gait.save(arguments.out / "bound.json")] if arguments.save else [],
+        arguments, "bound", gait, trajectory, end, figures, _rows, title=title, program=program, told=told, plot=plot
     )
 
 

@@ -16,7 +16,7 @@ from spear_pin.errors import BadValue
 if TYPE_CHECKING:
     from spear_pin.gaits.feedback import Regulated
     from spear_pin.gaits.gait import Gait
-    from spear_pin.hybrid.result import State
+    from spear_pin.hybrid.trajectory import Trajectory
 
 KIND = "bounding_in_space"  # of a gait
 STEM = "bound_in_space"  # of its files
@@ -90,15 +90,7 @@ def run(
         found = _held(gait, arguments.keep_heading, program)
         gait = found.gait
     push = arguments.push or 0.0
-    trajectory, end = play(
-        arguments,
-        program,
-        gait,
-        "stride",
-        state=push_state(gait, push, program),
-        in_space=True,
-        remedy="a smaller --push" if push else "",
-    )
+    trajectory, end = play_pushed(arguments, program, gait, push)
     figures = {
         "gait": name,
         "push": push,
@@ -107,19 +99,9 @@ def run(
         **summarize_in_space(gait, trajectory),
         **multipliers_of(gait, found),
     }
+    title, plot = f"{called(gait.system.robot)} bounding in space at {figures['speed']:.2f} m/s", space_summary
     return write_motion(
-        arguments,
-        STEM,
-        gait,
-        trajectory,
-        end,
-        figures,
-        _rows,
-        title=f"{called(gait.system.robot)} bounding in space at {figures['speed']:.2f} m/s",
-        program=program,
-        told=told,
-        plot=space_summary,
-        saved=[gait.save(arguments.out / f"{STEM}.json")] if arguments.save else [],
+        arguments, STEM, gait, trajectory, end, figures, _rows, title=title, program=program, told=told, plot=plot
     )
 
 
@@ -181,15 +163,18 @@ def _inputs(gait: Gait) -> list[str]:
     return [] if feedback is None else list(feedback.inputs)
 
 
-def push_state(gait: Gait, speed: float, program: Program) -> tuple[State, Code] | None:
-    """Move the state of a gait to the left besides, by a speed in m/s; with its Python. Of no speed it is None."""
-    if not speed:
-        return None
+def play_pushed(
+    arguments: argparse.Namespace, program: Program, gait: Gait, push: float, of: int = 1
+) -> tuple[Trajectory, str | None]:
+    """Simulate strides of so many cycles, from the gait's state with a push to the left in m/s; see `play`."""
+    if not push:
+        return play(arguments, program, gait, "stride", of=of, in_space=True)
     q, v = (part.copy() for part in gait.state)
-    v[1] += speed
+    v[1] += push
     program.let("q, v", Code("(part.copy() for part in gait.state)"))
-    program.do(Code(f"v[1] += {speed!r}"))
-    return (q, v), Code("(q, v)")
+    program.do(Code(f"v[1] += {push!r}"))
+    pushed, remedy = ((q, v), Code("(q, v)")), "a smaller --push"
+    return play(arguments, program, gait, "stride", of=of, state=pushed, in_space=True, remedy=remedy)
 
 
 def joint_in_words(of: dict[str, float]) -> str:

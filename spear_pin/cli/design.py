@@ -14,6 +14,7 @@ from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.writing import write_study
 
 STEM = "design"
+PLAIN = ("minimize", "start", "objective", "motor_masses", "cycles", "missed", "converged", "reason")  # as they are
 
 
 def add(commands: Commands) -> None:
@@ -94,21 +95,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     named = write_gait(program, arguments.what)
     program.let("design", program.call(optimize_design, named, arguments.minimize, over=over, keep=keep, **options))
     program.show(Code("design"))
-    figures = {
-        "minimize": found.minimize,
-        "start": found.start,
-        "objective": found.objective,
+    figures = {name: getattr(found, name) for name in PLAIN} | {
         "parameters": {name: each.value for name, each in found.parameters.items()},
-        "motor_masses": found.motor_masses,
         "bounds": {name: list(pair) for name, pair in found.bounds.items()},
         "margins": dict(found.margins),
         "active": dict(found.active),
         "assumptions": {name: found.elasticity(name) for name in found.ranked},
         "largest_multiplier": found.largest,
-        "cycles": found.cycles,
-        "missed": found.missed,
-        "converged": found.converged,
-        "reason": found.reason,
     }
     saved = [found.gait.save(arguments.out / f"{STEM}_gait.json")]
     texts = [str(found)]

@@ -14,20 +14,8 @@ from spear_pin.errors import BadValue
 
 # as the project's metadata have them
 REQUIRED = (
-    "pin",
-    "yourdfpy",
-    "trimesh",
-    "numpy",
-    "scipy",
-    "lazy_loader",
-    "meshcat",
-    "lxml",
-    "matplotlib",
-    "pandas",
-    "tqdm",
-    "u-msgpack-python",
-    "jinja2",
-    "markupsafe",
+    *("pin", "yourdfpy", "trimesh", "numpy", "scipy", "lazy_loader", "meshcat", "lxml", "matplotlib", "pandas"),
+    *("tqdm", "u-msgpack-python", "jinja2", "markupsafe"),
 )
 OPTIONAL = (
     *("casadi", "heyoka", "joblib", "xarray", "zarr", "dask", "drake", "mujoco", "example-robot-data"),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open
 from spear_pin.cli.gaits import BOUND, WHAT, named_gait
+from spear_pin.cli.given import refuse
 from spear_pin.cli.legs import OPTIONS, add_leg, called, one_leg
 from spear_pin.cli.pairs import names
 from spear_pin.cli.python_lines import Program
@@ -73,14 +74,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _check(arguments: argparse.Namespace) -> None:
     """Refuse what does not go together, before anything is computed."""
-    hops = arguments.what == "hop"
-    if hops and arguments.over:
-        raise BadValue("--over", arguments.over, "only with a gait's name or path: a hop has its own sliders")
-    for name in ("robot", *OPTIONS):
-        value = getattr(arguments, name)
-        if not hops and value is not None:
-            expected = "only with hop: a gait has its robot; `spear bound --robot NAME --save` writes one"
-            raise BadValue(f"--{name}", value, expected)
+    if arguments.what == "hop":
+        refuse(arguments, "only with a gait's name or path: a hop has its own sliders", "over")
+    else:
+        expected = "only with hop: a gait has its robot; `spear bound --robot NAME --save` writes one"
+        refuse(arguments, expected, "robot", *OPTIONS)
 
 
 def _subject(arguments: argparse.Namespace) -> Subject:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import ROBOT as ROBOT_HELP
 from spear_pin.cli.arguments import Commands, add_command, add_loading, add_open, add_out, check_out, folder, loading
 from spear_pin.cli.gaits import BOUND
+from spear_pin.cli.given import given, refuse
 from spear_pin.cli.legs import add_cut, cut_out
 from spear_pin.cli.output import aligned
 from spear_pin.errors import BadFile, BadValue, SpearError
@@ -107,9 +108,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _check_options(arguments: argparse.Namespace, asked: Sequence[str]) -> None:
     """Refuse an option that goes with other formats than those asked for."""
     for option, formats in NEEDS.items():
-        if getattr(arguments, option) not in (None, False) and not set(asked) & set(formats):
-            valid = " or ".join(f"--{name}" for name in formats)
-            raise BadValue(f"--{option}", getattr(arguments, option), f"only with {valid}")
+        if not set(asked) & set(formats):
+            refuse(arguments, f"only with {' or '.join(f'--{name}' for name in formats)}", option)
 
 
 def _gait(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -118,7 +118,7 @@ def _gait(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.viz.controller.tracking import RATE, write_table
     from spear_pin.viz.controller.writing import write_controller
 
-    asked = {name: value for name in ("c", "table") if (value := getattr(arguments, name)) is not None}
+    asked = given(arguments, "c", "table")
     if Path(arguments.what).suffix != GAIT:
         option, value = next(iter(asked.items()))
         raise BadValue(f"--{option}", str(value), f"only with a saved gait ({GAIT}), not with {arguments.what}")
@@ -180,9 +180,7 @@ def _whose(arguments: argparse.Namespace) -> tuple[Robot, dict[str, Spring]]:
         return robot, springs_of(robot)
     from spear_pin.gaits.gait import Gait
 
-    for option in LOADED:
-        if (value := getattr(arguments, option)) is not None:
-            raise BadValue(f"--{option}", value, "only with a robot: a saved gait already has these options")
+    refuse(arguments, "only with a robot: a saved gait already has these options", *LOADED)
     system = Gait.load(arguments.what).system
     mounts = [mount for domain in system.domains for mount in domain.mounts if mount.spring.pulls]
     return system.robot, {mount.name: replace(mount.spring, path=mount.along) for mount in mounts}
@@ -227,7 +225,6 @@ def _trajectory(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dic
         time = float(trajectory.t[0]) if arguments.time is None else arguments.time
         video.still(_moving(arguments, trajectory), trajectory, paths["png"], time=time, size=size)
     if "mp4" in paths:
-        given = {name: value for name in ("fps", "speed") if (value := getattr(arguments, name)) is not None}
         with tqdm(unit="frame", disable=None, leave=False) as bar:
 
             def tell(done: int, total: int) -> None:
@@ -235,7 +232,7 @@ def _trajectory(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dic
                 bar.update(done - bar.n)
 
             robot = _moving(arguments, trajectory)
-            video.film(robot, trajectory, paths["mp4"], size=size, on_frame=tell, **given)
+            video.film(robot, trajectory, paths["mp4"], size=size, on_frame=tell, **given(arguments, "fps", "speed"))
     begin, end = float(trajectory.t[0]), float(trajectory.t[-1])
     rows = [("robot", trajectory.robot), ("samples", f"{len(trajectory.t)}, from {begin:.4g} to {end:.4g} s")]
     return {"robot": trajectory.robot, "samples": len(trajectory.t), "begin": begin, "end": end, "rows": rows}
@@ -252,10 +249,10 @@ def _moving(arguments: argparse.Namespace, trajectory: Trajectory) -> Robot:
     """The robot of a trajectory; joints that it does not have are locked in one that is given."""
     from spear_pin.model.mover import mover
 
-    one, given = trajectory, arguments.robot
+    one = trajectory
     try:
-        return mover(one.origin, one.robot, one.coordinates, one.toes, given, "--robot")
+        return mover(one.origin, one.robot, one.coordinates, one.toes, arguments.robot, "--robot")
     except (SpearError, ValueError) as error:
-        if given is not None:
+        if arguments.robot is not None:
             raise
         raise BadFile(arguments.what, f"its robot is not found: {error}; give it by --robot") from None

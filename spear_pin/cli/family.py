@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_rtol, check_out
 from spear_pin.cli.gaits import add_gait, add_wanted, named_gait, write_gait
+from spear_pin.cli.given import refuse
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import aligned, progress
 from spear_pin.cli.pairs import RANGE, one_range
@@ -87,16 +88,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     program.show(Code("branch"))
     robot = branch.family.system.robot
     summary = _figures(branch) | ({"cut": str(robot.cut)} if robot.cut is not None else {})
-    return write_study(
-        arguments,
-        STEM,
-        branch.to_json(),
-        family(branch),
-        summary,
-        [aligned(_rows(branch)), str(branch)],
-        program=program,
-        told=rests_on(robot),
-    )
+    texts, told = [aligned(_rows(branch)), str(branch)], rests_on(robot)
+    return write_study(arguments, STEM, branch.to_json(), family(branch), summary, texts, program=program, told=told)
 
 
 def _check(arguments: argparse.Namespace) -> None:
@@ -111,11 +104,9 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.at is not None and not low <= arguments.at <= high:
         raise BadValue("--at", arguments.at, f"a number from {low:g} to {high:g}")
     if arguments.what != "hop":
-        for option in ("robot", "flight_time", "at"):
-            if getattr(arguments, option) is not None:
-                raise BadValue(f"--{option.replace('_', '-')}", getattr(arguments, option), "only with hop")
-    if arguments.what == "hop" and arguments.speed is not None:
-        raise BadValue("--speed", arguments.speed, "only with a bound; for a hop give --flight-time")
+        refuse(arguments, "only with hop", "robot", "flight_time", "at")
+    else:
+        refuse(arguments, "only with a bound; for a hop give --flight-time", "speed")
 
 
 def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[str], dict[str, float]]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_seed, add_simulation, check_simulation
+from spear_pin.cli.arguments import Commands, add_command, add_numbers, add_seed, add_simulation, check_simulation
+from spear_pin.cli.given import given, refuse
 from spear_pin.cli.legs import add_leg, called, one_leg, rests_on, stability, write_leg
 from spear_pin.cli.output import iterations, progress
 from spear_pin.cli.python_lines import Code, Program
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 
 SPRING = ("stiffness", "damping", "hardening", "preload")  # options of the spring
 RIG = ("current_limit", "bandwidth", "noise", "losses", "seed")  # options of --hardware
+OTHERS = (  # options that a hop round a post does not have
+    *("flight_time", "stance_torque", "knee", "frequency", *SPRING, "switch_delay", "tooth", "slope", "free_x"),
+    *("foot_placement", "hardware", *RIG, "leg", "bends", "body"),
+)
 
 
 def add(commands: Commands) -> None:
@@ -30,53 +35,36 @@ def add(commands: Commands) -> None:
     )
     parser = add_command(commands, "hop", run, "find and simulate a leg's hop in place, print its multipliers", example)
     wanted = parser.add_mutually_exclusive_group()
-    wanted.add_argument(
-        "--flight-time",
-        type=float,
-        metavar="S",
-        help="flight time for which the stance torque is solved (default: 0.2)",
+    add_numbers(
+        wanted,
+        ("--flight-time", "S", "flight time for which the stance torque is solved (default: 0.2)"),
+        ("--stance-torque", "N·m", "knee torque in stance, instead of a flight time"),
     )
-    wanted.add_argument(
-        "--stance-torque", type=float, metavar="N·m", help="knee torque in stance, instead of a flight time"
-    )
-    parser.add_argument("--knee", type=float, metavar="RAD", help="commanded knee angle at touchdown (default: 1.0)")
-    parser.add_argument(
-        "--frequency", type=float, metavar="HZ", help="frequency of the torque in stance (default: 2.56)"
-    )
-    parser.add_argument("--stiffness", type=float, metavar="N·m/rad", help="stiffness of the spring (default: 48.84)")
-    parser.add_argument("--damping", type=float, metavar="N·m·s/rad", help="knee damping in stance (default: 1.3)")
-    parser.add_argument("--hardening", type=float, metavar="N·m/rad³", help="hardening of the spring (default: 0)")
-    parser.add_argument("--preload", type=float, metavar="N·m", help="preload of the spring (default: 0)")
-    parser.add_argument(
-        "--switch-delay",
-        type=float,
-        metavar="S",
-        help="delay with which the spring is engaged and released (default: 0)",
-    )
-    parser.add_argument(
-        "--tooth", type=float, metavar="RAD", help="pitch of the teeth in which the switch can engage (default: none)"
-    )
-    parser.add_argument(
-        "--friction", type=float, metavar="MU", help="friction of the ground (default: 0.8, an assumption)"
-    )
-    parser.add_argument(
-        "--slope", type=float, default=0.0, metavar="RAD", help="slope of the ground, uphill in +x (default: 0)"
+    add_numbers(
+        parser,
+        ("--knee", "RAD", "commanded knee angle at touchdown (default: 1.0)"),
+        ("--frequency", "HZ", "frequency of the torque in stance (default: 2.56)"),
+        ("--stiffness", "N·m/rad", "stiffness of the spring (default: 48.84)"),
+        ("--damping", "N·m·s/rad", "knee damping in stance (default: 1.3)"),
+        ("--hardening", "N·m/rad³", "hardening of the spring (default: 0)"),
+        ("--preload", "N·m", "preload of the spring (default: 0)"),
+        ("--switch-delay", "S", "delay with which the spring is engaged and released (default: 0)"),
+        ("--tooth", "RAD", "pitch of the teeth in which the switch can engage (default: none)"),
+        ("--friction", "MU", "friction of the ground (default: 0.8, an assumption)"),
+        ("--slope", "RAD", "slope of the ground, uphill in +x (default: 0)"),
     )
     parser.add_argument(
         "--free-x", action="store_true", help="let the boom slide along x, and solve the hip angle for no drift"
     )
-    parser.add_argument(
-        "--foot-placement", type=float, default=0.0, metavar="RAD·S/M", help="gain of foot placement; needs --free-x"
-    )
+    add_numbers(parser, ("--foot-placement", "RAD·S/M", "gain of foot placement; needs --free-x"))
     hardware = parser.add_argument_group("hardware", "numbers that the thesis does not print are assumptions")
     hardware.add_argument("--hardware", action="store_true", help="simulate motors, gears and batteries")
-    hardware.add_argument("--current-limit", type=float, metavar="A", help="limit of the amplifiers (default: 10)")
-    hardware.add_argument(
-        "--bandwidth", type=float, metavar="HZ", help="bandwidth of the current loops (default: none)"
-    )
-    hardware.add_argument("--noise", type=float, metavar="RAD", help="noise of the measured angles (default: 0)")
-    hardware.add_argument(
-        "--losses", type=float, metavar="1/S", help="lost commands per second, 5 ms each (default: 0)"
+    add_numbers(
+        hardware,
+        ("--current-limit", "A", "limit of the amplifiers (default: 10)"),
+        ("--bandwidth", "HZ", "bandwidth of the current loops (default: none)"),
+        ("--noise", "RAD", "noise of the measured angles (default: 0)"),
+        ("--losses", "1/S", "lost commands per second, 5 ms each (default: 0)"),
     )
     add_seed(hardware, "noise and losses", None)
     add_leg(parser, "one of its legs hops, with SPEAR-II's defaults scaled to it")
@@ -87,6 +75,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Solve the hop, simulate it and write its files."""
     from dataclasses import replace
+    from functools import partial
 
     from spear_pin import load
     from spear_pin.cli import hop_round
@@ -98,12 +87,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     check_simulation(arguments)
     if arguments.robot is not None and sidecar_of(arguments.robot).post is not None:
+        refuse(arguments, "to be left out: a robot that goes round a post has its own law and spring", *OTHERS)
         return hop_round.run(arguments)
     locked = [] if arguments.free_x else ["boom_x"]
     other = one_leg(arguments, locked)
-    for option in ("free_x", "hardware") if other is not None and other.reach is not None else ():
-        if getattr(arguments, option):
-            raise BadValue(f"--{option.replace('_', '-')}", True, "to be left out for a robot whose file has [reach]")
+    if other is not None and other.reach is not None:
+        refuse(arguments, "to be left out for a robot whose file has [reach]", "free_x", "hardware")
     robot = other or load("spear_ii", locked=locked)
     rig = _rig(arguments, other)
     if rig is not None and arguments.save:
@@ -128,19 +117,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if trajectory.electrical is not None:
         figures["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
         figures["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
+    title, told, plot = f"{called(robot)} hopping in place", [*notes, *rests_on(robot)], partial(hop_summary, gait=gait)
     return write_motion(
-        arguments,
-        "hop",
-        gait,
-        trajectory,
-        end,
-        figures,
-        _rows,
-        title=f"{called(robot)} hopping in place",
-        program=program,
-        told=[*notes, *rests_on(robot)],
-        plot=lambda motion: hop_summary(motion, gait),
-        saved=[gait.save(arguments.out / "hop.json")] if arguments.save else [],
+        arguments, "hop", gait, trajectory, end, figures, _rows, title=title, program=program, told=told, plot=plot
     )
 
 
@@ -153,25 +132,22 @@ def _system(arguments: argparse.Namespace, robot: Robot, usual: HybridSystem | N
 
     law, springs = (HoppingLaw(), {"knee": Spring()}) if usual is None else (usual.law, usual.springs)
     first, spring = next(iter(springs.items()))
-    for name in SPRING if spring.path is not None else ():
-        if (value := getattr(arguments, name)) is not None:
-            raise BadValue(
-                f"--{name}", value, f"to be left out: the file gives the spring {first!r}, which is on a path"
-            )
-    given = {name: value for name in ("stance_torque", "frequency") if (value := getattr(arguments, name)) is not None}
+    if spring.path is not None:
+        refuse(arguments, f"to be left out: the file gives the spring {first!r}, which is on a path", *SPRING)
+    own = given(arguments, "stance_torque", "frequency", "foot_placement")
     knee = law.knee_touchdown if arguments.knee is None else arguments.knee
     turned = robot.reach is None and (arguments.free_x or usual is not None)
     lean = robot.legs[0].lean(knee) if turned else law.hip_touchdown
-    law = replace(law, knee_touchdown=knee, hip_touchdown=lean, foot_placement=arguments.foot_placement, **given)
+    law = replace(law, knee_touchdown=knee, hip_touchdown=lean, **own)
     if rig is not None and arguments.stance_torque is None:  # what the gears lose is asked for as well
         law = replace(law, stance_torque=law.stance_torque / rig.knee_efficiency)
-    spring = replace(spring, **{name: value for name in SPRING if (value := getattr(arguments, name)) is not None})
+    spring = replace(spring, **given(arguments, *SPRING))
     late = {} if arguments.switch_delay is None else dict.fromkeys(DELAYS, arguments.switch_delay)
     late |= {} if arguments.tooth is None else {"pitch": arguments.tooth}
     if any(late.values()):
         spring = replace(spring, clutch=replace(spring.clutch or Clutch(damper=JOINT), **late))
-    friction = {} if arguments.friction is None else {"friction": arguments.friction}
-    return hopping(robot, law, {**springs, first: spring}, ground=Ground(slope=arguments.slope, **friction))
+    ground = Ground(**given(arguments, "slope", "friction"))
+    return hopping(robot, law, {**springs, first: spring}, ground=ground)
 
 
 def _write_system(program: Program, robot: Code, system: HybridSystem, usual: HybridSystem | None) -> Code:
@@ -242,7 +218,7 @@ def _found(
         with progress() as show:
             show("continuing from a hop with other numbers")
             gait = continue_hop(arguments, system, failure)
-    kept = {name: value for name in ("flight_time", "stance_torque") if (value := getattr(arguments, name)) is not None}
+    kept = given(arguments, "flight_time", "stance_torque")
     program.let("gait", Code(f"{program.call(lead_hop, named, kept)}.gait"))
     notes.append(("found", "by continuation from a hop with SPEAR-II's numbers, scaled: a search alone finds none"))
     return gait, notes
@@ -261,13 +237,10 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
     from spear_pin.model.settings import Settings
     from spear_pin.studies.hardware import Rig
 
-    given: dict[str, Any] = {name: value for name in RIG if (value := getattr(arguments, name)) is not None}
     if not arguments.hardware:
-        if given:
-            raise BadValue(
-                f"--{next(iter(given)).replace('_', '-')}", next(iter(given.values())), "only with --hardware"
-            )
+        refuse(arguments, "only with --hardware", *RIG)
         return None
+    options = given(arguments, *RIG)
     if other is not None:
         known = other.settings or Settings("")
         if missing := [joint for joint in other.actuated if joint not in known.motors]:
@@ -275,13 +248,13 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
                 f"a robot with known motors: name that of its {missing[0]} in a TOML file next to the robot's file"
             )
             raise BadValue("--hardware", True, expected)
-        given |= {**known.motors, **{f"{joint}_efficiency": x for joint, x in known.efficiencies.items()}}
-    seed = given.pop("seed", 0)
+        options |= {**known.motors, **{f"{joint}_efficiency": x for joint, x in known.efficiencies.items()}}
+    seed = options.pop("seed", 0)
     if seed < 0:
         raise BadValue("--seed", seed, "a whole number >= 0")
-    noise, losses = given.pop("noise", 0.0), given.pop("losses", 0.0)
+    noise, losses = options.pop("noise", 0.0), options.pop("losses", 0.0)
     sensing = Sensing(angle_noise=noise, losses=losses, seed=seed) if noise or losses else None
-    return Rig(**given, sensing=sensing)
+    return Rig(**options, sensing=sensing)
 
 
 def _rows(summary: dict[str, Any]) -> Rows:

@@ -6,6 +6,7 @@ import argparse
 import shlex
 from typing import TYPE_CHECKING
 
+from spear_pin.cli.given import given
 from spear_pin.errors import NoGait, SpearError
 
 if TYPE_CHECKING:
@@ -25,15 +26,7 @@ UNITS = {  # what the numbers are called, as are their options, with their units
     "flight_time": ("flight_time", "s"),
     "stance_torque": ("stance_torque", "N·m"),
 }
-KEPT = (
-    "leg",
-    "bends",
-    "body",
-    "repair",
-    "slope",
-    "foot_placement",
-    *dict.fromkeys(each for each, _ in UNITS.values() if each != "hip"),
-)
+KEPT = ("leg", "bends", "body", "repair", "slope", "foot_placement", *(x for x, _ in UNITS.values() if x != "hip"))
 UNSAID = {"knee": 1.0, "slope": 0.0, "foot_placement": 0.0}  # what need not be said
 NOWHERE = "SPEAR-II's numbers, scaled to this leg, give no hop either, so there is none to continue from"
 
@@ -51,11 +44,8 @@ def continue_hop(arguments: argparse.Namespace, system: HybridSystem, failure: N
     """
     from spear_pin.studies.hop_led import lead_hop
 
-    named = {
-        name: value for name in ("flight_time", "stance_torque") if (value := getattr(arguments, name)) is not None
-    }
     try:
-        way = lead_hop(system, named)
+        way = lead_hop(system, given(arguments, "flight_time", "stance_torque"))
     except SpearError:
         raise NoGait(failure.reason, failure.residual, failure.cause or NOWHERE, failure.remedy) from None
     if way.gait is not None:
@@ -76,7 +66,7 @@ def write_call(arguments: argparse.Namespace, way: Way) -> str:
     option, _ = UNITS[way.number]
     if option not in KEPT:
         return ""
-    values = {name: value for name in KEPT if (value := getattr(arguments, name)) is not None}
+    values = given(arguments, *KEPT)
     if way.number != "stance_torque":  # which comes last
         values = {name: value for name, value in values.items() if name != "stance_torque"}
         values["flight_time"] = f"{way.flight_time:.4g}"

@@ -10,40 +10,12 @@ from spear_pin.cli.legs import called, stability
 from spear_pin.cli.output import iterations
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.writing import Rows, list_checks, play, write_motion
-from spear_pin.errors import BadValue
-
-# what `hop` declares of another law, with what it has where nothing is said
-OTHERS = {
-    "flight_time": None,
-    "stance_torque": None,
-    "knee": None,
-    "frequency": None,
-    "stiffness": None,
-    "damping": None,
-    "hardening": None,
-    "preload": None,
-    "switch_delay": None,
-    "tooth": None,
-    "slope": 0.0,
-    "free_x": False,
-    "foot_placement": 0.0,
-    "hardware": False,
-    "current_limit": None,
-    "bandwidth": None,
-    "noise": None,
-    "losses": None,
-    "seed": None,
-    "leg": None,
-    "bends": None,
-    "body": None,
-}
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Find the hop, simulate it and write its files.
 
     Raises:
-        BadValue: an option was given that its law does not have.
         NoGait: it has none.
     """
     from dataclasses import replace
@@ -52,10 +24,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.gaits.round_hopping import round_hopping
     from spear_pin.studies.round_hop import summarize_round
 
-    for name, unsaid in OTHERS.items():
-        if (value := getattr(arguments, name)) != unsaid:
-            expected = "to be left out: a robot that goes round a post has its own law and spring"
-            raise BadValue(f"--{name.replace('_', '-')}", value, expected)
     program = Program()
     robot = load(arguments.robot, repair=bool(arguments.repair))
     named = program.let("robot", program.call(load, arguments.robot, repair=bool(arguments.repair)))
@@ -70,18 +38,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         gait = find_gait(system, on_iteration=tell)
     program.let("gait", program.call(find_gait, made))
     trajectory, end = play(arguments, program, gait, "hop")
-    return write_motion(
-        arguments,
-        "hop",
-        gait,
-        trajectory,
-        end,
-        {**summarize_round(gait, trajectory), "friction": arguments.friction},
-        _rows,
-        title=f"{called(robot)} hopping round its post",
-        program=program,
-        saved=[gait.save(arguments.out / "hop.json")] if arguments.save else [],
-    )
+    figures = {**summarize_round(gait, trajectory), "friction": arguments.friction}
+    title = f"{called(robot)} hopping round its post"
+    return write_motion(arguments, "hop", gait, trajectory, end, figures, _rows, title=title, program=program)
 
 
 def _rows(summary: dict[str, Any]) -> Rows:

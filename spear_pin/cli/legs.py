@@ -6,6 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import ROBOT, add_repair
+from spear_pin.cli.given import refuse
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue, UnknownName, require
 
@@ -94,9 +95,7 @@ def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
     robot = _loaded(arguments, "fixed")
     if robot is None or robot.reach is None:
         return None if robot is None else _leg(robot, arguments.leg, arguments.bends, arguments.body, locked)
-    for name in OPTIONS[:3]:
-        if (value := getattr(arguments, name)) is not None:
-            raise BadValue(f"--{name}", value, "to be left out: [reach] of the robot's file is about one leg")
+    refuse(arguments, "to be left out: [reach] of the robot's file is about one leg", *OPTIONS[:3])
     return robot
 
 
@@ -263,11 +262,8 @@ def _check_body(body: float | None) -> None:
 
 def _loaded(arguments: argparse.Namespace, base: str) -> Robot | None:
     """The robot that is named, every joint of it with a motor unless its TOML file says which."""
-    given = {name: value for name in OPTIONS if (value := getattr(arguments, name, None)) is not None}
     if arguments.robot is None:
-        if given:
-            name, value = next(iter(given.items()))
-            raise BadValue(f"--{name}", value, "only with --robot")
+        refuse(arguments, "only with --robot", *OPTIONS)
         return None
     from spear_pin import load
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import (
     Commands,
     add_command,
+    add_numbers,
     add_open,
     add_out,
     add_repair,
@@ -20,6 +21,7 @@ from spear_pin.cli.arguments import (
     add_workers,
     check_out,
 )
+from spear_pin.cli.given import refuse
 from spear_pin.cli.legs import BODY, SIDE, called, in_the_plane, one_leg, rests_on, write_leg, write_plane
 from spear_pin.cli.motors import EFFICIENCY
 from spear_pin.cli.output import aligned, progress
@@ -96,11 +98,10 @@ def add(commands: Commands) -> None:
             metavar="N",
             help=f"ratio of its gearbox; needs --{part}-motor (default: the file's)",
         )
-    motors.add_argument(
-        "--efficiency", type=float, metavar="X", help=f"efficiency of these motors' gears (default: {EFFICIENCY})"
-    )
-    motors.add_argument(
-        "--bus", type=float, metavar="V", help="voltage of the motors' supply (default: their nominal voltage)"
+    add_numbers(
+        motors,
+        ("--efficiency", "X", f"efficiency of these motors' gears (default: {EFFICIENCY})"),
+        ("--bus", "V", "voltage of the motors' supply (default: their nominal voltage)"),
     )
     add_workers(parser, None, "one for each processor")
     add_out(parser, "payoff.html, its pictures and gaits, and payoff.jsonl, from which an interrupted study goes on,")
@@ -148,12 +149,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     program.let("study", program.call(study_of, named, store, **own))
     program.show(Code(f"{program.call(answer, Code('study'))}.sentence"))
     with progress() as show:
-        study = study_of(
-            robot,
-            arguments.out / "payoff.jsonl",
-            **{"drives": {}} | own,
-            tell=show,
-        )
+        study = study_of(robot, arguments.out / "payoff.jsonl", **{"drives": {}} | own, tell=show)
     found = answer(study)
     name = called(robot).removesuffix(",")
     of_robot = [(label, text) for label, text in rests_on(robot) if not text.startswith("rotors without")]
@@ -192,11 +188,10 @@ def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study],
     from spear_pin.gaits.collocation import casadi
     from spear_pin.studies.payoff import bounds
 
-    for option in ("body", "flight_times", "over", "spring"):
-        _only(arguments, option, "only with --leg")
+    refuse(arguments, "only with --leg", "body", "flight_times", "over", "spring")
     casadi()
     if arguments.robot == QUADRUPED:
-        _only(arguments, "bends", f"to be left out: the sides of {QUADRUPED} are known")
+        refuse(arguments, f"to be left out: the sides of {QUADRUPED} are known", "bends")
         return load(QUADRUPED), bounds, arguments.speeds
     if arguments.bends is not None and len(arguments.bends) != 2:
         raise BadValue(
@@ -212,10 +207,9 @@ def _hops(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], S
     from spear_pin import load
     from spear_pin.studies.payoff import hops
 
-    _only(arguments, "speeds", "to be left out with --leg: for a hop give --flight-times")
+    refuse(arguments, "to be left out with --leg: for a hop give --flight-times", "speeds")
     if arguments.robot == LEG:
-        for option in ("leg", "bends", "body"):
-            _only(arguments, option, f"to be left out: {LEG} is one leg")
+        refuse(arguments, f"to be left out: {LEG} is one leg", "leg", "bends", "body")
         return load(LEG, locked=["boom_x"]), hops, arguments.flight_times
     bends, *more = arguments.bends or [None]
     if more:
@@ -223,13 +217,6 @@ def _hops(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], S
     robot = one_leg(argparse.Namespace(**vars(arguments) | {"bends": bends}), ["boom_x"])
     assert robot is not None
     return robot, hops, arguments.flight_times
-
-
-def _only(arguments: argparse.Namespace, option: str, expected: str) -> None:
-    """Refuse an option that has no place."""
-    value = getattr(arguments, option)
-    if value not in (None, []):
-        raise BadValue(f"--{option.replace('_', '-')}", value, expected)
 
 
 def numbers(word: str) -> tuple[float, ...]:

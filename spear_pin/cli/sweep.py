@@ -18,8 +18,10 @@ from spear_pin.cli.arguments import (
     folder,
 )
 from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait, offer_words
+from spear_pin.cli.given import refuse
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import aligned
+from spear_pin.cli.pairs import once
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
 from spear_pin.words import number
@@ -76,7 +78,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Find the gaits, and draw the map."""
     _check(arguments)
     number, method = (arguments.latin, "latin") if arguments.latin else (arguments.sobol, "sobol")
-    axes = _axes(arguments.over, number is not None)
+    axes = once((_axis(word, number is not None) for word in arguments.over), "--over")
 
     from tqdm import tqdm
 
@@ -162,33 +164,19 @@ def _check(arguments: argparse.Namespace) -> None:
         value = getattr(arguments, option)
         if value is not None and value < least:
             raise BadValue(f"--{option}", value, f"a whole number, at least {least}")
-    if arguments.what == "hop" and arguments.speed is not None:
-        raise BadValue("--speed", arguments.speed, "only with bound; for a hop give --flight-time")
-    if arguments.what == "hop" and arguments.gait is not None:
-        raise BadValue("--gait", arguments.gait, "only with bound: the search for a hop needs no gait")
-    if arguments.what == "bound" and arguments.robot is not None:
-        expected = (
-            "only with hop; for a bound of this robot type `spear bound --robot NAME --save`, then --gait bound.json"
-        )
-        raise BadValue("--robot", arguments.robot, expected)
-    if arguments.what == "bound" and arguments.flight_time is not None:
-        raise BadValue("--flight-time", arguments.flight_time, "only with hop; for a bound give --speed")
+    if arguments.what == "hop":
+        refuse(arguments, "only with bound; for a hop give --flight-time", "speed")
+        refuse(arguments, "only with bound: the search for a hop needs no gait", "gait")
+    else:
+        typed = "`spear bound --robot NAME --save`, then --gait bound.json"
+        refuse(arguments, f"only with hop; for a bound of this robot type {typed}", "robot")
+        refuse(arguments, "only with hop; for a bound give --speed", "flight_time")
     if arguments.speed is not None and not 0.0 < arguments.speed < math.inf:
         raise BadValue("--speed", arguments.speed, "a number > 0")
 
 
-def _axes(words: list[str], sampled: bool) -> Axes:
-    """Parameters and their values, or their ranges."""
-    axes: Axes = {}
-    for word in words:
-        name, numbers = _axis(word, sampled)
-        if name in axes:
-            raise BadValue("--over", word, "each name once")
-        axes[name] = numbers
-    return axes
-
-
 def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
+    """A parameter and its values, or its range."""
     name, _, values = word.partition("=")
     colons = values.count(":")
     try:
@@ -223,12 +211,8 @@ def _asked(
 
     leg = one_leg(arguments, ["boom_x"])
     if arguments.what == "hop":
-        system, measure, value, solved = (
-            hopping(load("spear_ii", locked=["boom_x"])) if leg is None else scaled_hopping(leg),
-            "flight_time",
-            arguments.flight_time,
-            "stance_torque",
-        )
+        system = hopping(load("spear_ii", locked=["boom_x"])) if leg is None else scaled_hopping(leg)
+        measure, value, solved = "flight_time", arguments.flight_time, "stance_torque"
         robot = write_leg(program, arguments, system.robot, ["boom_x"])
         program.let("system", program.call(hopping if leg is None else scaled_hopping, robot))
     else:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
-from spear_pin.cli.bound_in_space import check_push, list_checks_in_space, list_push, push_state, sections
+from spear_pin.cli.bound_in_space import check_push, list_checks_in_space, list_push, play_pushed, sections
 from spear_pin.cli.legs import called
 from spear_pin.cli.output import progress
 from spear_pin.cli.python_lines import Code, Program
-from spear_pin.cli.writing import Rows, play, write_motion
+from spear_pin.cli.writing import Rows, write_motion
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -65,16 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             found = regulate(gait, inputs)
         gait = found.gait
         program.let("gait", Code(f"{program.call(regulate, named, inputs=inputs)}.gait"))
-    trajectory, end = play(
-        arguments,
-        program,
-        gait,
-        "stride",
-        of=in_a_stride,
-        state=push_state(gait, arguments.push, program),
-        in_space=True,
-        remedy="a smaller --push" if arguments.push else "",
-    )
+    trajectory, end = play_pushed(arguments, program, gait, arguments.push, in_a_stride)
     figures = summarize_in_space(gait, trajectory)
     figures |= {
         "gait": arguments.gait,
@@ -85,18 +77,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "stride_time": in_a_stride * figures["period"],
         **multipliers_of(gait, found),
     }
+    title = f"{called(gait.system.robot)} {gait.system.kind} at {figures['speed']:.2f} m/s"
+    saved = [] if found is None else [gait.save(arguments.out / "trot_steady.json")]
+    plot = partial(space_summary, cycles=DRAWN * in_a_stride)
     return write_motion(
-        arguments,
-        "trot",
-        gait,
-        trajectory,
-        end,
-        figures,
-        _rows,
-        title=f"{called(gait.system.robot)} {gait.system.kind} at {figures['speed']:.2f} m/s",
-        program=program,
-        plot=lambda motion: space_summary(motion, DRAWN * in_a_stride),
-        saved=[] if found is None else [gait.save(arguments.out / "trot_steady.json")],
+        arguments, "trot", gait, trajectory, end, figures, _rows, title=title, program=program, plot=plot, saved=saved
     )
 
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import math
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
+from spear_pin.cli.arguments import Commands, add_command, add_numbers, add_simulation, check_simulation
 from spear_pin.cli.bound_in_space import list_checks_in_space
 from spear_pin.cli.gaits import BOUND, bounding_gait
+from spear_pin.cli.given import given, refuse
 from spear_pin.cli.legs import called, of_the_section
 from spear_pin.cli.output import progress
 from spear_pin.cli.python_lines import Code, Program
@@ -35,18 +37,10 @@ def add(commands: Commands) -> None:
         metavar="GAIT",
         help=f"a bounding gait by name or path (default: {BOUND}); a gait that turns already is simulated as it is",
     )
-    by = parser.add_mutually_exclusive_group()
-    by.add_argument(
-        "--rate",
-        type=float,
-        metavar="DEG_PER_S",
-        help="yaw rate to the left: the angle divided by the period of the straight gait",
-    )
-    by.add_argument(
-        "--angle",
-        type=float,
-        metavar="DEG",
-        help=f"angle by which a stride turns to the left (default: {ANGLE:g}); negative: right",
+    add_numbers(
+        parser.add_mutually_exclusive_group(),
+        ("--rate", "DEG_PER_S", "yaw rate to the left: the angle divided by the period of the straight gait"),
+        ("--angle", "DEG", f"angle by which a stride turns to the left (default: {ANGLE:g}); negative: right"),
     )
     add_simulation(parser, 20, "strides", "turn.html, turn.svg, turn.npz and turn.json", "turn.html")
 
@@ -54,10 +48,9 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Find the gait, simulate it and write its files."""
     check_simulation(arguments)
-    for name in ("rate", "angle"):
-        given = getattr(arguments, name)
-        if given is not None and not (math.isfinite(given) and given):
-            raise BadValue(f"--{name}", given, "a finite number other than 0, in °")
+    for name, value in given(arguments, "rate", "angle").items():
+        if not (math.isfinite(value) and value):
+            raise BadValue(f"--{name}", value, "a finite number other than 0, in °")
     from spear_pin.gaits.gait import Gait
     from spear_pin.studies.bound.turn import summarize_turn
     from spear_pin.viz.plots.space import space_summary
@@ -72,18 +65,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     trajectory, end = play(arguments, program, gait, "stride", in_space=True)
     figures = {"gait": name, **summarize_turn(gait, trajectory)}
     side, rate = _side(figures), significant(math.degrees(abs(figures["rate"])))
+    title = f"{called(gait.system.robot)} turning {side} by {rate}°/s at {figures['speed']:.2f} m/s"
+    kept = [gait.save(arguments.out / "turn.json")] if saved is None else []
+    plot = partial(space_summary, cycles=DRAWN)
     return write_motion(
-        arguments,
-        "turn",
-        gait,
-        trajectory,
-        end,
-        figures,
-        _rows,
-        title=f"{called(gait.system.robot)} turning {side} by {rate}°/s at {figures['speed']:.2f} m/s",
-        program=program,
-        plot=lambda motion: space_summary(motion, DRAWN),
-        saved=[gait.save(arguments.out / "turn.json")] if saved is None else [],
+        arguments, "turn", gait, trajectory, end, figures, _rows, title=title, program=program, plot=plot, saved=kept
     )
 
 
@@ -99,9 +85,7 @@ def _saved(arguments: argparse.Namespace) -> Gait | None:
     gait = Gait.load(path)
     if gait.system.robot.coordinates[: len(CHAIN)] != CHAIN:
         return None
-    for name in ("rate", "angle"):
-        if getattr(arguments, name) is not None:
-            raise BadValue(f"--{name}", getattr(arguments, name), f"to be left out with {path}, which has its own turn")
+    refuse(arguments, f"to be left out with {path}, which has its own turn", "rate", "angle")
     return gait
 
 

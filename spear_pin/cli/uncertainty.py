@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_seed, check_out
@@ -95,21 +96,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             program.show(program.method(Code("spread"), "monte_carlo", samples, arguments.seed))
     figures = {"uncertainty": json.loads(spread.to_json())}
     figures |= {} if drawn is None else {"monte_carlo": drawn.plain()}
-    more = (
-        []
-        if drawn is None or not drawable(drawn)
-        else [save_figure(monte_carlo(drawn), arguments.out / "monte_carlo.svg")]
-    )
-    return write_study(
-        arguments,
-        STEM,
-        json.dumps(figures, indent=1, allow_nan=False),
-        variance_shares(spread),
-        figures,
-        [str(spread), *([] if drawn is None else [str(drawn)])],
-        program=program,
-        saved=more,
-    )
+    more, texts = list[Path](), [str(each) for each in (spread, drawn) if each is not None]
+    if drawn is not None and drawable(drawn):
+        more = [save_figure(monte_carlo(drawn), arguments.out / "monte_carlo.svg")]
+    text = json.dumps(figures, indent=1, allow_nan=False)
+    return write_study(arguments, STEM, text, variance_shares(spread), figures, texts, program=program, saved=more)
 
 
 def _spread(

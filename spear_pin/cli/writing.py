@@ -96,7 +96,7 @@ def write_motion(
         program: Python that does the same.
         told: rows after these.
         plot: draws the plots.
-        saved: files that are written already.
+        saved: files that are written already; with --save the gait is another.
 
     Returns:
         What a command returns.
@@ -107,6 +107,8 @@ def write_motion(
     from spear_pin.viz.plots import save_figure
 
     robot = gait.system.robot
+    if getattr(arguments, "save", False):
+        saved = [*saved, gait.save(arguments.out / f"{stem}.json")]
     samples = trajectory.save(arguments.out / f"{stem}.npz")
     summary = {"lost": end, **figures, **plausibility(gait, trajectory)}
     if robot.cut is not None:

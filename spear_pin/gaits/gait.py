@@ -196,9 +196,9 @@ class Gait(Shown):
             build, law = kinds[data["kind"]]
             robot = robot_of(data["robot"])
             contact = Ground if data["contact"].keys() & {"slope", "height"} else Contact
-            system = build(robot, _part(law, data["law"]), springs_of(data), _part(contact, data["contact"]))
+            system = build(robot, part_of(law, data["law"]), springs_of(data), part_of(contact, data["contact"]))
             if "feedback" in data:
-                system = with_feedback(system, _part(EventFeedback, data["feedback"]))
+                system = with_feedback(system, part_of(EventFeedback, data["feedback"]))
             system = replace(system, **data.get("limits", {}))
             state = _numbers("state.q", data["state"]["q"], robot.nq), _numbers("state.v", data["state"]["v"], robot.nv)
             for name in data["parameters"]:
@@ -296,11 +296,11 @@ def _spring(values: Any) -> Spring:
     clutch = others.pop("clutch", None)
     if clutch is not None and not isinstance(clutch, dict):
         raise BadValue("clutch", clutch, "a JSON object")
-    spring: Spring = _part(Spring, others)
-    return replace(spring, path=path, clutch=None if clutch is None else _part(Clutch, clutch))
+    spring: Spring = part_of(Spring, others)
+    return replace(spring, path=path, clutch=None if clutch is None else part_of(Clutch, clutch))
 
 
-def _part(kind: type, values: Mapping[str, Any]) -> Any:
+def part_of(kind: type, values: Mapping[str, Any]) -> Any:
     """Returns a system's part from its fields; fields that an older file lacks have their defaults."""
     truths = {field.name for field in fields(kind) if field.type in ("bool", bool)}
     parts = {name: hint for name, hint in get_type_hints(kind).items() if is_dataclass(hint)}
@@ -312,7 +312,7 @@ def _part(kind: type, values: Mapping[str, Any]) -> Any:
 
 def _field(kind: Any, value: Any) -> Any:
     """Returns a field's value; a part of its own, such as the plane's law in that of space, is read from its fields."""
-    return _tuples(value) if kind is None or not isinstance(value, dict) else _part(kind, value)
+    return _tuples(value) if kind is None or not isinstance(value, dict) else part_of(kind, value)
 
 
 def _tuples(value: Any, deep: int = 1) -> Any:

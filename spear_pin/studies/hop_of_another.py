@@ -17,7 +17,6 @@ from spear_pin.gaits.proportions import proportions
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.kinds import typed
 from spear_pin.model.recut import recut
@@ -35,18 +34,17 @@ ALIKE = 0.02  # of a torque: one so near to another that was tried tells nothing
 
 
 @typed
-def scaled_hopping(robot: Robot, contact: Contact | None = None) -> HybridSystem:
+def scaled_hopping(robot: Robot) -> HybridSystem:
     """Returns the hop of a leg by SPEAR-II's scaled law, with the leg's own springs from a TOML file, or SPEAR-II's.
 
     Args:
         robot: a leg, as `spear_pin.monopod` cuts it, or one with `[reach]`.
-        contact: friction of level ground.
     """
     own = {} if robot.settings is None else robot.settings.springs
     paths = {name: spring for name, spring in own.items() if spring.path is not None}
     lacks = paths or robot.reach is not None
     knee = {"knee": own["knee"]} if "knee" in own else {} if lacks else {"knee": Spring.scaled(robot)}
-    return hopping(robot, HoppingLaw.scaled(robot), {**knee, **paths} or None, contact)
+    return hopping(robot, HoppingLaw.scaled(robot), {**knee, **paths} or None)
 
 
 def usual_flight(robot: Robot) -> float:

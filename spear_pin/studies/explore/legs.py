@@ -140,12 +140,8 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
         "damping": _scaled(KNOBS["damping"], usual.spring.damping, scale.torque * scale.time, *by_file),
     }
     knee = KNOBS[KNEE].default
-    law = replace(
-        usual.law,
-        knee_touchdown=knee,
-        hip_touchdown=robot.legs[0].lean(knee),
-        frequency=given["frequency"].default,
-    )
+    leant, frequency = robot.legs[0].lean(knee), given["frequency"].default
+    law = replace(usual.law, knee_touchdown=knee, hip_touchdown=leant, frequency=frequency)
     spring = replace(usual.spring, stiffness=given["stiffness"].default, damping=given["damping"].default)
     gait = hop_of(usual.build(robot, law, spring, usual.ground), scale.time * FLIGHT_TIME, within_limits=True)
     flight, torque = gait.durations["flight"], gait.system.law.stance_torque

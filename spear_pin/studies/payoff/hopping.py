@@ -135,15 +135,7 @@ def figures_of(
     trajectory = simulate(gait.system, gait.state, samples=samples, progress=False)
     done = work(own or robot, flight)
     held, starts = ((), 1) if best is None else (_held(best.design, done), best.starts)
-    found = figures(
-        gait,
-        as_built(motors, robot),
-        trajectory,
-        work=done,
-        speed=flight,
-        held=held,
-        starts=starts,
-    )
+    found = figures(gait, as_built(motors, robot), trajectory, work=done, speed=flight, held=held, starts=starts)
     return replace(found, chosen={name: number(gait.system, name) for name in over})
 
 

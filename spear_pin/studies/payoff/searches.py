@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.gaits.collocation import Solution
-from spear_pin.gaits.gait import KINDS, Gait, springs_data, springs_of
+from spear_pin.gaits.gait import KINDS, Gait, part_of, springs_data, springs_of
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import vary
 from spear_pin.studies.payoff.figures import Figures
@@ -86,11 +86,11 @@ def written(gait: Gait) -> dict[str, Any]:
 def rebuilt(kind: str, robot: Robot, said: Mapping[str, Any]) -> Gait:
     """Returns the gait of a robot that `written` wrote, of a kind among ``KINDS`` of `spear_pin.gaits.gait`."""
     build, law_of = KINDS[kind]
-    law = law_of(**{name: _tuples(value) for name, value in said["law"].items()})
     q, v = (np.array(part, dtype=float) for part in said["state"])
     multipliers = np.array([complex(*pair) for pair in said["multipliers"]])
     varied = said.get("varied", robot.varied)
-    system = build(robot if varied == dict(robot.varied) else vary(robot, **varied), law, springs_of(said))
+    robot = robot if varied == dict(robot.varied) else vary(robot, **varied)
+    system = build(robot, part_of(law_of, said["law"]), springs_of(said))
     return Gait(system, (q, v), said["parameters"], said["residual"], multipliers, said["durations"])
 
 
@@ -114,7 +114,3 @@ def of_json(line: Mapping[str, Any]) -> SearchEnd:
         values = {name: np.array(value, dtype=float) for name, value in line["solution"]["values"].items()}
         said["solution"] = Solution(**line["solution"] | {"values": values})
     return SearchEnd(**said)
-
-
-def _tuples(value: Any) -> Any:
-    return tuple(map(_tuples, value)) if isinstance(value, list) else value
