@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.measures.catalogue import added, unit_on
+from spear_pin.gaits.measures.catalogue import added, described, unit_on
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.column_names import PAIR, lengths, motors_at, of_a_pair, parted, unit_of
 from spear_pin.hybrid.trajectory import Trajectory
