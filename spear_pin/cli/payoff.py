@@ -81,7 +81,8 @@ def add(commands: Commands) -> None:
         action="extend",
         default=[],
         metavar=RANGE,
-        help="choose these numbers, too, at each point, such as knee_motor_size=0.5:3 with the motor's mass; for hops",
+        help="choose these numbers, too, at each point: knee_motor_size=0.5:3 with the motor's mass, or of the spring's"
+        " path, cable.end_z=0.04:0.06; for hops",
     )
     motors = parser.add_argument_group(
         "motors", "by default those of the robot's TOML file, else motors of the catalogue scaled to the robot"
@@ -298,7 +299,7 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
         knee, hip = (most(figures.peak, part) for part in ("knee", "hip"))
         unstable = ": unstable" if figures.multiplier > 1.0 else ""
         spring = f"{figures.stiffness:.3g} {words.unit}, " if finding.point.kind != "none" else ""
-        spring += "".join(f"{name} {value:.3g}, " for name, value in figures.chosen.items())
+        spring += f"{words.of_numbers(figures.chosen)}, " * bool(figures.chosen)
         return (
             f"{figures.cost:.4f}, {study.gaits.energy(study.robot, figures):.3g} J:"
             f" {spring}peak knee {knee:.3g}, hip {hip:.3g} N·m,"

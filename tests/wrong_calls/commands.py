@@ -161,7 +161,7 @@ OPTIONS = {
     },
     "payoff spear_ii": {
         "--flight-times": (*RISING, "1e9"),
-        "--over": ("", "x", "knee_motor_size", "knee_motor_size=2:3", "frequency=1:3", "knee_motor=0.5:2", "x=1:2"),
+        "--over": ("", "x", "knee_motor_size", "knee_motor_size=2:3", "frequency=1:3", "knee_motor=0.5:2", "a.hip=1:2"),
         "--speeds": ("2",),
         "--spring": ("", "x"),
         "--leg": ("leg",),

@@ -124,7 +124,9 @@ def _does(study: Study, kind: str, found: Judgement) -> str:
     share, tried, unit = 100.0 * found.saving[kind], study.grid.stiffnesses, study.gaits.words.unit
     does = f"saves {share:.1f} % of" if share >= 0.0 else f"adds {-share:.1f} % to"
     outside = f", outside the {tried[0]:.3g} to {tried[-1]:.3g} of the grid," if kind in found.outside else ""
-    return f"a {name} spring of {best.figures.stiffness:.3g} {unit} per leg{outside} {does} the electricity"
+    chosen = study.gaits.words.of_numbers(best.figures.chosen)
+    own = f"{unit} per leg{outside}" + f" with {chosen}" * bool(chosen)
+    return f"a {name} spring of {best.figures.stiffness:.3g} {own} {does} the electricity"
 
 
 def _peak(finding: SearchEnd) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -38,6 +38,7 @@ class Words:
         rests: assumptions of a study of such gaits, as names and texts.
         place: where the spring is, in words.
         unit: unit of its stiffness.
+        units: units of further numbers that are chosen at each point, by name; empty where one has none.
     """
 
     one: str
@@ -54,10 +55,15 @@ class Words:
     rests: tuple[tuple[str, str], ...]
     place: str = "in the knee"
     unit: str = "N·m/rad"
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def of(self, point: Point) -> str:
         """Returns a point in words."""
         return point.said(self.pace, self.unit)
+
+    def of_numbers(self, chosen: Mapping[str, float]) -> str:
+        """Returns chosen numbers in words."""
+        return ", ".join(f"{name} {value:.3g} {self.units.get(name, '')}".rstrip() for name, value in chosen.items())
 
 
 Found = tuple[Gait, Figures, Solution | None]
@@ -76,7 +82,7 @@ class Gaits(ABC):
             spring only beside points of the same kind that have one.
         valleys: kinds of knee for which searches end in several valleys; at each speed the softest spring is searched
             from initial guesses as well.
-        over: least and greatest values of further numbers of the robot that are chosen at each point.
+        over: least and greatest values of further numbers of robot or path that are chosen at each point.
     """
 
     kind: str

@@ -24,13 +24,13 @@ from spear_pin.gaits.springing import KNEE
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.parameters import number, unit, with_numbers
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.path import Path as AnyPath
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
-from spear_pin.model.variants import parameters_of, value_of, vary
+from spear_pin.model.variants import parameters_of
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
@@ -199,7 +199,8 @@ class Hops(Gaits):
     """Hops of one leg in place, found as fixed points.
 
     Attributes:
-        over: least and greatest values of further numbers that are chosen at each point, such as `knee_motor_size`.
+        over: least and greatest values of further numbers that are chosen at each point, such as `knee_motor_size`,
+            or `cable.hip` of the path.
         along: name and path of the spring; None for the knee's.
         words: words for them.
     """
@@ -216,9 +217,10 @@ class Hops(Gaits):
 
     def search(self, robot: Robot, motors: Motors, asked: Search) -> Found:
         """Finds the gait of least electrical cost of a robot with its motors, and its figures."""
-        task = task_of(robot, motors, "electricity", asked, self.over, self.stiffness(robot))
+        over = {name: ends for name, ends in self.over.items() if asked.point.kind != NONE or name not in self.of_path}
+        task = task_of(robot, motors, "electricity", asked, over, self.stiffness(robot))
         best = best_hop(task, _begun(self.system(robot), asked))
-        return best.gait, figures_of(best.gait, motors, best, asked.meshes[0], self.over, robot), None
+        return best.gait, figures_of(best.gait, motors, best, asked.meshes[0], over, robot), None
 
     def reference(self, robot: Robot, speed: float) -> Gait:
         """Finds the gait of least effort of a robot without springs at a speed, and its load on motors."""
@@ -248,23 +250,28 @@ class Hops(Gaits):
         springs = {name: Spring(0.0, damping=0.0, path=path), KNEE: Spring(0.0, damping=knee.damping)}
         return hopping(robot, replace(law, virtual_stiffness=usual.stiffness), springs)
 
+    @property
+    def of_path(self) -> tuple[str, ...]:
+        """Names of the numbers of the spring's path, which a knee without a spring lacks."""
+        return () if self.along is None else tuple(f"{self.along[0]}.{name}" for name in self.along[1].numbers)
+
     def check(self, robot: Robot, speeds: Sequence[float]) -> None:
         """Refuses flight times that no such gait has, and numbers that cannot be chosen."""
         system = self.system(robot)
         for flight in speeds:
             check_wanted(system, {"flight_time": flight})
         for name, ends in self.over.items():
-            if name not in parameters_of(robot):
-                raise UnknownName("parameter of the robot", name, parameters_of(robot))
+            if name not in (known := (*parameters_of(robot), *self.of_path)):
+                raise UnknownName("parameter of the robot", name, known)
             if len(ends) != 2 or not ends[0] < ends[1]:
                 raise BadValue(f"over[{name!r}]", ends, "a least and a greatest value")
             for end in ends:
-                vary(robot, **{name: end})  # its error says what is valid
+                with_numbers(system, {name: end})  # its error says what is valid
 
     def suits(self, robot: Robot) -> None:
         """Refuses ranges without the number of a robot with its motors, with which a search begins."""
         for name, (low, high) in self.over.items():
-            value = value_of(robot, name)
+            value = number(self.system(robot), name)
             if not low <= value <= high:
                 raise BadValue(f"over[{name!r}]", (low, high), f"a range with the robot's own value in it, {value:g}")
 
@@ -310,6 +317,14 @@ def along_of(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
     return (name, paths[name]) if name in paths else None
 
 
+def words_for(gaits: Hops, robot: Robot) -> Words:
+    """Returns the words of hops of a robot with a spring along a path, and with numbers that are chosen too."""
+    words, system = words_along(gaits.along), gaits.system(robot)
+    units = {name: "" if (own := unit(system, name)) == "1" else own for name in gaits.over}
+    ends = ", ".join(f"{name} from {low:g} to {high:g} {units[name]}" for name, (low, high) in gaits.over.items())
+    return replace(words, units=units, rests=(*words.rests, *[("chosen too", ends.strip())] * bool(ends)))
+
+
 def words_along(along: tuple[str, AnyPath] | None) -> Words:
     """Returns the words of hops with a spring at the knee, or along a path."""
     if along is None:
@@ -335,9 +350,9 @@ def hops(
         path: path of the store; searches in it are not repeated.
         spring: name of a spring of the robot's file; its other springs are left out. None: the only one it has, or one
             at the knee. Stiffnesses are in N/m if the spring's path is a length.
-        over: least and greatest values of further numbers of the robot that each search chooses, such as
-            `knee_motor_size`, with the mass of that motor. With ratios a motor keeps its greatest speed behind the
-            greatest one. Costs refer to the work of the robot as it is.
+        over: least and greatest values of further numbers that each search chooses: of the robot, such as
+            `knee_motor_size`, with the mass of that motor, or of the spring's path, such as `cable.end_z`. With ratios
+            a motor keeps its greatest speed behind the greatest one. Costs refer to the work of the robot as it is.
         **options: see `studied`; speeds are flight times, in s, by default `SHARES` of SPEAR-II's for the leg's size.
 
     Raises:
@@ -347,4 +362,5 @@ def hops(
     """
     along = along_of(robot, spring)
     batch.require()
-    return studied(Hops(dict(over), along, words_along(along)), robot, path, **options)
+    gaits = Hops(dict(over), along)
+    return studied(replace(gaits, words=words_for(gaits, robot)), robot, path, **options)

@@ -9,12 +9,14 @@ import pytest
 from spear_pin import Spring, find_gait, hopping, load, simulate
 from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.parameters import rebuilt as of_law
 from spear_pin.model.path import Joints
 from spear_pin.studies.payoff import Motors, Search, hop_search
-from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED, Point
-from spear_pin.studies.payoff.hop_search import TAUT, descended, led_to, problem
-from spear_pin.studies.payoff.hopping import HOPS, Hops, along_of, figures_of, hops, task_of, words_along
+from spear_pin.studies.payoff import hopping as hopping_study
+from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
+from spear_pin.studies.payoff.hop_search import TAUT, Best, descended, led_to, problem
+from spear_pin.studies.payoff.hopping import HOPS, Hops, along_of, figures_of, hops, task_of, words_along, words_for
 from spear_pin.studies.payoff.knee import levers, released, tied, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
 from spear_pin.studies.payoff.searches import rebuilt, written
@@ -23,8 +25,9 @@ from tests.studies.payoff.stub import drawn_by
 CABLE = Joints({"knee": 0.03, "hip": 0.006})  # m
 
 
-def along(path):
-    return Hops(along=("cable", path))
+def along(path, **over):
+    """Hops with a cable along a path, of which some numbers are chosen."""
+    return Hops({f"cable.{name}": ends for name, ends in over.items()}, ("cable", path))
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +92,42 @@ def test_along_the_knee_alone_it_is_the_knee_s(hop, motors, kind):
     assert cable.stiffness == own and cable.cost == pytest.approx(knee.cost, rel=1e-9)
 
 
+class TestChosenNumbers:
+    OVER = {"hip": (-0.01, 0.02)}
+
+    def test_are_those_of_a_knee_with_a_spring(self, robot, motors, monkeypatch):
+        """The hop is given; what its figures and words name is what the search was asked for."""
+        tasks, gaits = [], along(CABLE, **self.OVER)
+        system = with_numbers(with_knee(gaits.system(robot), SWITCHED, 2e4), {"cable.hip": 0.012})
+        monkeypatch.setattr(hopping_study, "_begun", lambda system, asked: [])
+        monkeypatch.setattr(hopping_study, "best_hop", lambda task, begun: tasks.append(task) or Best(system, None, 1))
+        monkeypatch.setattr(hopping_study, "figures_of", lambda gait, motors, best, mesh, over, own: dict(over))
+        found = [gaits.search(robot, motors, Search(Point(kind, 0.2, 2e4), None, gaits.meshes)) for kind in KINDS]
+        assert [figures for _, figures, _ in found] == [{}, {"cable.hip": (-0.01, 0.02)}, {"cable.hip": (-0.01, 0.02)}]
+        assert ["cable.hip" in task.chosen for task in tasks] == [False, True, True]
+        assert problem(tasks[-1], system).over["cable.hip"] == (-0.01, 0.02)
+
+    def test_are_told_with_ranges_and_units(self, robot):
+        words = words_for(along(CABLE, **self.OVER), robot)
+        assert ("chosen too", "cable.hip from -0.01 to 0.02 m") in words.rests
+        assert words.of_numbers({"cable.hip": 0.0123456}) == "cable.hip 0.0123 m"
+        assert words_for(Hops({"knee_ratio": (5.0, 30.0)}), robot).of_numbers({"knee_ratio": 12.0}) == "knee_ratio 12"
+
+    @pytest.mark.parametrize(
+        ("over", "why"),
+        [
+            ({"elbow": (0.01, 0.02)}, "unknown parameter of the robot 'cable.elbow'; .*cable.knee, cable.hip"),
+            ({"hip": (0.01, 0.02)}, "a range with the robot's own value in it, 0.006"),
+            ({"hip": (0.0, 0.02)}, "other than zero"),
+        ],
+    )
+    def test_that_are_none_of_the_path(self, robot, over, why):
+        gaits = along(CABLE, **over)
+        with pytest.raises(SpearError, match=why):
+            gaits.check(robot, [0.2])
+            gaits.suits(robot)
+
+
 OF_FILE = 'robot = "spear_ii"\nlocked = ["boom_x"]\n'
 SPRING = "\n[springs.{}]\npath = {{ knee = 0.03, hip = 0.006 }}\nstiffness = 5e4\n"
 
@@ -118,17 +157,19 @@ def test_the_knee_keeps_the_damper_of_the_file(tmp_path):
 @pytest.mark.slow
 @pytest.mark.extra("heyoka")
 class TestDescent:
-    @pytest.mark.parametrize("stiffness", [45e3, 54e3])
-    def test_its_end_is_the_hop_that_a_search_finds_alone(self, hop, motors, stiffness):
+    @pytest.mark.parametrize(("stiffness", "over"), [(45e3, {}), (49.2e3, {"cable.hip": (1e-5, 0.02)})])
+    def test_its_end_is_the_hop_that_a_search_finds_alone(self, hop, motors, stiffness, over):
         """Of a system that is made by hand; its electricity is that of samples."""
         found, robot = along(CABLE), hop.system.robot
         point = Point(SWITCHED, 0.2, stiffness)
-        task = replace(task_of(robot, motors, "electricity", Search(point, None, found.meshes)), tolerance=1e-2)
+        task = replace(task_of(robot, motors, "electricity", Search(point, None, found.meshes), over), tolerance=1e-2)
         system = found.system(robot)
         law = replace(system.law, hold_extension=True, minimum_force=0.05 * robot.weight)
         begun = find_gait(of_law(system, law=law), ["stance_torque"], {"flight_time": 0.2})
         end, design = descended(task, led_to(point, SWITCHED, begun))
-        springs = {"cable": Spring(stiffness, damping=0.0, path=CABLE), "knee": Spring(0.0, damping=1.3)}
+        pulley = design.parameters["cable.hip"].value if over else 0.006
+        cable = Spring(stiffness, damping=0.0, path=Joints({"knee": 0.03, "hip": pulley}))
+        springs = {"cable": cable, "knee": Spring(0.0, damping=1.3)}
         law = replace(end.system.law, stance_torque=1.02 * end.system.law.stance_torque)
         beside = end.state[0] + 2e-3, end.state[1] + 2e-2
         made = hopping(robot, law, springs)
@@ -138,16 +179,18 @@ class TestDescent:
         drawn = drawn_by(robot, cycle, motors)
         assert drawn == pytest.approx(design.objective, rel=1e-4) and design.missed < 1e-3
         assert min(cycle.springs.stretch[cycle.phase == "stance", 0][1:]) > 0.0
+        assert pulley > 0.008 if over else pulley == 0.006  # the descent enlarges it
 
-    def test_a_tied_one_has_the_derivative_by_the_hip_s_commanded_angle(self, hop):
+    @pytest.mark.parametrize("name", ["hip_touchdown", "cable.hip"])
+    def test_a_tied_one_has_the_derivative_by_where_it_rests(self, hop, name):
         """Against cycles in which the spring was put there by hand."""
         system = with_knee(along(CABLE).system(hop.system.robot), FIXED, 2e4)
         law = replace(system.law, hold_extension=True, minimum_force=3.3)
         system = of_law(system, law=law)
-        orbit, h = Orbit(tied(system), hop.state, ("hip_touchdown",)), 1e-4
+        orbit, h, own = Orbit(tied(system), hop.state, (name,)), 1e-4, number(system, name)
 
         def end(step):
-            return Orbit(with_values(system, {"hip_touchdown": law.hip_touchdown + step}), hop.state, ()).cycle.y
+            return Orbit(with_values(system, {name: own + step}), hop.state, ()).cycle.y
 
         beside = [end(k * h) for k in (1, -1, 2, -2)]
         expected = (8.0 * (beside[0] - beside[1]) - (beside[2] - beside[3])) / (12.0 * h)
