@@ -1,16 +1,20 @@
 """Gaits with springs on paths, against numbers of a second program, and derivatives against gaits found again."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+import scipy
 
 from spear_pin import Gait, HoppingLaw, Spring, compare, find_gait, hopping, load, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.hopping import flight_law
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.dual import ARRAYS
 from spear_pin.hybrid.parameters import changed, number, rebuilt, unit, with_numbers
 from spear_pin.model.cable import Anchor, Between
+from spear_pin.model.equations import mechanism_of
 from spear_pin.model.path import Joints
 from spear_pin.studies.comparison import Side, differences
 from spear_pin.viz.compare.words import parameters
@@ -120,6 +124,31 @@ def test_what_is_measured_along_a_path_is_in_its_unit(hops):
     table = gait.sensitivity(["stiffness"], ["stance_torque"], ["deflection_knee"])
     assert table.outputs["deflection_knee"] == pytest.approx(stretch, abs=1e-9)
     assert table.output_units["deflection_knee"] == "m"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("count", "torque", "multiplier"), [(10, 7.801464, 0.331938), (30, 7.802309, 0.331335)])
+def test_of_a_cable_as_a_table_at_the_knee(hops, count, torque, multiplier):
+    """Of the same program, with evenly spaced points from 0.9 to 2 rad; and with SciPy's curve in the stance law."""
+    rest, angles = 0.9, np.linspace(0.0, 1.1, count)
+    postures = [mechanism_of(LEG).posed([0.0, 0.0, rest + angle], ARRAYS) for angle in angles]
+    free = SPRINGS["cable"]["cable"].rest
+    pulls = [17000.0 * (CABLE.length(each) - free) * CABLE.slope(each)[2] for each in postures]
+    pulls[0] = 0.0
+    spring = Spring(0.0, damping=DAMPING, rest=rest, table=tuple(zip(angles, pulls, strict=True)))
+    gait = find_gait(hopping(LEG, LAW, spring), **FLIGHT, guess=hops["cable"].state)
+    assert gait.parameters["stance_torque"] == pytest.approx(torque, abs=1e-6)
+    assert gait.multipliers[1] == pytest.approx(multiplier, abs=1e-6)
+    curve, own = scipy.interpolate.PchipInterpolator(angles, pulls), hopping(LEG, gait.system.law, Spring(0.0))
+
+    def stance(law, t, q, *more):
+        hip, knee = law(t, q, *more)
+        return hip, knee - float(curve(q[2] - rest))
+
+    domains = (replace(each, law=partial(stance, each.law)) if each.phase == "stance" else each for each in own.domains)
+    last = simulate(replace(own, domains=tuple(domains)), gait.state, cycles=1).named("touchdown")[-1]
+    for found, again in zip((last.q, last.v), gait.state, strict=True):
+        np.testing.assert_allclose(found, again, atol=1e-7)
 
 
 @pytest.mark.slow
