@@ -27,6 +27,7 @@ from spear_pin.hybrid.domain import (
     Held,
     Mount,
     Reset,
+    Turn,
 )
 from spear_pin.hybrid.dual import ARRAYS, value_of
 from spear_pin.hybrid.dynamics import Dynamics, Operations
@@ -57,6 +58,19 @@ def after_edges(edges: Sequence[Edge], held: Held, q: Sequence[Any], clock: Cloc
     for edge in edges:
         held = {**held, **_after(edge.kind, edge.mount, held, q, clock)}
     return held
+
+
+def after_turns(turns: Sequence[Turn], held: Held, t: Any) -> Held:
+    """Returns the values held after brakes opened, closed, or began to wait until they close."""
+    for brake, closed, waits, delay in turns:
+        own, waiting, time = of_brake(brake)
+        held = {**held, own: float(closed), waiting: float(waits), time: t + delay}
+    return held
+
+
+def of_brake(name: str) -> tuple[str, str, str]:
+    """Returns the names in `held` of whether a brake is closed, whether it waits to close, and of the time for that."""
+    return f"brake {name}", f"brake {name} waits", f"{DUE}brake {name}"
 
 
 def from_now_on(held: Held, t: Any) -> dict[str, Any]:

@@ -156,6 +156,22 @@ class Edge(NamedTuple):
     mount: Mount
 
 
+class Turn(NamedTuple):
+    """What happens to a brake that opens and closes within phases.
+
+    Attributes:
+        brake: its name.
+        closed: whether it is closed from now on.
+        waits: whether it is to close later.
+        delay: after how long, in s.
+    """
+
+    brake: str
+    closed: bool = False
+    waits: bool = False
+    delay: float = 0.0
+
+
 @dataclass(frozen=True)
 class Rub:
     """Dry friction of a joint, or of a path over joints, in one mode of its motion.
@@ -194,6 +210,7 @@ class Reset:
         jump: function of (q, v, held, p, ops) that returns the state (q, v) after it. It acts after the impact and
             before the latch, and its change of energy counts as the impact's.
         grips: paths over joints that brakes bring to rest, plastically and together with toes that strike.
+        turns: what happens to brakes, before the latch.
     """
 
     impact: tuple[str, ...] = ()
@@ -205,11 +222,12 @@ class Reset:
     edges: tuple[Edge, ...] = ()
     jump: Jump | None = None
     grips: tuple[Joints, ...] = ()
+    turns: tuple[Turn, ...] = ()
 
     @property
     def holds(self) -> bool:
         """Tells whether it changes held values."""
-        return self.latch is not None or bool(self.edges)
+        return self.latch is not None or bool(self.edges or self.turns)
 
 
 @dataclass(frozen=True)
@@ -282,6 +300,7 @@ class Domain:
         between: the two domains, for motion on the switching surface between them.
         crossing: the two switching surfaces, for motion on both at once.
         bouncing: toes of bearing legs that leave the ground and strike it again within the phase.
+        brakes: held value of each brake that opens and closes within the phase, and whether it is closed here.
     """
 
     name: str
@@ -295,6 +314,11 @@ class Domain:
     between: Alternation | None = None
     crossing: Crossing | None = None
     bouncing: tuple[str, ...] = ()
+    brakes: tuple[tuple[str, bool], ...] = ()
+
+    def suits(self, held: Held) -> bool:
+        """Tells whether brakes are open and closed in it as they are."""
+        return all(bool(held.get(name, 0.0)) == closed for name, closed in self.brakes)
 
     @property
     def key(self) -> tuple[str, str]:

@@ -144,7 +144,7 @@ def alternating(
 ) -> Sliding | None:
     """Finds the motion between domains, if their laws' shares allow it or, tried in turn, are not `far` beyond."""
     for beyond in far:
-        flows = (Sliding(system, chatter(mode, beyond), held) for mode in _modes(system, between))
+        flows = (Sliding(system, chatter(mode, beyond), held) for mode in _modes(system, between, held))
         result = fitting(system, flows, 0.0, y)
         event = Watch(result, 0.0, y).at_once
         result(0.0, y)
@@ -153,14 +153,16 @@ def alternating(
     return None
 
 
-def _modes(system: HybridSystem, between: Alternation | Crossing) -> Iterator[Alternation | Crossing]:
+def _modes(system: HybridSystem, between: Alternation | Crossing, held: Held) -> Iterator[Alternation | Crossing]:
     """Yields alternations or crossings like this one, with every mode of the other contacts and of dry friction."""
+    first = between if isinstance(between, Alternation) else between.surfaces[0][0]
+    modes = (domain for domain in system.of_phase(first.airborne.phase) if domain.suits(held))
     if isinstance(between, Alternation):
-        for airborne in system.of_phase(between.airborne.phase):
+        for airborne in modes:
             yield replace(between, airborne=airborne)
         return
     (alone, beside), others = between.surfaces
-    for airborne in system.of_phase(alone.airborne.phase):
+    for airborne in modes:
         yield replace(between, surfaces=((replace(alone, airborne=airborne), beside), others))
 
 

@@ -41,7 +41,8 @@ def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> 
     If no mode is consistent, it chooses the domain whose guard then gives the cause: lift-off if the toe would be
     pulled, Painlevé's paradox if it can neither stick nor slide.
     """
-    flows = (Flow(system, domain, held) for domain in system.of_phase(phase) if in_place(system, domain, y))
+    domains = (domain for domain in system.of_phase(phase) if domain.suits(held) and in_place(system, domain, y))
+    flows = (Flow(system, domain, held) for domain in domains)
     return fitting(system, flows, t, y)
 
 

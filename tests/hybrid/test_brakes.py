@@ -97,6 +97,71 @@ class TestSlipping:
         assert 0.0 < rests.time and fall.friction[moves, 2] == pytest.approx(5.0)
 
 
+def loss(event, row):
+    """Energy that a brake takes as it closes in the air, ½ ṡ² / (∇s D⁻¹ ∇sᵀ)."""
+    return 0.5 * (row @ event.v_before) ** 2 / (row @ np.linalg.solve(LEG.mass_matrix(event.q), row))
+
+
+class TestWithinPhases:
+    KNEE = np.array([0.0, 0.0, 1.0])
+
+    def test_closes_a_time_after_the_phase_began_and_opens_by_a_condition(self):
+        """In the air it then moves as without a brake; the touchdown opens it, if it is closed still."""
+        system = with_brakes(HOP, {"knee": Brake(200.0, (AIR,), delay=0.02, until=lambda t, *_: 0.05 - t)})
+        hops = simulate(system, START, cycles=2, rtol=1e-11)
+        for lifts, closes, opens in zip(*map(hops.named, ("lift_off", "closes:knee", "opens:knee")), strict=True):
+            assert (closes.time - lifts.time, opens.time - lifts.time) == pytest.approx((0.02, 0.05), abs=1e-12)
+            assert closes.work == {"impact": pytest.approx(-loss(closes, self.KNEE), abs=1e-12)}
+            assert abs(closes.v[2]) < 1e-12 and abs(opens.q[2] - closes.q[2]) < 1e-12 and not opens.work
+            held = (hops.t > closes.time + 1e-9) & (hops.t < opens.time - 1e-9)
+            assert {*hops.domain[held]} == {f"{AIR} knee held"}
+            free = (hops.t > opens.time + 1e-9) & (hops.t < opens.time + 0.05)
+            assert {*hops.domain[free]} == {AIR} and not hops.friction[free].any()
+        assert abs(hops.ledger.residual[1]) < 1e-10
+
+    def test_closes_by_a_force_in_stance_together_with_the_toe_and_slips(self):
+        """An impact with rows [J; ∇s]; then the knee moves against the brake's force until it holds."""
+        force = 120.0
+        system = with_brakes(HOP, {"knee": Brake(3.0, ("stance",), when=lambda *g: force - g[5].force("toe")[-1])})
+        hop = simulate(system, START, cycles=1, rtol=1e-11)
+        (closes,), stance = hop.named("closes:knee"), hop.phase == "stance"
+        load, before = hop.force[:, 0, 1], hop.t < closes.time - 1e-9
+        assert load[stance & before].max() < force and load[stance & before][-1] == pytest.approx(force, abs=3.0)
+        D = LEG.mass_matrix(closes.q)
+        rows = np.vstack([LEG.toe_jacobian(closes.q, "toe"), self.KNEE])
+        impulse, *_ = np.linalg.lstsq(rows.T, D @ (closes.v - closes.v_before), rcond=None)
+        np.testing.assert_allclose(rows.T @ impulse, D @ (closes.v - closes.v_before), atol=1e-12)
+        assert abs(rows @ closes.v).max() < 1e-12 and impulse[1] > 0.0
+        slides = stance & (hop.t > closes.time + 1e-9) & (abs(hop.v[:, 2]) > 1e-6)
+        np.testing.assert_allclose(hop.friction[slides, 2], -3.0 * np.sign(hop.v[slides, 2]), atol=1e-12)
+        assert slides.any() and hop.reason == "complete" and hop.ledger["friction"][0] < 0.0
+        assert not hop.friction[hop.phase == AIR].any()
+
+    def test_closes_late_after_a_condition_unless_the_phase_ends_before(self):
+        turns = lambda t, q, v, *_: -v[2]  # noqa: E731 - the knee flexes again
+        hop, never = (
+            simulate(with_brakes(HOP, {"knee": Brake(200.0, (AIR,), BOTH, turns, delay)}), START, cycles=1, rtol=1e-11)
+            for delay in (0.03, 0.9)
+        )
+        (waits,), (closes,) = hop.named("waits:knee"), hop.named("closes:knee")
+        assert abs(waits.v[2]) < 1e-9 and closes.time - waits.time == pytest.approx(0.03, abs=1e-12)
+        assert closes.work["impact"] == pytest.approx(-loss(closes, np.array([0.0, -0.006, 0.03])), abs=1e-12)
+        assert never.named("waits:knee") and not never.named("closes:knee")
+
+    def test_just_after_a_phase_began_it_is_as_at_its_beginning(self):
+        late = with_brakes(HOP, {"knee": Brake(200.0, (AIR,), delay=1e-9)})
+        one, other = (simulate(system, START, cycles=1, rtol=1e-11) for system in (braked(), late))
+        np.testing.assert_allclose(other.q[-1], one.q[-1], atol=1e-7)
+
+    def test_two_close_one_after_the_other(self):
+        """The first stays at rest as the second closes."""
+        brakes = {"knee": Brake(200.0, (AIR,), delay=0.02), "hip": Brake(200.0, (AIR,), delay=0.04)}
+        hop = simulate(with_brakes(HOP, brakes), START, cycles=1, rtol=1e-11)
+        (second,) = hop.named("closes:hip")
+        assert abs(second.v[1:]).max() < 1e-12 and f"{AIR} knee held hip held" in hop.domain
+        np.testing.assert_allclose(hop.q[hop.t > second.time, 1:], [second.q[1:]] * sum(hop.t > second.time), atol=1e-9)
+
+
 def test_a_rebuilt_system_keeps_its_brakes():
     names = [domain.name for domain in with_parameters(braked(), {"stance_torque": 8.0}).domains]
     assert names == ["stance", "stance slip+", "stance slip-", f"{AIR} knee held", AIR, AIR]
@@ -119,6 +184,10 @@ class TestRefused:
     def test_no_force(self):
         with pytest.raises(BadValue, match=r"^Brake.force is 0.0; expected a number > 0, in N or N·m"):
             Brake(0.0, (AIR,))
+
+    def test_a_delay_of_seconds(self):
+        with pytest.raises(BadValue, match=r"^Brake.delay is 2.0; expected a number from 0 to 1, in s"):
+            Brake(1.0, (AIR,), delay=2.0)
 
     def test_a_system_in_space(self):
         with pytest.raises(BadValue, match="^system is 'trotting'; expected one in the plane, without pinned toes"):

@@ -112,7 +112,11 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/brakes",
         ["hybrid/test_brakes"],
-        {"an event that closes no brake": ("replace(reset, grips=after)", "replace(reset, grips=())")},
+        {
+            "an event that closes no brake": ("for name in grips), turns=turns)", "for name in ()), turns=turns)"),
+            "a brake closes in a phase without an impact": ("Reset(grips=grips, turns=", "Reset(turns="),
+            "a condition is met again while a brake waits": ("1.0 if held.get(names[1]) else when(", "when("),
+        },
     ),
     *mistakes_in(
         "hybrid/domain",

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from spear_pin.hybrid import own
-from spear_pin.hybrid.clutch import Clock, after_edges, from_now_on
+from spear_pin.hybrid.clutch import Clock, after_edges, after_turns, from_now_on
 from spear_pin.hybrid.domain import Held, Reset
 from spear_pin.hybrid.fields import adjusted
 
@@ -43,8 +43,8 @@ def latched(
     for reset in resets:
         if begins and reset.adjust is not None:
             held = {**held, **reset.adjust(q, v, held, law)}
-        if clock is not None and reset.edges:
-            held = after_edges(reset.edges, held, q, clock)
+        if clock is not None:
+            held = after_turns(reset.turns, after_edges(reset.edges, held, q, clock), clock.t)
         latch, p = reset.latch, adjusted(law, held)
         if latch is not None and numbers and own.is_own(latch):
             what = f"latch of {place_of(reset)}"
