@@ -12,6 +12,7 @@ import numpy as np
 
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
+from spear_pin.model.branches import joined
 from spear_pin.model.clutch import Clutch
 from spear_pin.model.curve import Curve, through
 from spear_pin.model.path import Path
@@ -118,6 +119,30 @@ class Spring:
         spring, scale = cls() if len(robot.legs) == 1 else cls(PAIR_STIFFNESS, damping=0.0), scale_of(robot)
         stiffness, damping = spring.stiffness * scale.torque, spring.damping * scale.torque * scale.time
         return replace(spring, stiffness=stiffness, damping=damping)
+
+    @classmethod
+    def from_branches(cls, loading: Any, unloading: Any, **others: Any) -> Spring:
+        """Makes a spring from its measured pull while it is stretched, and while it is let go.
+
+        Its table is their mean, where they do not meet, and its hysteresis half the width of their loop, so that the
+        loop takes the same energy. A warning (`RobotWarning`) says by how much the width differs along the way.
+
+        Args:
+            loading: up to 30 points (δ, τ) as of `table`, measured while δ rises, from (0, 0) on.
+            unloading: points measured while δ falls, in the same order; between them the pull is straight.
+            **others: other fields, such as `damping` or `path`.
+
+        Raises:
+            BadValue: a branch does not begin with (0, 0), its δ do not rise, or the branches are those of no spring.
+
+        Example:
+            >>> from spear_pin import Spring
+            >>> spring = Spring.from_branches([(0, 0), (0.1, 6), (0.2, 11)], [(0, 0), (0.1, 4), (0.2, 9)])
+            >>> spring.table, spring.hysteresis
+            (((0.0, 0.0), (0.1, 5.0), (0.2, 10.0)), 1.0)
+        """
+        table, hysteresis = joined(loading, unloading)
+        return cls(**{"stiffness": 0.0, **others, "table": table, "hysteresis": hysteresis})
 
     @property
     def turns(self) -> bool:
