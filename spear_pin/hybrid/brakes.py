@@ -41,7 +41,8 @@ class Brake:
         when: a function as of a `Guard`, such as a rate, or a toe's force less a threshold. The brake closes within the
             phase where its value falls through zero, or is below; None: it closes as the phase begins.
         delay: time from then until it closes, in s.
-        until: a function as of a `Guard`; the closed brake opens where its value falls through zero, or is below.
+        until: a function as of a `Guard`; the closed brake opens where its value falls through zero, or is below. While
+            `when` asks to close it too, it opens and closes without end (`zeno`).
     """
 
     force: float
