@@ -7,7 +7,7 @@ import pytest
 
 from tests.cli.calls import printed, refused, run
 from tests.gaits.bounding_gaits import trajectory
-from tests.studies.payoff.stub import Stub, Stubbed
+from tests.studies.payoff.stub import Stub, Stubbed, own_figures
 
 CALL = (
     *("payoff", "q_spear", "--speeds", "2,2.5", "--stiffnesses", "40,60", "--bus", "48", "--workers", "1"),
@@ -49,11 +49,22 @@ class TestPayoff:
         assert capsys.readouterr().out.strip() == said["sentence"]
 
     @pytest.mark.slow
-    def test_a_stiffness_along_a_path_has_its_own_unit(self, capsys, tmp_path, stub, monkeypatch):
-        monkeypatch.setattr(Stubbed, "words", replace(Stubbed.words, unit="N/m", place="along cable"))
+    def test_a_stiffness_along_a_path_and_what_is_chosen_have_their_own_units(
+        self, capsys, tmp_path, stub, monkeypatch
+    ):
+        words = replace(Stubbed.words, unit="N/m", place="along cable", units={"cable.hip": "m"})
+        figures = replace(own_figures(), chosen={"cable.hip": 0.01234})
+        monkeypatch.setattr(Stubbed, "words", words)
+        monkeypatch.setattr(Stubbed, "over", {"cable.hip": (0.001, 0.03)})
+        monkeypatch.setattr("tests.studies.payoff.stub.own_figures", lambda: figures)
         status, out, _ = run(capsys, *CALL, "--out", tmp_path)
         page = (tmp_path / "payoff.html").read_text(encoding="utf-8")
-        assert status == 0 and "a switchable spring of 50 N/m per leg" in out and "N·m/rad" not in page + out
+        assert (
+            "a switchable spring of 50 N/m per leg with cable.hip 0.0123 m saves" in out
+            and ": cable.hip 0.0123 m, peak" in out
+        )
+        assert status == 0 and "N·m/rad" not in page + out and "50 N/m, cable.hip 0.0123 m, peak knee" in out
+        assert "<th>cable.hip (m)</th><td>0.0123</td>" in page
         assert "Would a switchable parallel spring along cable pay off?" in page and "Stiffness of a leg (N/m)" in page
 
     @pytest.mark.slow
