@@ -267,12 +267,16 @@ class Hops(Gaits):
                 raise BadValue(f"over[{name!r}]", ends, "a least and a greatest value")
             for end in ends:
                 with_numbers(system, {name: end})  # its error says what is valid
+        self._enclose(system, self.of_path)
 
     def suits(self, robot: Robot) -> None:
         """Refuses ranges without the number of a robot with its motors, with which a search begins."""
+        self._enclose(self.system(robot), tuple(self.over))
+
+    def _enclose(self, system: HybridSystem, names: Sequence[str]) -> None:
+        """Refuses ranges that do not hold the system's own number."""
         for name, (low, high) in self.over.items():
-            value = number(self.system(robot), name)
-            if not low <= value <= high:
+            if name in names and not low <= (value := number(system, name)) <= high:
                 raise BadValue(f"over[{name!r}]", (low, high), f"a range with the robot's own value in it, {value:g}")
 
     def asked(self, robot: Robot) -> Mapping[str, Any]:

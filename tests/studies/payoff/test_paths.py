@@ -125,7 +125,6 @@ class TestChosenNumbers:
         gaits = along(CABLE, **over)
         with pytest.raises(SpearError, match=why):
             gaits.check(robot, [0.2])
-            gaits.suits(robot)
 
 
 OF_FILE = 'robot = "spear_ii"\nlocked = ["boom_x"]\n'
