@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName, require
+from spear_pin.hybrid.arc_ends import on_arcs
 from spear_pin.hybrid.contact import OPEN as OPEN
 from spear_pin.hybrid.contact import PINNED, Contact
 from spear_pin.hybrid.contact import SLIP_BACKWARD as SLIP_BACKWARD
@@ -104,6 +105,8 @@ class HybridSystem:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "domains", tuple(each for each in self.domains if moves_as_one(self.robot, each)))
+        if self.robot.arcs:
+            object.__setattr__(self, "domains", tuple(on_arcs(domain, self.robot) for domain in self.domains))
         if self.made.get("build") is not self.build:  # a system with another builder is as that builder makes it
             made = {name: getattr(self, name) for name in REPLACED} | {"build": self.build, "builder": self.build}
             object.__setattr__(self, "made", made)

@@ -25,6 +25,7 @@ from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.run import run
 from spear_pin.model.equations import mechanism_of
+from spear_pin.model.round_feet import refuse_ends
 
 ALONG = 20  # samples of a segment in a record
 
@@ -148,7 +149,7 @@ def check_controllable(system: HybridSystem, kinds: Sequence[str]) -> None:
 
     Raises:
         BadValue: its kind is another, or it has event feedback, dry friction, a brake, a switch that is
-            not ideal, or a fixed spring.
+            not ideal, a fixed spring, or a round foot whose arc has ends.
     """
     if system.kind not in kinds:
         raise BadValue("gait", system.kind, f"a gait of {' or '.join(kinds)}, whose law can run on a controller")
@@ -159,6 +160,7 @@ def check_controllable(system: HybridSystem, kinds: Sequence[str]) -> None:
         raise BadValue(
             "gait.system", "one with dry friction or brakes", "one without, to write its law as a controller"
         )
+    refuse_ends(system.robot, "a law that is written as a controller")
     for name, spring in system.springs.items():
         if spring.clutch is not None or spring.rest is not None:
             expected = "one that touchdown engages and lift-off releases, to write the law as a controller"

@@ -15,6 +15,7 @@ from spear_pin.hybrid.reasons import REASONS
 from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import spanned
+from spear_pin.model.round_feet import parts_of
 
 
 class Latched(dict[str, Any]):
@@ -71,7 +72,7 @@ def check(
             if reset is not None:
                 _check_reset(robot, domain, reset, phases, place)
                 _check_pinned(reset, phases, place)
-    _check_rests(domains, law, guess)
+    _check_rests(domains, law, guess, {parts_of(toe): (0.0, 0.0) for toe in robot.arcs})
 
 
 def _check_domain(robot: Robot, domain: Domain, springs: Collection[str]) -> None:
@@ -150,14 +151,14 @@ def _check_pinned(reset: Reset, phases: Mapping[str, Sequence[str]], place: tupl
         raise BadValue(what.format(reset.phase, *place), after, "all toes on the ground pinned, or none")
 
 
-def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]]) -> None:
+def _check_rests(domains: Sequence[Domain], law: Any, guess: Callable[[], tuple[Any, Any]], known: Held) -> None:
     """Checks that some reset latches every rest angle and taut value; skips latches that cannot be called."""
     if not any(domain.mounts for domain in domains):
         return
     resets = [reset for domain in domains for _, reset, _ in _events(domain) if reset]
     latches = [reset.latch for reset in resets if reset.latch]
     mounts = [edge.mount for reset in resets for edge in reset.edges]
-    switched = {name: 0.0 for mount in mounts for name in _names_held(mount)}
+    switched = {**known, **{name: 0.0 for mount in mounts for name in _names_held(mount)}}
     try:
         q, v = (list(map(float, part)) for part in guess())
         held, missing = _held(list({id(latch): latch for latch in latches}.values()), q, v, law, switched)

@@ -9,7 +9,8 @@ azimuth ψ about the post they are s = (-sin ψ, cos ψ, 0) and z. s turns with 
 A sticking toe keeps the ψ at which it landed.
 
 A round foot of radius r rolls on level ground: what touches is r below the toe, its centre, and with the foot's rate ω
-about y it moves along x at v_x - r ω. Where the foot rolls that is zero.
+about y it moves along x at v_x - r ω. Where the foot rolls that is zero. Beyond the ends of its arc it stands on a
+point, at some (x, z) from the centre, which moves at (v_x + z ω, v_z - x ω).
 
 Arguments `data` have the kinematics at a state, including velocities if a toe's acceleration is needed.
 """
@@ -17,14 +18,15 @@ Arguments `data` have the kinematics at a state, including velocities if a toe's
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import hypot
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pinocchio as pin
 
 from spear_pin.arrays import Array
+from spear_pin.model.round_feet import RoundFoot
 from spear_pin.model.scalars import dot, times
 
 WORLD_ALIGNED = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -36,22 +38,34 @@ class Axes:
 
     Attributes:
         dimension: 2 or 3.
-        radii: radius of each round foot in the plane, in m, by the number of its frame.
+        feet: the round feet in the plane, by the numbers of their frames.
     """
 
     dimension: int
-    radii: Mapping[int, float] = field(default_factory=dict)
+    feet: Mapping[int, RoundFoot] = field(default_factory=dict)
+
+    def standing(self, parts: Mapping[int, Sequence[float]]) -> Axes:
+        """Returns the axes where round feet stand on given parts of their arcs, by the numbers of their frames."""
+        feet = {frame: replace(self.feet[frame], ends=ends) for frame, ends in parts.items()}
+        return replace(self, feet={**self.feet, **feet}) if feet else self
 
     def along(self, model: pin.Model, data: pin.Data, frame: int, motions: Array) -> Array:
         """Returns the components where a frame touches of motions in the world, (6, ...), linear and angular."""
         found = motions[0 : 3 : 4 - self.dimension]
-        if frame in self.radii:
-            found = np.array([found[0] - self.radii[frame] * motions[4], found[1]])
+        if frame in self.feet:
+            x, z = self.feet[frame].lever(model, data, frame)[0]
+            found = np.array([found[0] + z * motions[4], found[1] - x * motions[4]])
         return found
 
     def accelerated(self, model: pin.Model, data: pin.Data, frame: int, acceleration: Array) -> Array:
         """Returns the rate of velocity components where a frame touches, from its acceleration in the world, (6,)."""
-        return self.along(model, data, frame, acceleration)
+        found = self.along(model, data, frame, acceleration)
+        if frame in self.feet:
+            lever, beyond = self.feet[frame].lever(model, data, frame)
+            if beyond:
+                rate = pin.getFrameVelocity(model, data, frame, WORLD_ALIGNED).angular[1]
+                found = found - rate**2 * lever
+        return found
 
     def world(self, components: Array, places: Callable[[], Array]) -> Array:
         """Returns vectors in the world, (..., 3), from components; `places`, (..., 3), is called only if needed."""
@@ -64,9 +78,15 @@ class Round:
 
     Attributes:
         post: position of the post, x and y, in m.
+        feet: none, as in `Axes`.
     """
 
     post: tuple[float, float]
+    feet: ClassVar[Mapping[int, RoundFoot]] = {}
+
+    def standing(self, parts: Mapping[int, Sequence[float]]) -> Round:
+        """Returns itself, as its toes are points."""
+        return self
 
     @property
     def dimension(self) -> int:

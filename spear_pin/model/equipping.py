@@ -80,6 +80,7 @@ def equipped(
         independent=tuple(said.independent),
         reach=_reach(said, path, model),
         radii=_radii(said, path, own),
+        arcs=_arcs(said, path, own),
     )
     driven = tuple(gears) if isinstance(said.motors, Mapping) else said.motors
     return settings, driven, {**known, **{joint: geared for joint, (geared, _) in drives.items()}}
@@ -131,6 +132,22 @@ def _radii(said: Sidecar, path: Path, robot: Robot) -> dict[str, float]:
                     "feet without radius for a robot in space, whose toes are points: leave it out",
                 )
         found[toe] = float(table["radius"])
+    return found
+
+
+def _arcs(said: Sidecar, path: Path, robot: Robot) -> dict[str, tuple[float, float]]:
+    """Returns the pitches between which round feet roll whose arcs have ends."""
+    found = {}
+    for toe, table in said.feet.items():
+        ends = [float(table[key]) for key in ("from", "to") if key in table]
+        with blaming(path, f"feet.{toe}"):
+            if ends and not (len(ends) == 2 and -math.pi < ends[0] < ends[1] < math.pi):
+                expected = "two pitches of the foot between -π and π, in rad, the lesser first"
+                raise BadValue("from and to", ends, expected)
+            if ends and robot.nq != robot.nv:
+                raise BadValue("from and to", ends, "none for a robot with a joint that has a cosine and a sine")
+        if ends:
+            found[toe] = ends[0], ends[1]
     return found
 
 

@@ -15,6 +15,7 @@ from spear_pin.errors import UnknownName
 from spear_pin.model.directions import Round
 from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
+from spear_pin.model.round_feet import ANYWHERE, Arc, Parts
 from spear_pin.model.vectors import Rows
 
 NO_FORCES: Mapping[str, Sequence[Any]] = {}
@@ -121,6 +122,7 @@ class Mechanism(ABC):
         loops: the loops that it closes.
         marks: body and place of each toe, and of each end of a loop.
         radii: radius of each round foot, in m, by its toe.
+        arcs: their arcs, if these have ends.
         guided: toes that move up and down only.
     """
 
@@ -138,16 +140,18 @@ class Mechanism(ABC):
         self.toes, self.loops = {toe: self.frames[toe] for toe in robot.toes}, robot.loops
         self.marks = self.toes | {end: self.frames[end] for loop in robot.loops for end in loop.ends}
         self.radii: Mapping[str, float] = robot.radii
+        self.arcs: Mapping[str, Arc] = robot.arcs
         self.guided = robot.guided
 
     @abstractmethod
-    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
+    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any, ends: Parts = ANYWHERE) -> Terms:
         """Returns the equations of motion at (q, v), (3.16).
 
         Args:
             q: nv scalars.
             v: nv scalars.
-            ops: has `sin` and `cos` for them.
+            ops: has `sin` and `cos` for them, and `atan2` and `maximum` for feet whose arcs have ends.
+            ends: says on which part of its arc a round foot stands; without it the pitch of the foot says.
         """
 
     @abstractmethod
@@ -274,5 +278,6 @@ class Mechanism(ABC):
             self.circle,
             self.loops,
             tuple(self.radii.items()),
+            tuple(self.arcs.items()),
             self.guided,
         )

@@ -27,6 +27,7 @@ from spear_pin.model.mjcf_loops import add_loops, left_out
 from spear_pin.model.mjcf_springs import add_springs, springs_of
 from spear_pin.model.postures import checked, home
 from spear_pin.model.robot import Robot
+from spear_pin.model.round_feet import refuse_ends
 from spear_pin.model.spring import Spring
 from spear_pin.printable import printable
 
@@ -85,12 +86,13 @@ def to_mjcf(
 
     Raises:
         BadValue: the robot has a joint that neither turns nor slides about one axis nor floats from the origin, an
-            inertia that MuJoCo refuses, or inertia beside its model's (`on_rotary_boom`); or a posture has not nq
-            numbers.
+            inertia that MuJoCo refuses, inertia beside its model's (`on_rotary_boom`), or a round foot whose arc has
+            ends; or a posture has not nq numbers.
         BadFile: its URDF is gone.
     """
     if robot.added is not None:
         raise BadValue("robot", robot, "one without a rotary boom: MJCF cannot express the inertia of its arm")
+    refuse_ends(robot, "a sphere of MuJoCo")
     root = etree.Element("mujoco", model=printable(robot.name))
     root.append(etree.Comment(NOTE.format(friction=FRICTION)))
     bounds = {"boundmass": LEAST, "boundinertia": LEAST}

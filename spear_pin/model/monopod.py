@@ -14,6 +14,7 @@ from spear_pin.model.cut import AHEAD, UP, Amount, Assembly, Cut, Limb, Source, 
 from spear_pin.model.fitting import hold
 from spear_pin.model.legs import Leg, lacking_legs, named_leg, sided, simple
 from spear_pin.model.robot import Robot
+from spear_pin.model.round_feet import refuse_ends
 from spear_pin.model.settings import Settings
 
 SHARE = "share"
@@ -36,8 +37,8 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
 
     Raises:
         UnknownName: there is no such leg, or no such joint to lock; the text lists the valid ones.
-        BadValue: the leg has other joints, such as an ankle, or it is not known to which side its knee flexes; or the
-            mass is none.
+        BadValue: the leg has other joints, such as an ankle, or it is not known to which side its knee flexes; the mass
+            is none, or the arc of a round foot has ends.
 
     Example:
         >>> from spear_pin import load, monopod
@@ -46,6 +47,7 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
         ('boom_x', 'boom_z', 'hip', 'knee')
     """
     locked = tuple(locked)
+    refuse_ends(robot, "a leg that is cut out")
     if isinstance(leg, str) and not robot.legs:
         raise BadValue("robot", robot, lacking_legs(robot))
     of = sided(simple(named_leg(robot.model, robot.legs, leg)))

@@ -22,6 +22,7 @@ from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.mechanism import Feet, Mechanism, Terms
 from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
+from spear_pin.model.round_feet import ANYWHERE, Parts, end_of
 from spear_pin.model.scalars import dot, negated, plus, vanishes
 from spear_pin.model.vectors import matrix_of, rotate
 
@@ -89,16 +90,16 @@ class Planar(Mechanism):
         for frame, (joint, placement) in zip(robot.model.frames, held, strict=True):
             self.aside.setdefault(frame.name, float((joint * placement).translation[1]))
 
-    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
+    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any, ends: Parts = ANYWHERE) -> Terms:
         """Returns the equations of motion, see `Mechanism.terms`."""
         joints = self._joints(q, v, ops)
         mass_matrix, bias = self._dynamics(joints)
         closing = self._closing(joints, q)
-        return Terms(mass_matrix, bias, *self._feet(joints), partial(self._place, joints), *closing)
+        return Terms(mass_matrix, bias, *self._feet(joints, ops, ends), partial(self._place, joints), *closing)
 
     def feet(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Feet:
         """Returns the kinematics of the toes, see `Mechanism.feet`."""
-        return self._feet(self._joints(q, v, ops))
+        return self._feet(self._joints(q, v, ops), ops)
 
     def _dynamics(self, joints: Sequence[_Joint]) -> tuple[list[list[Any]], list[Any]]:
         """Computes mass matrix and bias by composite bodies, from the limbs to the trunk."""
@@ -133,20 +134,45 @@ class Planar(Mechanism):
             inertia, lever = inertia + _dot(load.moment, other.arm), _added(lever, other.arm)
             j = self.bodies[j].parent
 
-    def _feet(self, joints: Sequence[_Joint]) -> Feet:
+    def _feet(self, joints: Sequence[_Joint], ops: Any, ends: Parts = ANYWHERE) -> Feet:
         positions, jacobians, drifts = {}, {}, {}
         for toe, place in self.toes.items():
-            positions[toe], jacobians[toe], drifts[toe] = self._moving(joints, *place)
-        for toe, radius in self.radii.items():  # which touches below its centre, and rolls
-            x, z = positions[toe]
-            positions[toe], i = (x, z - radius), self.toes[toe][0]
-            while i >= 0:
-                body, along = self.bodies[i], jacobians[toe][0]
-                along[i] = plus(along[i], radius * body.turns)
-                i = body.parent
+            if toe in self.radii:
+                found = self._rolling(joints, toe, ops, ends.get(toe))
+            else:
+                found = self._moving(joints, *place)
+            positions[toe], jacobians[toe], drifts[toe] = found
         for toe in self.guided:
             jacobians[toe][0], drifts[toe] = [0.0] * self.nv, (0.0, drifts[toe][1])
         return Feet(positions, jacobians, drifts)
+
+    def _rolling(
+        self, joints: Sequence[_Joint], toe: str, ops: Any, ends: Sequence[Any] | None
+    ) -> tuple[Vector, list[list[Any]], Vector]:
+        """Returns position, Jacobian and drift of where a round foot touches, which is below its centre on its arc.
+
+        The drift beyond the ends of its arc takes what `ends` says.
+        """
+        (i, offset), radius, arc = self.toes[toe], self.radii[toe], self.arcs.get(toe)
+        centre, rows, drift = self._moving(joints, i, offset)
+        lever: Vector = (0.0, -radius)
+        if arc is not None and ends is None:
+            beyond = arc.excess(joints[i].sine, joints[i].cosine, ops)
+            lever = radius * ops.sin(beyond), -radius * ops.cos(beyond)
+        for j in self._above(i):
+            turned = _scaled(self.bodies[j].turns, (-lever[1], lever[0]))
+            rows[0][j], rows[1][j] = plus(rows[0][j], turned[0]), plus(rows[1][j], turned[1])
+        touching = _added(centre, lever), rows, drift
+        if arc is None or ends is None:
+            return touching
+        points = [self._moving(joints, i, _added(offset, end_of(pitch, radius))) for pitch in (arc.start, arc.stop)]
+        return _mixed([(1.0 - ends[0] - ends[1], touching), *zip(ends, points, strict=True)])
+
+    def _above(self, i: int) -> Iterator[int]:
+        """Yields a body, and those on which it hangs."""
+        while i >= 0:
+            yield i
+            i = self.bodies[i].parent
 
     def _moving(self, joints: Sequence[_Joint], i: int, offset: Vector) -> tuple[Vector, list[list[Any]], Vector]:
         """Returns position, Jacobian and drift of a point of body i."""
@@ -189,11 +215,10 @@ class Planar(Mechanism):
 
     def _columns(self, joints: Sequence[_Joint], i: int, position: Vector) -> Iterator[tuple[int, Vector]]:
         """Yields the velocity of a point of body i for each unit of the rate of each joint that carries it."""
-        while i >= 0:
-            joint, turns = joints[i], self.bodies[i].turns
+        for j in self._above(i):
+            joint, turns = joints[j], self.bodies[j].turns
             lever = joint.origin[1] - position[1], position[0] - joint.origin[0]
-            yield i, _scaled(turns, lever) if turns else joint.axis
-            i = self.bodies[i].parent
+            yield j, _scaled(turns, lever) if turns else joint.axis
 
     def _joints(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> list[_Joint]:
         joints = [_WORLD] * (self.nv + 1)
@@ -325,6 +350,18 @@ def _added(a: Vector, b: Vector) -> Vector:
 
 def _scaled(factor: Any, vector: Vector) -> Vector:
     return factor * vector[0], factor * vector[1]
+
+
+def _mixed(
+    parts: Sequence[tuple[Any, tuple[Vector, list[list[Any]], Vector]]],
+) -> tuple[Vector, list[list[Any]], Vector]:
+    """Returns the weighted sum of positions, Jacobians and drifts."""
+    weights = [weight for weight, _ in parts]
+    positions, rows, drifts = zip(*(part for _, part in parts), strict=True)
+    x, z = (dot(weights, each) for each in zip(*positions, strict=True))
+    along, up = (dot(weights, each) for each in zip(*drifts, strict=True))
+    jacobian = [[dot(weights, each) for each in zip(*row, strict=True)] for row in zip(*rows, strict=True)]
+    return (x, z), jacobian, (along, up)
 
 
 def _dot(a: Vector, b: Vector) -> Any:

@@ -24,6 +24,7 @@ from spear_pin.model.legs import Leg, find_legs
 from spear_pin.model.limits import Limits, limits_of
 from spear_pin.model.loops import TOGGLE, Closure, Loop, Reduced
 from spear_pin.model.named_legs import leg_of
+from spear_pin.model.round_feet import round_feet
 from spear_pin.model.settings import Settings
 from spear_pin.printable import printable
 from spear_pin.showing import Shown
@@ -58,6 +59,7 @@ class Robot(Shown):
         dimension: number of these directions, 2 or 3.
         radii: radius of each round foot, in m, by its toe, the centre.
         feet: of each toe, all toes of its body, in their order, as heel and toe.
+        arcs: arcs of round feet that have ends, by their toes.
         loops: closed loops, if its settings give any; `model` is the tree without them.
         closure: the constraints that close the loops, None without loops.
         reach: what a law calls hip and knee on a leg with loops, if its settings say so.
@@ -113,11 +115,13 @@ class Robot(Shown):
         self.reach = None if settings is None else settings.reach
         flat = self.planar and self.nq == self.nv  # no joint has a cosine and a sine
         self.closure = Closure(model, self.coordinates, self.loops) if self.loops and flat else None
-        round_feet = {} if settings is None else settings.radii
-        self.radii = {toe: round_feet[toe] for toe in self.toes if toe in round_feet}
-        radii = {self._toe_ids[toe]: radius for toe, radius in self.radii.items()}
+        radii, ends = ({}, {}) if settings is None else (settings.radii, settings.arcs)
+        self.radii = {toe: radii[toe] for toe in self.toes if toe in radii}
+        feet = round_feet(model, self._toe_ids, self.radii, ends)
+        self.arcs = {toe: foot.arc for toe, foot in feet.items() if foot.arc is not None}
+        of_frames = {self._toe_ids[toe]: foot for toe, foot in feet.items()}
         self.feet = feet_of(model, self._toe_ids)
-        self.directions: Directions = Axes(len(self._rows), radii) if post is None else Round(post)
+        self.directions: Directions = Axes(len(self._rows), of_frames) if post is None else Round(post)
         self.dimension = self.directions.dimension
 
     def __repr__(self) -> str:
@@ -289,8 +293,10 @@ class Robot(Shown):
 
         Of a round foot it is the position of its lowest point.
         """
-        place = self._place(q, self.toe_id(toe))
-        place[-1] -= self.radii.get(toe, 0.0)
+        index = self.toe_id(toe)
+        place = self._place(q, index)
+        if isinstance(self.directions, Axes) and index in self.directions.feet:
+            place += self.directions.feet[index].lever(self.model, self._data, index)[0]
         return place
 
     def _place(self, q: ArrayLike, index: int) -> Array:

@@ -34,6 +34,7 @@ class Settings:
         independent: names of tied joints that determine the others; by default those with a motor in the file.
         reach: hip's and knee's angle of a leg with loops.
         radii: radius of each round foot, in m, by its toe.
+        arcs: pitches, in rad, between which round feet roll whose arcs have ends, by their toes.
     """
 
     path: str
@@ -49,6 +50,7 @@ class Settings:
     independent: tuple[str, ...] = ()
     reach: Reach | None = None
     radii: Mapping[str, float] = field(default_factory=dict)
+    arcs: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def of_cut(self, angles: Mapping[str, Sequence[Turn]]) -> Settings:
         """Returns the settings of a robot that is cut out of this one, by the cut's joints.

@@ -128,7 +128,7 @@ MOTOR = {
     **{name: _number(MOTOR_UNITS[name]) for name in ("ratio", "rotor_inertia", "efficiency")},
 }
 TABLE = Kind(lambda value: isinstance(value, dict), "a table")
-FOOT = {"radius": _number("m")}
+FOOT = {"radius": _number("m"), "from": _number("rad"), "to": _number("rad")}
 LOOP = dict.fromkeys(("a", "b", "joints"), TABLE)
 SPRING = {
     **{name: _number(unit) for name, unit in SPRING_UNITS.items()},

@@ -22,6 +22,7 @@ from spear_pin.model.directions import Round
 from spear_pin.model.mechanism import NO_FORCES, Feet, Mechanism, Terms, Toe
 from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
+from spear_pin.model.round_feet import ANYWHERE, Parts
 from spear_pin.model.scalars import dot, negated, plus, times, vanishes
 from spear_pin.model.vectors import (
     UPRIGHT,
@@ -113,7 +114,7 @@ class Spatial(Mechanism):
         super().__init__(robot, bodies, floats_of(-robot.model.gravity.linear), places)
         self.circle = robot.directions if isinstance(robot.directions, Round) else None
 
-    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
+    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any, ends: Parts = ANYWHERE) -> Terms:
         """Returns the equations of motion, see `Mechanism.terms`."""
         still = [0.0] * self.nv
         joints = self._joints(q, v, ops, still, self.lift)

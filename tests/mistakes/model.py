@@ -28,15 +28,45 @@ MUTATIONS = [
         ["hybrid/test_round_feet"],
         {
             "a round foot that slides as it rolls": (
-                "- self.radii[frame] * motions[4]",
-                "+ self.radii[frame] * motions[4]",
+                "found[0] + z * motions[4]",
+                "found[0] - z * motions[4]",
+            )
+        },
+    ),
+    *mistakes_in(
+        "model/directions",
+        ["hybrid/test_arc_ends"],
+        {"an end of an arc that its foot does not draw to itself": ("- rate**2 * lever", "+ rate**2 * lever")},
+    ),
+    *mistakes_in(
+        "model/round_feet",
+        ["hybrid/test_arc_ends"],
+        {
+            "a foot that stands on the other end of its arc": (
+                "self.arc.stop if self.ends[1]",
+                "self.arc.stop if self.ends[0]",
+            )
+        },
+    ),
+    *mistakes_in(
+        "hybrid/arc_ends",
+        ["hybrid/test_arc_ends"],
+        {"a foot that lies on its chord and goes on": ('ends="fall")', "Reset())")},
+    ),
+    *mistakes_in(
+        "hybrid/rules/latching",
+        ["hybrid/test_arc_ends"],
+        {
+            "a foot that lands on its arc wherever it lands": (
+                "**standing(clock.system.robot, q, v)",
+                "**standing(clock.system.robot, [0.0] * len(q), v)",
             )
         },
     ),
     *mistakes_in(
         "model/planar",
         ["hybrid/test_round_feet"],
-        {"a round foot that slides as it rolls, compiled": ("radius * body.turns", "-radius * body.turns")},
+        {"a round foot that slides as it rolls, compiled": ("(-lever[1], lever[0])", "(lever[1], lever[0])")},
     ),
     *mistakes_in(
         "model/planar",

@@ -1,4 +1,4 @@
-"""SPEAR-II with a round foot, and two spokes of a rimless wheel with feet of any radius."""
+"""SPEAR-II with a round foot, two spokes of a rimless wheel with feet of any radius, and a rocker."""
 
 import math
 
@@ -38,3 +38,20 @@ def spokes(folder, radius):
         ]
     )
     return load(write(folder, "spokes", urdf, f'toes = ["back", "front"]\nmotors = []\n{feet}'), base="fixed")
+
+
+def rocker(folder, foot, hang):
+    """A body of 1 kg and 0.1 kg·m² free in the plane, whose centre of mass is below its toe, the centre of an arc."""
+    urdf = "".join(
+        [
+            '<robot name="rocker"><link name="world"/><link name="carriage"/><link name="lift"/><link name="body">',
+            f'<inertial><origin xyz="0 0 {-hang}"/><mass value="1"/>',
+            '<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link><link name="toe"/>',
+            joint("x", "prismatic", "world", "carriage", axis="1 0 0"),
+            joint("z", "prismatic", "carriage", "lift", axis="0 0 1"),
+            joint("pitch", "revolute", "lift", "body"),
+            fixed("centre", "body", "toe"),
+            "</robot>",
+        ]
+    )
+    return load(write(folder, "rocker", urdf, f'toes = ["toe"]\nmotors = []\n[feet.toe]\n{foot}'), base="fixed")

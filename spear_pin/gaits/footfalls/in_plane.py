@@ -21,6 +21,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.model.legs import lean
 from spear_pin.model.planar import Planar
 from spear_pin.model.robot import Robot
+from spear_pin.model.round_feet import refuse_ends
 from spear_pin.model.scale import Scale, scale_of
 from spear_pin.model.spring import PAIR_STIFFNESS
 
@@ -70,6 +71,7 @@ def in_plane(robot: Robot, request: Request, intervals: int, seed: int = 0) -> R
     stiffness: Any = request.stiffness
     if stiffness is None:
         stiffness = Free("stiffness", PAIR_STIFFNESS * scale.torque, 0.0, STIFFEST * scale.torque, 100.0 * scale.torque)
+    refuse_ends(robot, "collocation")
     rates, effort = FASTEST * unit / scale.time, np.full(4, np.inf)
     if request.within_limits:
         rates[BASE:] = np.minimum(rates[BASE:], limits(robot, BASE, "velocity", np.inf))

@@ -23,11 +23,13 @@ class Binding:
         data: the data.
 
     Attributes:
+        directions: directions of the contact of toes.
         bound: the rows that bind toes at rest.
     """
 
     def __init__(self, robot: Robot, ground: Ground, data: pin.Data) -> None:
-        self._model, self._data, self._directions = robot.model, data, robot.directions
+        self._model, self._data = robot.model, data
+        self.directions = robot.directions
         self._ground, self._level, self._closure = ground, ground.level, robot.closure
         self._ids, self._still = {toe: robot.toe_id(toe) for toe in robot.toes}, np.zeros(robot.nv)
         self.bound = Bound(robot)
@@ -53,7 +55,7 @@ class Binding:
         return _trimmed(rows, first), _trimmed(drifts, first)
 
     def _computed(self, toes: Sequence[str]) -> tuple[list[Array], list[Array]]:
-        model, data, directions = self._model, self._data, self._directions
+        model, data, directions = self._model, self._data, self.directions
         pin.forwardKinematics(model, data, self._q, self._v, self._still)
         rows, drifts = [], []
         for toe in toes:

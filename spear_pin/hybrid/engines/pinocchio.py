@@ -33,6 +33,7 @@ from spear_pin.hybrid.springs import pull_of, torque_on
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.frames import frame_id
 from spear_pin.model.robot_posture import row_along
+from spear_pin.model.round_feet import parts_of
 
 
 class Flow:
@@ -52,6 +53,10 @@ class Flow:
         self.own = OwnFunctions(domain)
         self._actuated = [robot.index(joint) for joint in robot.actuated]
         self._sprung, self.pulls = Sprung(robot, domain.mounts, self.own), list[Pull]()
+        self._binding = Binding(robot, system.ground, self._data)
+        self._closed = closed_toes(robot.toes, domain)
+        bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
+        self._at_rest = [toe for toe in robot.toes if toe in bearing]  # as the controller assumes
         self.hold(held)
         self._added, self._closure = robot.added, robot.closure
         self._joint_damping = np.array(robot.model.damping)
@@ -77,15 +82,10 @@ class Flow:
         self._level, self._plain = self._ground.level, self._ground.plain
         self._toe_ids = {toe: robot.toe_id(toe) for toe in robot.toes}
         self._frame_ids: dict[str, int] = {}
-        self._radii = robot.radii
-        self._closed = closed_toes(robot.toes, domain)
         self._slips = [(toe, mode) for toe, mode in self._closed if mode in SLIPS]
-        self._k, self._directions = robot.dimension, robot.directions
-        self._binding = Binding(robot, self._ground, self._data)
+        self._k = robot.dimension
         self._sliding = Sliding(dict(self._slips))
         self._ways: Ways = {}
-        bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
-        self._at_rest = [toe for toe in robot.toes if toe in bearing]  # as the controller assumes
         self._in_law = False  # whether a user's law is being called
         self._unloaded = self._k * (0.0,)
         self._forces: dict[str, tuple[float, ...]] = {toe: self._unloaded for toe, _ in self._closed}
@@ -103,6 +103,9 @@ class Flow:
         self.p = adjusted(self.system.law, held)
         self._at: tuple[float, Array] | None = None
         self._sprung.hold(self.held)
+        robot = self.system.robot
+        parts = {robot.toe_id(toe): held[parts_of(toe)] for toe in self._at_rest if toe in robot.arcs}
+        self._directions = self._binding.directions = robot.directions.standing(parts)
 
     @property
     def knots(self) -> list[Callable[[Array], float]]:
@@ -297,10 +300,14 @@ class Flow:
     def height(self, frame: str) -> float:
         """Returns the distance of a frame, or of a round foot about it, from the ground, along its normal, in m."""
         place = pin.updateFramePlacement(self._model, self._data, self.frame(frame)).translation
-        if self._plain and not self._radii:
+        feet = self._directions.feet
+        if self._plain and not feet:
             return float(place[2])
         x, _, z = place.tolist()
-        z -= self._radii.get(frame, 0.0)
+        index = self.frame(frame)
+        if index in feet:
+            across, down = feet[index].lever(self._model, self._data, index)[0].tolist()
+            x, z = x + across, z + down
         return float(self._ground.above(x, z, FLOATS)) if self._ground.plane else self.own.above(self._ground, x, z)
 
     def frame(self, frame: str) -> int:

@@ -27,6 +27,7 @@ from spear_pin.hybrid.pull import Pull
 from spear_pin.hybrid.rules.footing import Bound, closed_toes, of_foot, shared, size
 from spear_pin.hybrid.springs import numbered, pull_of, rest_length, torque_on
 from spear_pin.model.mechanism import Feet, Mechanism
+from spear_pin.model.round_feet import parts_of
 from spear_pin.model.scalars import dot, negated, plus, times
 
 
@@ -79,12 +80,13 @@ class Motion:
         self._p = adjusted(numbers.law, held)
         robot = system.robot
         self._index = {name: i for i, name in enumerate(robot.coordinates)}
-        self._terms = mechanism.terms(q, v, ops)
+        self._closed = closed_toes(robot.toes, domain)
+        bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
+        ends = {toe: held[parts_of(toe)] for toe in robot.arcs if toe in bearing}
+        self._terms = mechanism.terms(q, v, ops, ends)
         ground = numbers.ground
         refuse_slopes(robot, ground)
         self._feet: Feet = self._asked("the ground", ground.above, ground.seen, (self._terms, ops))
-        self._closed = closed_toes(robot.toes, domain)
-        bearing = {*domain.bouncing, *(toe for toe, _ in self._closed)}
         self._taken = [toe for toe in robot.toes if toe in bearing] if at_rest is None else list(at_rest)
         self._k = robot.dimension
         self._bound = Bound(robot)

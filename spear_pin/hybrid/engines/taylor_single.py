@@ -222,7 +222,7 @@ class CompiledImpact:
         self._nv = nv = system.robot.nv
         state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
         mechanism, numbers, _ = symbols(system, structure.mechanism, {}, hy.par)
-        terms = mechanism.terms(state[:nv], state[nv:], hy)
+        terms = mechanism.terms(state[:nv], state[nv:], operations([]))
         (x, z), v = numbers.ground.seen(terms, operations([])).jacobians[toe], state[nv:]
         along, up = responses(terms, [x, z])
         a_tt, a_tn, a_nn, slide, approach = dot(x, along), dot(x, up), dot(z, up), dot(x, v), dot(z, v)

@@ -22,7 +22,7 @@ from spear_pin.hybrid.lanes.compilation import compilation
 from spear_pin.hybrid.lanes.groups import Group, Indices, joined, spread, take
 from spear_pin.hybrid.rules.entry import ahead
 from spear_pin.hybrid.rules.jumping import jumped
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latched, standing
 from spear_pin.hybrid.springs import springs_with
 from spear_pin.model.springs import Springs
 
@@ -115,7 +115,10 @@ class Numbers:
             BadFunction: there is a mistake in the latch.
         """
         if not reset.holds or not len(group):
-            return group if reset.phase is None else replace(group, held=from_now_on(group.held, group.t))
+            if reset.phase is None:
+                return group
+            parts = standing(self.system.robot, [*group.y[: self.nv]], [*group.y[self.nv :]])
+            return replace(group, held={**from_now_on(group.held, group.t), **parts})
         n, q, v = len(group), group.y[: self.nv], group.y[self.nv :]
         try:
             if n == 1:  # NumPy may take an array of one for a number, or not

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
 from spear_pin.hybrid import own
 from spear_pin.hybrid.clutch import Clock, after_edges, after_turns, from_now_on
 from spear_pin.hybrid.domain import Held, Reset
+from spear_pin.hybrid.dual import value_of
 from spear_pin.hybrid.fields import adjusted
+from spear_pin.model.robot import Robot
+from spear_pin.model.round_feet import parts_of
+
+
+def standing(robot: Robot, q: Sequence[Any], v: Sequence[Any]) -> dict[str, Any]:
+    """Returns on which parts of their arcs round feet stand, or would stand, as a phase begins."""
+    if not robot.arcs:
+        return {}
+    q, v = [*map(value_of, q)], [*map(value_of, v)]
+    return {parts_of(toe): arc.parts(q, v) for toe, arc in robot.arcs.items()}
 
 
 def latched(
@@ -53,5 +64,5 @@ def latched(
         elif latch is not None:
             held = {**held, **latch(q, v, held, p)}
         if clock is not None and reset.phase is not None:
-            held = from_now_on(held, clock.t)
+            held = {**from_now_on(held, clock.t), **standing(clock.system.robot, q, v)}
     return held

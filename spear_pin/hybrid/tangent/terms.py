@@ -20,6 +20,7 @@ from spear_pin.hybrid.dual import Dual, derivative_of, operations, value_of
 from spear_pin.hybrid.engines import taylor
 from spear_pin.model.mechanism import Feet, Mechanism, Terms
 from spear_pin.model.path import Point
+from spear_pin.model.round_feet import ANYWHERE, Parts
 
 
 class ArrayMechanism(Mechanism):
@@ -34,7 +35,8 @@ class ArrayMechanism(Mechanism):
         self.coordinates, self.nv = mechanism.coordinates, mechanism.nv
         self.bodies, self.frames, self.toes = mechanism.bodies, mechanism.frames, mechanism.toes
         self.axes, self.lift, self.circle = mechanism.axes, mechanism.lift, mechanism.circle
-        self.loops, self.radii, self.guided = mechanism.loops, mechanism.radii, mechanism.guided
+        self.loops, self.guided = mechanism.loops, mechanism.guided
+        self.radii, self.arcs = mechanism.radii, mechanism.arcs
         self.marks = mechanism.marks
         self._numbers: list[Any] = [number for number in mechanism.numbers if number != 0.0]
 
@@ -46,8 +48,8 @@ class ArrayMechanism(Mechanism):
         other._numbers = [number for own, number in named if own != 0.0]
         return other
 
-    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any) -> Terms:
-        """Returns the equations of motion at (q, v), (3.16)."""
+    def terms(self, q: Sequence[Any], v: Sequence[Any], ops: Any, ends: Parts = ANYWHERE) -> Terms:
+        """Returns the equations of motion at (q, v), (3.16); of a robot in space, whose toes are points."""
         found = self._code([*q, *v, *self._numbers])
         frames = found.pop("frames")
         return Terms(**found, position=lambda frame: frames.get(frame) or self.position(frame, q, ops))
