@@ -139,7 +139,7 @@ class Mechanism(ABC):
             self.axes.setdefault(frame.name, axes)
         self.toes, self.loops = {toe: self.frames[toe] for toe in robot.toes}, robot.loops
         self.marks = self.toes | {end: self.frames[end] for loop in robot.loops for end in loop.ends}
-        self.radii: Mapping[str, float] = robot.radii
+        self.radii: Mapping[str, Any] = robot.radii
         self.arcs: Mapping[str, Arc] = robot.arcs
         self.guided = robot.guided
 
@@ -253,15 +253,16 @@ class Mechanism(ABC):
 
     @property
     def numbers(self) -> tuple[Any, ...]:
-        """The numbers of each body, as its `numbers` lists them, then the places of toes and of the ends of loops."""
+        """The numbers of each body, as its `numbers` lists them, places of toes and of ends of loops, and radii."""
         of_bodies = (number for body in self.bodies for number in body.numbers)
-        return *of_bodies, *(number for _, offset in self.marks.values() for number in offset)
+        return *of_bodies, *(number for _, offset in self.marks.values() for number in offset), *self.radii.values()
 
     def with_numbers(self, numbers: Sequence[Any]) -> Self:
         """Returns this mechanism with other numbers, in the order of `numbers`; they may be symbols."""
         left, other = iter(numbers), copy(self)
         other.bodies = tuple(body.with_numbers(left) for body in self.bodies)
         other.marks = {name: (i, tuple(islice(left, len(offset)))) for name, (i, offset) in self.marks.items()}
+        other.radii = dict(zip(self.radii, left, strict=True))
         other.toes = {toe: other.marks[toe] for toe in self.toes}
         other.frames = {**self.frames, **other.marks}
         return other
@@ -277,7 +278,7 @@ class Mechanism(ABC):
             self.lift,
             self.circle,
             self.loops,
-            tuple(self.radii.items()),
+            tuple(self.radii),
             tuple(self.arcs.items()),
             self.guided,
         )

@@ -6,7 +6,7 @@ Names begin with the joint that moves the body. `variants` has more names, for a
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import hypot
 from types import MappingProxyType
@@ -33,7 +33,7 @@ UNITS: Mapping[str, str] = {
 }
 """What is said of each joint, with its unit: mass, centre of mass in the joint's frame parallel to the world at q = 0,
 inertia about it in the plane or, in space, about its axes, reflected inertia of the rotor, viscous friction."""
-AXES = "xyz"
+AXES, RADIUS = "xyz", "_radius"
 ROUNDING = 1e-9
 
 
@@ -55,7 +55,7 @@ def body_numbers(robot: Robot) -> Mapping[str, Number]:
     """Returns the nonzero numbers of a robot's bodies, by name.
 
     "knee_mass" is the mass of the body that the knee moves, "hip_to_knee", "knee_to_toe" and, to an end of the loop
-    "pin", "rod_to_pin_a" are lengths. In space
+    "pin", "rod_to_pin_a" are lengths, "toe_radius" that of a round foot. In space
     "roll_inertia_xx" is the inertia of what turns with the joint "roll", the torso, about its x axis.
 
     Raises:
@@ -77,6 +77,7 @@ def body_numbers(robot: Robot) -> Mapping[str, Number]:
     for mark, (i, offset) in mechanism.marks.items():
         if i >= 0:
             found[f"{robot.coordinates[i]}_to_{mark}"] = Number(hypot(*offset), "m")
+    found |= {f"{toe}{RADIUS}": Number(radius, "m") for toe, radius in robot.radii.items()}
     return MappingProxyType({name: number for name, number in found.items() if number.value != 0.0})
 
 
@@ -89,25 +90,28 @@ def _of_body(body: pin.Inertia, turn: Any, planar: bool) -> dict[str, float]:
     return values | {f"inertia_{axis}{axis}": tensor[k, k] for k, axis in enumerate(AXES)}
 
 
-def changed(robot: Robot, values: Mapping[str, float]) -> pin.Model:
-    """Returns a robot's model with other numbers of its bodies, which `variants.vary` has checked.
+def changed(robot: Robot, values: Mapping[str, float]) -> Robot:
+    """Returns a robot with other numbers of its bodies, which `variants.vary` has checked.
 
     Raises:
         BadValue: a body cannot have an inertia, or a number is zero in the robot's equations.
     """
     known = body_numbers(robot)
     model: pin.Model = robot.model.copy()
+    radii = dict(robot.radii)
     for name, value in values.items():
         if name not in known:
             raise BadValue(name, value, "a number that is not zero with the robot's other numbers")
         joint, what = _parts(robot, name)
-        if what.startswith("inertia_"):
+        if (toe := name.removesuffix(RADIUS)) in radii:
+            radii[toe] = value
+        elif what.startswith("inertia_"):
             _set_inertia(model, int(model.getJointId(joint)), what, name, value)
         elif what:
             _set(model, int(model.getJointId(joint)), what, value, known[name].value)
         else:
             _stretch(robot, model, name, value / known[name].value)
-    return model
+    return robot.with_model(model, settings=robot.settings and replace(robot.settings, radii=radii))
 
 
 def _unit(what: str, turns: bool) -> str:

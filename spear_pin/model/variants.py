@@ -176,7 +176,8 @@ def vary(robot: Robot, **values: float) -> Robot:
     varied = {**robot.varied, **{name: float(value) for name, value in values.items()}}
     bodies = {name: value for name, value in varied.items() if name not in valid}
     base = _with_parameters(robot, own, bodies.keys() - values) if own else robot.base
-    return robot.with_model(changed(robot.with_model(base), bodies) if bodies else base, varied=varied, base=base)
+    found = changed(robot.with_model(base), bodies) if bodies else robot
+    return found.with_model(found.model if bodies else base, varied=varied, base=base)
 
 
 def _with_parameters(robot: Robot, values: Mapping[str, float], keep: Set[str]) -> pin.Model:

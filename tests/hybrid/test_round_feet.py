@@ -5,12 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from spear_pin import Ground, HoppingLaw, find_gait, hopping, monopod, simulate
+from spear_pin import Gait, Ground, HoppingLaw, find_gait, hopping, monopod, simulate, vary
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.hybrid.batch import simulate_many
-from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.parameters import with_numbers, with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
 from spear_pin.hybrid.rules.impact import plastic_impact
+from spear_pin.model.numbers import Number, body_numbers
 from tests.hybrid.test_symbolic import HOP, compare
 from tests.model.round_feet import SPREAD, round_spear, spokes
 
@@ -87,6 +88,40 @@ class TestHop:
         own = with_parameters(gait.system, gait.parameters)
         found = eigenvalues(differentiate_return_map(own, gait.state))
         np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(gait.multipliers), atol=1e-6)
+
+
+class TestRadius:
+    def test_is_a_number_of_the_robot(self, leg):
+        larger = vary(leg, toe_radius=0.03)
+        assert larger.radii == {"toe": 0.03} and leg.radii == {"toe": 0.02}
+        assert body_numbers(larger)["toe_radius"] == Number(0.03, "m")
+        assert vary(larger, toe_radius=0.02, knee_mass=2.0).radii == leg.radii
+        q = np.array([0.6, 0.5, 1.1])
+        lower = [0.0, 0.01]
+        np.testing.assert_allclose(larger.toe_position(q, "toe"), leg.toe_position(q, "toe") - lower, atol=1e-15)
+
+    def test_a_gait_is_saved_with_it(self, gait, tmp_path):
+        system = with_numbers(gait.system, {"toe_radius": 0.021})
+        find_gait(system, guess=gait.state).save(tmp_path / "larger.json")
+        assert Gait.load(tmp_path / "larger.json").system.robot.radii == {"toe": 0.021}
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("ends", ["", "from = -0.6\nto = 0.2\n"])
+    def test_derivatives_are_those_of_gaits_found_again(self, tmp_path, ends):
+        leg = round_spear(tmp_path, FOOT + ends)
+        system = hopping(leg, HoppingLaw(stance_torque=7.84, hold_extension=True))
+        gait, h = find_gait(system), 2e-5
+        found = gait.sensitivity(["toe_radius"]).derivatives
+        more, less = (
+            find_gait(with_numbers(gait.system, {"toe_radius": 0.02 + s * h}), guess=gait.state) for s in (1, -1)
+        )
+        assert found["period"][0] == pytest.approx((more.period - less.period) / (2 * h), abs=1e-6)
+        touchdown = (more.state[0] - less.state[0])[1:] / (2 * h)
+        np.testing.assert_allclose(
+            [found[f"{joint}_at_touchdown"][0] for joint in ("hip", "knee")], touchdown, atol=1e-6
+        )
+        slower = (abs(more.multipliers[0]) - abs(less.multipliers[0])) / (2 * h)
+        assert found["multiplier_1"][0] == pytest.approx(slower, abs=1e-4)
 
 
 @pytest.mark.parametrize(

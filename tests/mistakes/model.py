@@ -39,6 +39,21 @@ MUTATIONS = [
         {"an end of an arc that its foot does not draw to itself": ("- rate**2 * lever", "+ rate**2 * lever")},
     ),
     *mistakes_in(
+        "model/numbers",
+        ["hybrid/test_round_feet"],
+        {"a radius that cannot be varied": ("radii[toe] = value", "pass")},
+    ),
+    *mistakes_in(
+        "model/mechanism",
+        ["hybrid/test_round_feet"],
+        {
+            "a radius on which no derivative depends": (
+                "other.radii = dict(zip(self.radii, left, strict=True))",
+                "list(left)",
+            )
+        },
+    ),
+    *mistakes_in(
         "model/round_feet",
         ["hybrid/test_arc_ends"],
         {
