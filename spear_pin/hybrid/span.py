@@ -146,7 +146,7 @@ class Step:
         data, found = pin.Data(model), np.empty((len(self._states), 3))
         for place, y in zip(found, self._states, strict=True):
             pin.forwardKinematics(model, data, y[: model.nq])
-            place[:] = pin.updateFramePlacement(model, data, index).translation
+            place[:] = self.flow.directions.place(model, data, index)
         return found
 
 

@@ -49,6 +49,13 @@ class Axes:
         feet = {frame: replace(self.feet[frame], ends=ends) for frame, ends in parts.items()}
         return replace(self, feet={**self.feet, **feet}) if feet else self
 
+    def place(self, model: pin.Model, data: pin.Data, frame: int) -> Array:
+        """Returns where a frame touches, or would touch, in the world, (3,), in m."""
+        place: Array = np.array(pin.updateFramePlacement(model, data, frame).translation)
+        if frame in self.feet:
+            place[::2] += self.feet[frame].lever(model, data, frame)[0]
+        return place
+
     def along(self, model: pin.Model, data: pin.Data, frame: int, motions: Array) -> Array:
         """Returns the components where a frame touches of motions in the world, (6, ...), linear and angular."""
         found = motions[0 : 3 : 4 - self.dimension]
@@ -87,6 +94,10 @@ class Round:
     def standing(self, parts: Mapping[int, Sequence[float]]) -> Round:
         """Returns itself, as its toes are points."""
         return self
+
+    def place(self, model: pin.Model, data: pin.Data, frame: int) -> Array:
+        """Returns the position of a frame in the world, (3,), in m."""
+        return np.array(pin.updateFramePlacement(model, data, frame).translation)
 
     @property
     def dimension(self) -> int:

@@ -286,7 +286,9 @@ class Robot(Shown):
         Raises:
             UnknownName: there is no such frame.
         """
-        return self._place(q, frame_id(self.model, frame))
+        index = frame_id(self.model, frame)
+        pin.forwardKinematics(self.model, self._data, self._q(q))
+        return np.array(pin.updateFramePlacement(self.model, self._data, index).translation[self._rows])
 
     def toe_position(self, q: ArrayLike, toe: str) -> Array:
         """Returns the position of a toe in the world, in m: (2,) x, z for planar robots, else (3,).
@@ -294,14 +296,8 @@ class Robot(Shown):
         Of a round foot it is the position of its lowest point.
         """
         index = self.toe_id(toe)
-        place = self._place(q, index)
-        if isinstance(self.directions, Axes) and index in self.directions.feet:
-            place += self.directions.feet[index].lever(self.model, self._data, index)[0]
-        return place
-
-    def _place(self, q: ArrayLike, index: int) -> Array:
         pin.forwardKinematics(self.model, self._data, self._q(q))
-        return np.array(pin.updateFramePlacement(self.model, self._data, index).translation[self._rows])
+        return np.array(self.directions.place(self.model, self._data, index)[self._rows])
 
     def toe_jacobian(self, q: ArrayLike, toe: str) -> Array:
         """Returns J(q) of (3.16), (2, nv) or (3, nv); the toe's velocity along the contact's `directions` is J v."""

@@ -1,6 +1,7 @@
 """Feet that roll: kinematics, a hop and a rimless wheel's impact against numbers of another program, and refusals."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,8 @@ import pytest
 from spear_pin import Gait, Ground, HoppingLaw, find_gait, hopping, monopod, simulate, vary
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.hybrid.batch import simulate_many
-from spear_pin.hybrid.parameters import with_numbers, with_parameters
+from spear_pin.hybrid.domain import Guard
+from spear_pin.hybrid.parameters import changed, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
 from spear_pin.hybrid.rules.impact import plastic_impact
 from spear_pin.model.numbers import Number, body_numbers
@@ -88,6 +90,18 @@ class TestHop:
         own = with_parameters(gait.system, gait.parameters)
         found = eigenvalues(differentiate_return_map(own, gait.state))
         np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(gait.multipliers), atol=1e-6)
+
+
+def test_a_guard_of_ones_own_sees_where_it_touches(gait):
+    """Whose value is enclosed along each step, as such a guard may vary quickly."""
+    low = Guard("low", lambda t, q, v, held, p, dyn, ops: dyn.height("toe") - 0.03)
+
+    def watched(system):
+        domains = (replace(each, guards=(*each.guards, low)) for each in system.domains)
+        return replace(system, domains=tuple(domains))
+
+    event = simulate(changed(gait.system, watched), gait.state, cycles=1).named("low")[-1]
+    assert gait.system.robot.toe_position(event.q, "toe")[1] == pytest.approx(0.03, abs=1e-10)
 
 
 class TestRadius:

@@ -39,6 +39,16 @@ MUTATIONS = [
         {"an end of an arc that its foot does not draw to itself": ("- rate**2 * lever", "+ rate**2 * lever")},
     ),
     *mistakes_in(
+        "hybrid/span",
+        ["hybrid/test_round_feet"],
+        {
+            "a round foot that lands with its centre, by a guard of one's own": (
+                "self.flow.directions.place(model, data, index)",
+                "pin.updateFramePlacement(model, data, index).translation",
+            )
+        },
+    ),
+    *mistakes_in(
         "model/numbers",
         ["hybrid/test_round_feet"],
         {"a radius that cannot be varied": ("radii[toe] = value", "pass")},

@@ -41,7 +41,7 @@ class Flow:
 
     It is also the `dyn` of laws and guards. After a call, `u`, `tau`, `friction`, `a`, `force(toe)` and `pulls`, of
     the springs, are those of the state it was called with; they are overwritten by the next call.
-    `own` asks the functions that are not of this package.
+    `own` asks the functions that are not of this package. `directions` are those of the contact of toes.
     """
 
     def __init__(self, system: HybridSystem, domain: Domain, held: Held) -> None:
@@ -105,7 +105,7 @@ class Flow:
         self._sprung.hold(self.held)
         robot = self.system.robot
         parts = {robot.toe_id(toe): held[parts_of(toe)] for toe in self._at_rest if toe in robot.arcs}
-        self._directions = self._binding.directions = robot.directions.standing(parts)
+        self.directions = self._binding.directions = robot.directions.standing(parts)
 
     @property
     def knots(self) -> list[Callable[[Array], float]]:
@@ -270,7 +270,7 @@ class Flow:
         """Returns J of a toe, with rows along the ground and normal to it, (2, nv) or (3, nv)."""
         index = self._toe_ids[toe]
         whole = pin.getFrameJacobian(self._model, self._data, index, WORLD_ALIGNED)
-        jacobian = self._directions.along(self._model, self._data, index, whole)
+        jacobian = self.directions.along(self._model, self._data, index, whole)
         return np.array(jacobian if self._level else self._ground.seen_in(jacobian))
 
     @property
@@ -282,7 +282,7 @@ class Flow:
         """Returns the velocity of a toe, along the ground and normal to it, in m/s."""
         index = self._toe_ids[toe]
         motion = pin.getFrameVelocity(self._model, self._data, index, WORLD_ALIGNED).vector
-        velocity = self._directions.along(self._model, self._data, index, motion).tolist()
+        velocity = self.directions.along(self._model, self._data, index, motion).tolist()
         return tuple(velocity) if self._level else self._ground.seen_in(velocity)
 
     def toe_acceleration(self, toe: str) -> tuple[float, ...]:
@@ -290,7 +290,7 @@ class Flow:
         pin.forwardKinematics(self._model, self._data, self.q, self.v, self.a)
         index = self._toe_ids[toe]
         motion = pin.getFrameClassicalAcceleration(self._model, self._data, index, WORLD_ALIGNED).vector
-        acceleration = self._directions.accelerated(self._model, self._data, index, motion).tolist()
+        acceleration = self.directions.accelerated(self._model, self._data, index, motion).tolist()
         return tuple(acceleration) if self._level else self._ground.seen_in(acceleration)
 
     def direction(self, toe: str) -> tuple[float, ...]:
@@ -299,15 +299,9 @@ class Flow:
 
     def height(self, frame: str) -> float:
         """Returns the distance of a frame, or of a round foot about it, from the ground, along its normal, in m."""
-        place = pin.updateFramePlacement(self._model, self._data, self.frame(frame)).translation
-        feet = self._directions.feet
-        if self._plain and not feet:
-            return float(place[2])
-        x, _, z = place.tolist()
-        index = self.frame(frame)
-        if index in feet:
-            across, down = feet[index].lever(self._model, self._data, index)[0].tolist()
-            x, z = x + across, z + down
+        x, _, z = self.directions.place(self._model, self._data, self.frame(frame)).tolist()
+        if self._plain:
+            return float(z)
         return float(self._ground.above(x, z, FLOATS)) if self._ground.plane else self.own.above(self._ground, x, z)
 
     def frame(self, frame: str) -> int:
