@@ -1,8 +1,9 @@
-"""Write textbook walkers in a few lines each: the rimless wheel, the simplest walker, the spring-mass runner.
+"""Write textbook walkers in a few lines each: rimless wheel, simplest walker, spring-mass runner, and round feet.
 
 Objective: show what a hybrid system is. Each has vector fields, guards that fall through zero, jumps of the state, and
 an event that closes a cycle. `own_dynamics` makes a system of them, which is simulated like a robot: every event is
-exact, and multipliers come from exact derivatives. The tests compare these systems with published numbers.
+exact, and multipliers come from exact derivatives. The last one is a robot from a file, whose contacts and impacts the
+package has. The tests compare these systems with published numbers.
 
 What to notice: the walker has two periodic gaits, and the shorter step is unstable. Its published multipliers are
 forward differences with steps of 1e-5, and differ from the exact ones by 1e-3. The runner loses no energy, so one of
@@ -19,12 +20,14 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from spear_pin import find_gait, simulate
-from spear_pin.hybrid.automaton import Domain, Guard, Reset
+from spear_pin import Contact, find_gait, load, simulate
+from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, HybridSystem, Reset
 from spear_pin.hybrid.own_dynamics import own_dynamics
+from spear_pin.hybrid.phases import contact_domains
 from spear_pin.viz import plots
 
 LONG, SHORT = (0.20031, -0.19983), (0.19394, -0.20387)  # angle and rate of the walker after heelstrike
+ROUND = (0.18944, -0.23901)  # the same of the one on round feet
 
 
 @dataclass(frozen=True)
@@ -152,6 +155,59 @@ def runner(law=None):
     return own_dynamics("runner", units, law or Human(), domains, section="apex", cyclic=["x"], guess=start)
 
 
+@dataclass(frozen=True)
+class Passive:
+    """A law without numbers."""
+
+
+def round_walker(robot=None, law=None, spring=None, contact=None):
+    """Two straight legs with round feet, which walk down a slope (Bhounsule 2009); q: the hip, the legs' angles.
+
+    x leads down the slope, and gravity is turned in the robot's file. Straight legs of one length scuff: the foot in
+    front lands only after the legs have passed each other.
+    """
+    robot, contact = robot or load(Path(__file__).with_name("round_walker.toml")), contact or Contact(2.0)
+
+    def idle(t, q, v, held, p, dyn, ops):
+        return []
+
+    def step(side, other):
+        bears, swings = robot.index(side), robot.index(other)
+        modes = [STICK if toe == f"{side}_foot" else OPEN for toe in robot.toes]
+
+        def behind(t, q, v, held, p, dyn, ops):
+            return q[bears] - q[swings]
+
+        def above(t, q, v, held, p, dyn, ops):
+            return dyn.height(f"{other}_foot")
+
+        passing = Guard("pass", behind, Reset(phase=f"{side}_reach"))
+        lands = Reset(impact=(f"{other}_foot",), phase=f"{other}_swing")
+        strike = Guard(f"{other}_strike", above, lands, patience=0.1)
+        for phase, guard in ((f"{side}_swing", passing), (f"{side}_reach", strike)):
+            yield from contact_domains(
+                Domain(phase, phase, tuple(modes), idle, guards=(guard,)), robot.toes, Reset(phase="air")
+            )
+
+    def start():
+        (angle, rate), other, reach = ROUND, -0.1854, 0.2 + math.cos(ROUND[0])
+        return np.array([0.0, reach, angle, -angle]), np.array([-reach * rate, -math.sin(angle) * rate, rate, other])
+
+    return HybridSystem(
+        kind="round_walker",
+        robot=robot,
+        law=law or Passive(),
+        springs={},
+        contact=contact,
+        domains=(*step("left", "right"), *step("right", "left"), Domain("air", "air", (OPEN, OPEN), idle)),
+        section="left_strike",
+        cyclic=("x",),
+        build=round_walker,
+        guess=start,
+        phase_limit=10.0,
+    )
+
+
 def main(folder: Path) -> None:
     settled = simulate(runner(), runner().guess(), cycles=40).named("apex")[-1]
     gaits = {
@@ -159,6 +215,7 @@ def main(folder: Path) -> None:
         "simplest walker, long step": find_gait(simplest_walker()),
         "simplest walker, short step": find_gait(simplest_walker(SHORT)),
         "runner": find_gait(runner(), guess=(settled.q, settled.v)),
+        "walker on round feet": find_gait(round_walker()),
     }
     for name, gait in gaits.items():
         print(f"{name}: period {gait.period:.6f}, {'stable' if gait.stable else 'not stable'}")

@@ -2,6 +2,7 @@
 
 import importlib.util
 import math
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -24,6 +25,27 @@ HOPPERS = {
     "steep": (100.0, 10000.0, 5.0, 0.513806075894484, 1.238312718076982),
     "flat": (1.0, 100.0, 10.0, 1.017450873821607, 1.182441943200824),
 }
+# Bhounsule 2009, passivewalker.m, the walker with round feet: after heelstrike the stance leg's angle and rate, then
+# those of the angle between the legs
+ROUND = 0.189472782205104, -0.239124222551699, 0.378945564410209, -0.053691703909393
+
+
+def mistaken_rates(system: HybridSystem, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Rates of the legs after the right foot's strike in that program: the leg that leaves turns as the other does."""
+    J, D = system.robot.toe_jacobian(q, "right_foot"), system.robot.mass_matrix(q)
+    free = np.vstack([-np.linalg.solve(J[:, :2], J[:, 2:]), np.eye(2)])
+    more = 0.02 * (v[3] - v[2]) * np.array([1.0, -1.0])
+    return np.asarray(np.linalg.solve(free.T @ D @ free, free.T @ D @ v + more))
+
+
+def round_state(system: HybridSystem, numbers: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
+    """The walker's state on round feet from the numbers of that program, with its left foot on the ground."""
+    angle, rate, between, opening = numbers
+    q = np.array([0.0, 0.2 + math.cos(angle), angle, angle - between])
+    v = np.array([0.0, 0.0, rate, rate - opening])
+    J = system.robot.toe_jacobian(q, "left_foot")
+    v[:2] = np.linalg.solve(J[:, :2], -J[:, 2:] @ v[2:])
+    return q, v
 
 
 @cache

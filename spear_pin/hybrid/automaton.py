@@ -178,18 +178,19 @@ class HybridSystem:
 
     @property
     def landing(self) -> tuple[str, Reset]:
-        """The flight phase that ends at the section, and its reset; for mirrored halves those of the first."""
+        """The phase that ends at the section, of several a flight, and its reset; for mirrored halves the first's."""
         return self._landings[0]
 
     @cached_property
     def _landings(self) -> list[tuple[str, Reset]]:
-        found = [
-            (domain.phase, guard.reset)
+        ends = [
+            (domain, guard.reset)
             for domain in self.domains
-            if all(mode == OPEN for mode in domain.contacts) and not domain.bouncing
             for guard in domain.guards
             if guard.name == self.section and guard.reset is not None
         ]
+        flights = [end for end in ends if all(mode == OPEN for mode in end[0].contacts) and not end[0].bouncing]
+        found = [(domain.phase, reset) for domain, reset in flights or ends]  # who walks has no flight
         if not found:
             raise UnknownName("section", self.section, [g.name for d in self.domains for g in d.guards])
         return found
