@@ -23,7 +23,7 @@ from spear_pin.errors import BadFile
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.model.spring import Spring
 from spear_pin.studies.logs import Log, MotionFit, Replay, find_phases, identify_motion, replay
-from spear_pin.studies.logs.measured import measured
+from spear_pin.studies.logs.measured import find_measured
 from spear_pin.studies.logs.phases import LogPhase, smooth_rate
 from spear_pin.studies.logs.played import SLOW
 from tests.studies.logs.crank_leg import ConfiguredLaw, configured, sampled
@@ -263,7 +263,7 @@ def measures(robot: Any, log: Log, lands: float, motor: Mapping[str, Any]) -> di
     lands, and the heat of the windings with the net work of the motor in a hop, by the torque as logged.
     """
     phases = [phase for phase in find_phases(robot, log) if not phase.left_out]
-    joints = measured(robot, log)
+    joints = find_measured(robot, log)
 
     def mean(name: str, of: Any, parts: list[LogPhase]) -> float:
         return float(np.mean([of(part) for part in parts if part.name == name]))

@@ -51,7 +51,7 @@ class LogArc:
         return np.hstack([self.positions, self.beside])
 
 
-def arcs_of(
+def find_arcs(
     system: HybridSystem,
     joints: Measured,
     log: Log,
@@ -105,7 +105,7 @@ def arcs_of(
     return found, left_out
 
 
-def rates_of(joints: Measured, name: str, t: Array, positions: Array, place: int) -> Array:
+def fit_rates(joints: Measured, name: str, t: Array, positions: Array, place: int) -> Array:
     """Returns the leading rates at the first or the last of some samples, by a parabola through them."""
     lines = np.polyfit(t - t[place], positions, 2)[1]
     return np.array([lines[joints.rows.index(row)] for row in joints.leading[name]])
@@ -122,7 +122,7 @@ def _base(joints: Measured, t: Array, positions: Array, last: Places, time: floa
         time: the time for which the rates are.
         near: a configuration nearby.
     """
-    rates = rates_of(joints, STANCE, t[last], positions[last], -1)
+    rates = fit_rates(joints, STANCE, t[last], positions[last], -1)
     at = joints.state(STANCE, positions[last[-1]], rates, near)[joints.robot.nv :]
     falls = [joints.gravity if joints.robot.coordinates[row] == "boom_z" else 0.0 for row in joints.base]
     slower: Array = at[joints.base] - np.array(falls) * (time - t[last[-1]])

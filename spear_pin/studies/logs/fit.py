@@ -15,12 +15,12 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, unit
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
-from spear_pin.studies.logs.arcs import SETTLE, LogArc, arcs_of
+from spear_pin.studies.logs.arcs import SETTLE, LogArc, find_arcs
 from spear_pin.studies.logs.doubts import doubts
 from spear_pin.studies.logs.log import Log
-from spear_pin.studies.logs.measured import FLIGHT, STANCE, measured
+from spear_pin.studies.logs.measured import FLIGHT, STANCE, find_measured
 from spear_pin.studies.logs.phases import LogPhase
-from spear_pin.studies.logs.played import number_of, played, played_with, with_own
+from spear_pin.studies.logs.played import find_number, make_played, played_with, with_own
 from spear_pin.studies.logs.residuals import HEIGHT, HEIGHT_SENSOR, LAG, ZERO, Residuals
 from spear_pin.studies.logs.shooting import Shot
 from spear_pin.studies.logs.spread import Found, correlation_time, spread, spread_by_parts
@@ -40,7 +40,7 @@ class MotionFit(Shown):
     Attributes:
         source: the system as it was given.
         system: the system with the values that are its own numbers.
-        leg: the leg as it was shot, with all values, see `played`.
+        leg: the leg as it was shot, with all values, see `make_played`.
         joints: names of the measured joints, then "boom_z" if its sensor was fitted.
         found: the values, by name.
         correlation: their correlations, (k, k), in that order.
@@ -126,17 +126,17 @@ def identify_motion(
         raise BadValue("phases", list(phases), "'stance', 'flight' or both")
     if not logs:
         raise BadValue("log", logs, "a log at least")
-    joints = measured(system.robot, logs[0])
+    joints = find_measured(system.robot, logs[0])
     beside = (HEIGHT,) if {*HEIGHT_SENSOR} & {*over, *given} else ()
-    leg, of_sensors = played(system), [*(f"{joint}{ZERO}" for joint in joints.joints), LAG]
+    leg, of_sensors = make_played(system), [*(f"{joint}{ZERO}" for joint in joints.joints), LAG]
     of_sensors += HEIGHT_SENSOR if beside else ()
     own = tuple(name for name in over if name not in of_sensors)
     for name in (*own, *(name for name in given if name not in of_sensors)):
-        _known(leg, number_of(system, name)[0], of_sensors)
+        _known(leg, find_number(system, name)[0], of_sensors)
     leg = played_with(leg, system, {name: value for name, value in given.items() if name not in of_sensors})
     arcs, left_out = [], list[LogPhase]()
     for each in logs:
-        some, others = arcs_of(system, joints, each, settle, beside=beside)
+        some, others = find_arcs(system, joints, each, settle, beside=beside)
         arcs += [arc for arc in some if arc.phase.name in phases]
         left_out += others
     if not arcs:

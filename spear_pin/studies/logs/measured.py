@@ -139,7 +139,7 @@ class Measured:
         return np.vstack([self._loops(q), toe if name == STANCE else np.eye(self.robot.nv)[self.base]])
 
 
-def measured(robot: Robot, log: Log) -> Measured:
+def find_measured(robot: Robot, log: Log) -> Measured:
     """Returns the joints of a robot that a log has; where the base is follows from them while the toe is at rest.
 
     Raises:

@@ -14,7 +14,7 @@ from spear_pin.errors import BadFile, BadValue
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.studies.logs.log import Log
-from spear_pin.studies.logs.measured import FLIGHT, STANCE, measured
+from spear_pin.studies.logs.measured import FLIGHT, STANCE, find_measured
 
 SMOOTHED = 0.009  # s, over which the leg's rate is smoothed
 STRONG = 0.5  # of the fastest shortening or lengthening in the log: what a touchdown or push-off has
@@ -69,7 +69,7 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
         BadValue: the robot has more than one toe, or the log too few of its joints.
         UnknownName: the log has none of the robot's joints.
     """
-    joints = measured(robot, log)
+    joints = find_measured(robot, log)
     _ = joints.leading  # its error says which positions are missing
     positions = np.column_stack([log[name] for name in joints.joints])
     good = np.isfinite(positions).all(axis=1)

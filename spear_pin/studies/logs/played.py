@@ -97,7 +97,7 @@ class Playing:
         return force - against
 
 
-def played(system: HybridSystem) -> HybridSystem:
+def make_played(system: HybridSystem) -> HybridSystem:
     """Returns a system of two domains, stance and flight, that measured torques drive.
 
     Its robot has a motor on every joint, for friction. Its numbers are those of the system's robot, springs and ground,
@@ -126,7 +126,7 @@ def played(system: HybridSystem) -> HybridSystem:
     return _built(system, robot, robot.actuated, kind(**widths), plain)
 
 
-def number_of(system: HybridSystem, name: str) -> tuple[str, float]:
+def find_number(system: HybridSystem, name: str) -> tuple[str, float]:
     """Returns the name that a number has in a played leg, and what is taken off its value there.
 
     The law has the hysteresis of springs. Where a fixed spring rests is built into the equations: the law has a number
@@ -179,7 +179,7 @@ def latch_rests(robot: Robot, mounts: Sequence[Mount], q: Sequence[float], *_: A
 
 def played_with(leg: HybridSystem, system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
     """Returns a played leg with other numbers, by the names of `identify_motion`."""
-    named = {name: number_of(system, name) for name in values}
+    named = {name: find_number(system, name) for name in values}
     return with_numbers(leg, {named[name][0]: value - named[name][1] for name, value in values.items()})
 
 

@@ -18,7 +18,7 @@ from spear_pin.studies.identification.records import SYNTHETIC, unwrapped
 from spear_pin.studies.identification.units import ANGLES, TIMES, find_times, guess_time_unit, split_name
 from spear_pin.studies.logs.log import Column, Log
 from spear_pin.studies.logs.tables import MCAP, SUFFIXES, Table, read_tables
-from spear_pin.studies.logs.units import MODE, OTHERS, POSITIONS, TIME, TORQUE, known_unit, units_of
+from spear_pin.studies.logs.units import MODE, OTHERS, POSITIONS, TIME, TORQUE, find_units, known_unit
 
 FOLDER = "log.toml"
 SAMPLES = {"domain", "phase", "cycle"}  # columns by which a table of this package's own samples is known
@@ -148,7 +148,7 @@ def _stem(column: str) -> str:
     if split.unit or split.meant:
         return split.stem.strip(" _")
     stem, _, word = column.rpartition("_")
-    return stem if stem and known_unit(word, units_of(stem)) else column
+    return stem if stem and known_unit(word, find_units(stem)) else column
 
 
 def _unit(table: Table, name: str, column: Column, units: Units) -> str | None:
@@ -157,7 +157,7 @@ def _unit(table: Table, name: str, column: Column, units: Units) -> str | None:
     Raises:
         UnknownName: the unit that is named is none of such a quantity.
     """
-    possible, split, last = units_of(name), split_name(column.column), column.column.rpartition("_")[2]
+    possible, split, last = find_units(name), split_name(column.column), column.column.rpartition("_")[2]
     surely = split.meant or (split.unit and split.stem != column.column)
     own = split.word if surely else last if last != column.column and known_unit(last, OTHERS) else None
     said = units.get(column.column, column.unit) or table.units.get(column.column) or own
@@ -200,7 +200,7 @@ def _read(path: Path, asked: Columns, units: Units) -> Log:
             continue
         unit = _unit(table, name, column, units)
         bare += [] if unit else [repr(column.column)]
-        unit = unit if unit or guessed or units_of(name) is not POSITIONS else "rad"
+        unit = unit if unit or guessed or find_units(name) is not POSITIONS else "rad"
         values[name] = _measured(table, name, column, unit, clock, remarks)
         if table is not main or column.lag:
             values[name] = _at(t, clock.t - column.lag, values[name])
@@ -241,7 +241,7 @@ def _spans(one: Array, other: Array) -> str:
 
 def _measured(table: Table, name: str, column: Column, unit: str | None, clock: Clock, remarks: list[str]) -> Array:
     """Returns a column in SI units at the times of its table; an angle goes on where an encoder wraps."""
-    possible = units_of(name)
+    possible = find_units(name)
     raw = table.values[column.column][clock.rows]
     good = np.flatnonzero(np.isfinite(raw))
     words = f", but {table.words[column.column]}" if column.column in table.words else ""

@@ -22,12 +22,12 @@ from spear_pin.hybrid.rules.latching import latched
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
-from spear_pin.studies.logs.arcs import MARGIN, RATE, SETTLE, LogArc, arcs_of, rates_of
+from spear_pin.studies.logs.arcs import MARGIN, RATE, SETTLE, LogArc, find_arcs, fit_rates
 from spear_pin.studies.logs.fit import MotionFit
 from spear_pin.studies.logs.log import Log
-from spear_pin.studies.logs.measured import FLIGHT, STANCE, Measured, measured
+from spear_pin.studies.logs.measured import FLIGHT, STANCE, Measured, find_measured
 from spear_pin.studies.logs.phases import LogPhase
-from spear_pin.studies.logs.played import played, played_with, with_own
+from spear_pin.studies.logs.played import make_played, played_with, with_own
 from spear_pin.studies.logs.residuals import LAG, ZERO
 from spear_pin.studies.logs.shooting import Shooter
 
@@ -133,12 +133,12 @@ def replay(
         leg, user = system.leg, system.source
         given = {name: each.value for name, each in system.found.items()} | given
     else:
-        user, leg = system, played(system)
-    joints = measured(user.robot, log)
+        user, leg = system, make_played(system)
+    joints = find_measured(user.robot, log)
     sensors = {name: given.pop(name, 0.0) for name in (*(f"{joint}{ZERO}" for joint in joints.joints), LAG)}
     leg = played_with(leg, user, given)
     zeros = np.array([sensors[f"{joint}{ZERO}"] for joint in joints.joints])
-    arcs, left_out = arcs_of(user, joints, log, settle, whole=True, torques=motors == MEASURED)
+    arcs, left_out = find_arcs(user, joints, log, settle, whole=True, torques=motors == MEASURED)
     shooter, hops = Shooter(leg), list[Hop]()
     own = with_own(user, leg, given) if motors == LAW else None
     for arc in arcs:
@@ -177,7 +177,7 @@ def _replayed(
         shot = shooter.shoot(STANCE, *some, y, np.zeros((2 * nv, 1)), latched, steps=STEPS)
         return (shown(shot.y) - arc.positions[:first]).ravel()
 
-    begin = np.concatenate([arc.positions[0] - zeros, rates_of(joints, STANCE, some[0], arc.positions[:first], 0)])
+    begin = np.concatenate([arc.positions[0] - zeros, fit_rates(joints, STANCE, some[0], arc.positions[:first], 0)])
     found = least_squares(missed, begin, x_scale="jac").x
     y = joints.state(STANCE, found[:m], found[m:], arc.near)
     states, lift_off = _driven(shooter, arc, latched, y) if system is None else _by_law(system, arc, latched, y)

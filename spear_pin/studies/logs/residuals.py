@@ -12,9 +12,9 @@ from scipy.interpolate import CubicHermiteSpline
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number
-from spear_pin.studies.logs.arcs import RATE, LogArc, rates_of
+from spear_pin.studies.logs.arcs import RATE, LogArc, fit_rates
 from spear_pin.studies.logs.measured import FLIGHT, Measured
-from spear_pin.studies.logs.played import FRICTION, number_of, played_with
+from spear_pin.studies.logs.played import FRICTION, find_number, played_with
 from spear_pin.studies.logs.shooting import Shooter, Shot
 
 ZERO, LAG, HYSTERESIS = "_zero", "lag", "hysteresis"
@@ -31,7 +31,7 @@ class Residuals:
 
     Attributes:
         system: the user's system.
-        leg: the leg as it is shot, see `played`.
+        leg: the leg as it is shot, see `make_played`.
         joints: its measured joints.
         arcs: the arcs.
         over: names of the fitted values.
@@ -84,7 +84,7 @@ class Residuals:
 
     def number(self, name: str) -> float:
         """Returns a number of the leg, by its name for users."""
-        key, offset = number_of(self.system, name)
+        key, offset = find_number(self.system, name)
         return number(self.leg, key) + offset
 
     def first(self) -> Array:
@@ -97,7 +97,7 @@ class Residuals:
         """Where arcs set out: positions, leading rates, and in flight how far off the base is if it is measured."""
         some, found = slice(0, RATE), []
         for arc in self.arcs:
-            rates = rates_of(self.joints, arc.phase.name, arc.t[some], arc.positions[some], 0)
+            rates = fit_rates(self.joints, arc.phase.name, arc.t[some], arc.positions[some], 0)
             base = np.zeros(2 * len(self.beside) if arc.phase.name == FLIGHT else 0)
             found.append(np.concatenate([arc.positions[0], rates, base]))
         return found
@@ -126,7 +126,7 @@ class Residuals:
 
     def shots(self, x: Array) -> list[tuple[Shot, Array, Array]]:
         """Returns, of each arc, the shot, the residuals, (n, m + o), and their Jacobian, (n, m + o, unknowns)."""
-        k, keys = len(self.over), tuple(number_of(self.system, name)[0] for name in self.own)
+        k, keys = len(self.over), tuple(find_number(self.system, name)[0] for name in self.own)
         shooter = Shooter(self.leg_with(x), keys)
         values = dict(self.sensors) | dict(zip(self.over, x[:k].tolist(), strict=True))
         zeros, nv = np.array([values[f"{joint}{ZERO}"] for joint in self.joints.joints]), self.leg.robot.nv

@@ -48,7 +48,7 @@ class Shooter:
     """A played leg with its numbers.
 
     Attributes:
-        system: a system that `played` makes.
+        system: a system that `make_played` makes.
         over: names of the numbers by which it is differentiated.
     """
 

@@ -29,7 +29,7 @@ _WORDS = {
 _BETWEEN = re.compile(r"[\s.·⋅*]")  # factors of a unit
 
 
-def units_of(name: str) -> Mapping[str, float]:
+def find_units(name: str) -> Mapping[str, float]:
     """Returns the units that a quantity may have, with their sizes in SI units."""
     if name in (TIME, MODE):
         return TIMES if name == TIME else PLAIN

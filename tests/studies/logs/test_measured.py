@@ -6,7 +6,7 @@ import pytest
 from spear_pin import load
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.studies.logs.log import Log
-from spear_pin.studies.logs.measured import Measured, measured
+from spear_pin.studies.logs.measured import Measured, find_measured
 
 A, B = 0.07, 0.15  # m: crank and rod
 
@@ -45,6 +45,6 @@ def test_refuses_joints_that_do_not_tell_the_motion():
 def test_the_height_of_the_base_may_be_in_the_log(crank):
     t = np.linspace(0.0, 1.0, 30)
     log = Log("by hand", t, {name: t for name in ("boom_z", "crank", "rod_rate")})
-    assert measured(crank, log).joints == ("crank",)
+    assert find_measured(crank, log).joints == ("crank",)
     with pytest.raises(UnknownName, match=r"\['boom_z'\]; valid: crank, rod, slide"):
-        measured(crank, Log("by hand", t, {"boom_z": t}))
+        find_measured(crank, Log("by hand", t, {"boom_z": t}))

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from spear_pin import hopping, load, simulate
-from spear_pin.studies.logs.arcs import arcs_of
+from spear_pin.studies.logs.arcs import find_arcs
 from spear_pin.studies.logs.log import Log
-from spear_pin.studies.logs.measured import measured
-from spear_pin.studies.logs.played import played
+from spear_pin.studies.logs.measured import find_measured
+from spear_pin.studies.logs.played import make_played
 from spear_pin.studies.logs.residuals import Residuals
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -29,10 +29,10 @@ def hop(plain_log):
 
 @pytest.fixture(scope="module")
 def problem(bare, hop):
-    joints = measured(bare.robot, hop)
-    arcs, _ = arcs_of(bare, joints, hop, 0.012, beside=("boom_z",))
+    joints = find_measured(bare.robot, hop)
+    arcs, _ = find_arcs(bare, joints, hop, 0.012, beside=("boom_z",))
     own = ("torque_scale", "crank_armature")
-    return Residuals(bare, played(bare), joints, tuple(arcs), (*own, *SENSORS), own, SENSORS, ("boom_z",))
+    return Residuals(bare, make_played(bare), joints, tuple(arcs), (*own, *SENSORS), own, SENSORS, ("boom_z",))
 
 
 def test_the_jacobian_is_that_of_differences(problem):
@@ -63,18 +63,18 @@ def test_what_is_beside_is_weighted_by_its_own_noise(problem):
 
 def test_arcs_begin_after_the_bounce_and_flights_with_the_rate_of_a_fall(bare, plain_log):
     log, run = plain_log
-    joints = measured(bare.robot, log)
+    joints = find_measured(bare.robot, log)
     for settle in (0.012, 0.03):
-        for arc in arcs_of(bare, joints, log, settle)[0]:
+        for arc in find_arcs(bare, joints, log, settle)[0]:
             after = settle if arc.phase.name == "stance" else 0.002
             assert 0.0 <= arc.t[0] - arc.phase.begin - after < 1.1e-3
             assert arc.base is None or arc.base == pytest.approx([np.interp(arc.t[0], run.t, run.v[:, 0])], abs=0.05)
 
 
 def test_a_position_that_is_missing_leaves_the_height_alone(bare, hop):
-    joints = measured(bare.robot, hop)
+    joints = find_measured(bare.robot, hop)
     holed = replace(hop, values={**hop.values, "crank": np.where(hop.t == hop.t[60], np.nan, hop["crank"])})
-    arcs = [arcs_of(bare, joints, each, 0.012, beside=("boom_z",))[0][0] for each in (hop, holed)]
+    arcs = [find_arcs(bare, joints, each, 0.012, beside=("boom_z",))[0][0] for each in (hop, holed)]
     assert [len(arc.t) for arc in arcs] == [len(arcs[0].t), len(arcs[0].t) - 1]
     assert not np.isnan(arcs[1].positions).any() and np.isnan(arcs[1].beside).any()
 
@@ -88,11 +88,13 @@ def test_a_spring_is_latched_where_the_joint_is_and_not_where_its_sensor_shows_i
     shown = {"hip": run.q[:, 1], "knee": run.q[:, 2], "hip_torque": run.u[:, 0], "knee_torque": run.u[:, 1]}
     plain = Log("plain", times, {name: np.interp(times, t, each[first]) for name, each in shown.items()})
     turned = replace(plain, values={**plain.values, "knee": plain["knee"] + 0.02})
-    joints, found = measured(system.robot, plain), []
+    joints, found = find_measured(system.robot, plain), []
     for log, zero in ((plain, 0.0), (turned, 0.02)):
-        arcs = [arc for arc in arcs_of(system, joints, log, 0.012)[0] if arc.phase.name == "stance"]
+        arcs = [arc for arc in find_arcs(system, joints, log, 0.012)[0] if arc.phase.name == "stance"]
         sensors = {"hip_zero": 0.0, "knee_zero": zero, "lag": 0.0}
-        found.append(Residuals(system, played(system), joints, tuple(arcs), ("stiffness",), ("stiffness",), sensors))
+        found.append(
+            Residuals(system, make_played(system), joints, tuple(arcs), ("stiffness",), ("stiffness",), sensors)
+        )
     x = found[0].first()
     plain_ones, turned_ones = (each.joined(x)[0] for each in found)
     assert turned_ones == pytest.approx(plain_ones, abs=1e-9)

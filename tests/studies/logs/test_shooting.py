@@ -11,7 +11,7 @@ from spear_pin.hybrid.domain import Mount
 from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.pull import Pull
-from spear_pin.studies.logs.played import SLOW, Playing, number_of, played
+from spear_pin.studies.logs.played import SLOW, Playing, find_number, make_played
 from spear_pin.studies.logs.shooting import Shooter
 from tests.studies.logs.crank_leg import spring
 
@@ -44,7 +44,7 @@ def shot(leg, y, over=(), dy=None, steps=1, end=0.15):
 
 @pytest.fixture(scope="module")
 def leg(sprung):
-    return with_numbers(played(sprung), FORCES)
+    return with_numbers(make_played(sprung), FORCES)
 
 
 def test_is_the_motion_of_the_crank_s_equation(leg):
@@ -87,7 +87,7 @@ def test_derivatives_are_those_of_differences(leg, name):
 
 
 def test_steps_converge_with_the_fourth_power(bare):
-    leg = played(bare)
+    leg = make_played(bare)
     ends = [shot(leg, begun(leg), steps=steps).y[-1] for steps in (1, 2, 16)]
     coarse, fine = (np.abs(end - ends[-1]).max() for end in ends[:2])
     assert fine < coarse / 12.0
@@ -102,7 +102,7 @@ def test_is_what_the_simulation_does_with_a_latched_spring():
     ends = min(event.time for event in run.events if event.name == "torque_switch")
     last = np.searchsorted(run.t, ends) - 5
     places = np.arange(0, last, 5)
-    leg = played(system)
+    leg = make_played(system)
     y = np.concatenate([run.q[0], run.v[0]])
     found = Shooter(leg).shoot("stance", run.t[places], run.u[places], y, np.zeros((6, 1)), run.q[0], steps=2)
     assert found.y[-1, :3] == pytest.approx(run.q[places[-1]], abs=1e-7)
@@ -110,9 +110,9 @@ def test_is_what_the_simulation_does_with_a_latched_spring():
 
 
 def test_names_of_a_fixed_spring_lead_to_numbers_of_the_law(sprung, bare):
-    assert number_of(sprung, "rest") == ("leg_shift", spring().rest)
-    assert number_of(sprung, "hysteresis") == ("leg_hysteresis", 0.0)
-    assert number_of(bare, "crank_armature") == ("crank_armature", 0.0)
+    assert find_number(sprung, "rest") == ("leg_shift", spring().rest)
+    assert find_number(sprung, "hysteresis") == ("leg_hysteresis", 0.0)
+    assert find_number(bare, "crank_armature") == ("crank_armature", 0.0)
 
 
 @pytest.mark.parametrize(("stretch", "way"), [(5e-4, 1.0), (2e-3, 1.0), (2e-3, -1.0), (5e-4, -1.0)])
@@ -130,7 +130,7 @@ def test_hysteresis_is_that_of_the_simulation(stretch, way):
 
 def test_a_spring_that_only_pulls_has_no_hysteresis_while_it_is_slack(crank):
     own = replace(spring(), unilateral=True, rest=0.2)  # longer than the leg ever makes it
-    slack = with_numbers(played(hopping(crank, spring={"leg": own})), {"leg_hysteresis": 5.0})
-    none = played(hopping(crank, spring={"leg": replace(own, stiffness=0.0)}))
+    slack = with_numbers(make_played(hopping(crank, spring={"leg": own})), {"leg_hysteresis": 5.0})
+    none = make_played(hopping(crank, spring={"leg": replace(own, stiffness=0.0)}))
     y = begun(slack)
     assert shot(slack, y).y == pytest.approx(shot(none, y).y, abs=1e-12)
