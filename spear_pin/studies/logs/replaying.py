@@ -196,16 +196,15 @@ def _replayed(
 
 def _driven(shooter: Shooter, arc: LogArc, latched: Array, y: Array) -> tuple[Array, float]:
     """Returns states at all samples, (n, 2 nv), with the measured torques, and when the toe lifts off."""
-    states, lift_off, none = [y], np.nan, np.zeros((len(y), 1))
-    for after, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, latched, steps=STEPS):
-        if force[-1] < 0.0:  # at the step's beginning, where the state is the last that was kept
+    states, lift_off, none = list[Array](), np.nan, np.zeros((len(y), 1))
+    for state, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, latched, steps=STEPS):
+        states.append(state)
+        if force[-1] < 0.0:
             lift_off = float(arc.t[len(states) - 1])
             break
-        states.append(after)
-    if len(states) < len(arc.t):
-        rest = slice(len(states) - 1, None)
-        flight = shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states[-1], none, latched, steps=STEPS)
-        states += [after for after, _, _ in flight]
+    rest = slice(len(states) - 1, None)
+    flight = shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states.pop(), none, latched, steps=STEPS)
+    states += [state for state, _, _ in flight]
     return np.array(states), lift_off
 
 

@@ -74,36 +74,9 @@ class Shooter:
         """Returns where the springs of a domain rest that were latched at a configuration, (nv,)."""
         return dict(latch_rests(self.system.robot, domain.mounts, latched.tolist()))
 
-    def shoot(
-        self,
-        name: str,
-        t: Array,
-        torques: Array,
-        y: Array,
-        dy: Array,
-        latched: Array,
-        dlatched: Array | None = None,
-        steps: int = 1,
-    ) -> Shot:
-        """Integrates from a state over given times.
-
-        Args:
-            name: "stance" or "flight".
-            t: the times, (n,), in s; the state is that at the first.
-            torques: torques of the motors at these times, (n, nu), in N·m.
-            y: the state, (2 nv,).
-            dy: its derivatives by `over`, then by others, (2 nv, c).
-            latched: configuration at touchdown, (nv,), at which springs were latched.
-            dlatched: its derivatives, (nv, c); none unless they are given.
-            steps: by how much more steps there are than need be.
-        """
-        states, changes, forces = [y], [dy], list[Array]()
-        for part in self.along(name, t, torques, y, dy, latched, dlatched, steps):
-            states.append(part[0])
-            changes.append(part[1])
-            forces.append(part[2])
-        forces.append(forces[-1] if forces else np.zeros(2))
-        return Shot(t, np.array(states), np.array(changes), np.array(forces))
+    def shoot(self, name: str, t: Array, *given: Any, **options: Any) -> Shot:
+        """Integrates from a state over given times; see `along` for what it takes."""
+        return Shot(t, *map(np.array, zip(*self.along(name, t, *given, **options), strict=True)))
 
     def along(
         self,
@@ -116,7 +89,18 @@ class Shooter:
         dlatched: Array | None = None,
         steps: int = 1,
     ) -> Iterator[tuple[Array, Array, Array]]:
-        """Yields state and derivatives at each of the times but the first, and the force on the toe before it."""
+        """Yields the state at each of the times, its derivatives, and the force on the toe, at the last as before it.
+
+        Args:
+            name: "stance" or "flight".
+            t: the times, (n,), in s; the state is that at the first.
+            torques: torques of the motors at these times, (n, nu), in N·m.
+            y: the state, (2 nv,).
+            dy: its derivatives by `over`, then by others, (2 nv, c).
+            latched: configuration at touchdown, (nv,), at which springs were latched.
+            dlatched: its derivatives, (nv, c); none unless they are given.
+            steps: by how much more steps there are than need be.
+        """
         domain = next(each for each in self.system.domains if each.name == name)
         held = self.held(domain, latched)
         field, c = field_of(self.system, domain, held), dy.shape[1]
@@ -134,21 +118,22 @@ class Shooter:
             said, changed = field.at(zero, y, own, still, dy, slopes)
             return said.slopes, changed.slopes, said
 
-        y, dy = y[:, None], dy[:, None]
+        y, dy, force = y[:, None], dy[:, None], np.zeros(2)
         for k, length in enumerate(np.diff(t)):
             count = steps * max(1, int(np.ceil(length / LONGEST - 1e-9)))
-            h, rise, force = length / count, (torques[k + 1] - torques[k]) / count, None
+            h, rise = length / count, (torques[k + 1] - torques[k]) / count
             for j in range(count):
                 u = torques[k] + j * rise
                 k1, d1, said = at(y, dy, u)
-                force = said.forces[:, 0] if force is None else force
+                if j == 0:
+                    force = said.forces[:, 0] if len(said.forces) else force
+                    yield y[:, 0], dy[:, 0], force
                 k2, d2, _ = at(y + 0.5 * h * k1, dy + 0.5 * h * d1, u + 0.5 * rise)
                 k3, d3, _ = at(y + 0.5 * h * k2, dy + 0.5 * h * d2, u + 0.5 * rise)
                 k4, d4, _ = at(y + h * k3, dy + h * d3, u + rise)
                 y = y + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
                 dy = dy + h / 6.0 * (d1 + 2.0 * (d2 + d3) + d4)
-            assert force is not None
-            yield y[:, 0], dy[:, 0], force if len(force) else np.zeros(2)
+        yield y[:, 0], dy[:, 0], force
 
 
 def with_torques(log: Log, motors: Sequence[str], ratios: Mapping[str, float], needed: bool = True) -> Array:
