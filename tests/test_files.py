@@ -11,7 +11,7 @@ from spear_pin import Gait, Trajectory
 from spear_pin.errors import BadFile
 from spear_pin.files import atomic, parse_json, plain, read_bytes, regular, scratch, together, write_text
 from spear_pin.model.loading import load
-from spear_pin.studies.identification.columns import read_columns
+from spear_pin.studies.tables.columns import read_columns
 
 
 def test_writes(tmp_path):

@@ -34,7 +34,7 @@ def add(commands: Commands) -> None:
     parser = add_command(
         commands, "identify", run, "estimate a knee's stiffness, damping, friction from push tests", example
     )
-    parser.add_argument("files", nargs="+", metavar="FILE", help="CSV or .mat: time, and voltage or angle of the knee")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="CSV, .mat, .npz: time, the knee's angle or voltage")
     data = parser.add_argument_group("records")
     data.add_argument(
         "--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer, or counts per radian"

@@ -16,10 +16,11 @@ from spear_pin.errors import require
 from spear_pin.files import atomic
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
-from spear_pin.studies.identification.records import SYNTHETIC, Calibration
+from spear_pin.studies.identification.records import Calibration
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.push_test import RATE, PassiveKnee, equilibrium, pushed_angle
 from spear_pin.studies.push_test.motion import move
+from spear_pin.studies.tables.readings import SYNTHETIC
 
 HOLD, SWING, PUSH = 3.0, 3.0, 1.5  # s; hold and wait as in Section 4.1.3, the push an assumption
 LONGEST = 10_000_000  # samples

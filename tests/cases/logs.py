@@ -78,7 +78,7 @@ CASES = (
     _case("turns", "time [s],knee [turns]", _seconds, lambda angle: angle / TURN),
     _case(
         "a unit that is none", "time [s],knee [furlongs]", _seconds,
-        right="has the unit 'furlongs'; valid: rad, mrad, deg, turns, V, mV, counts",
+        right="'furlongs'; valid: rad, mrad, deg, turns, V, mV, counts",
     ),
     _case("an encoder that wraps, in rad", "time_s,angle_rad", _seconds, _wrapped),
     _case("an encoder that wraps, in degrees", "time_s,angle_deg", _seconds, lambda angle: np.degrees(_wrapped(angle))),

@@ -107,7 +107,7 @@ def test_what_was_dropped_is_said(capsys, tmp_path, lab):
         (b"time_s,knee_V\n" + b"\n".join(b"%d,1.5" % i for i in range(500)), "apart"),
         (b"time_s,knee_V\n" + b"\n".join(b"%g,900" % (0.001 * i) for i in range(500)), "rad"),
         (b"time_s,knee_V\n" + b"\n".join(b"%g,1.5" % (0.001 * i) for i in range(5000)), "release"),
-        (b"time_s,knee_V\n" + b"\n".join(b"%g,word" % (0.001 * i) for i in range(500)), "rows"),
+        (b"time_s,knee_V\n" + b"\n".join(b"%g,word" % (0.001 * i) for i in range(500)), "no number, but 'word'"),
     ],
     ids=["empty", "binary", "column", "nan", "back", "milliseconds", "units", "still", "words"],
 )

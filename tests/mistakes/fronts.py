@@ -21,7 +21,7 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "studies/identification/units",
+        "studies/tables/units",
         ["studies/identification/test_records"],
         {
             "ns taken for us": ('"ns": 1e-9', '"ns": 1e-6'),
@@ -31,10 +31,12 @@ MUTATIONS = [
     *mistakes_in(
         "studies/identification/records",
         ["studies/identification/test_records"],
-        {
-            "times of an absolute clock": ("t = (t - t[0]) * TIMES", "t = t * TIMES"),
-            "wraps that stay": ("if wraps.any():", "if not wraps.size:"),
-        },
+        {"times of an absolute clock": ("t = (t - t[0]) * TIMES", "t = t * TIMES")},
+    ),
+    *mistakes_in(
+        "studies/tables/readings",
+        ["studies/identification/test_records"],
+        {"wraps that stay": ("if wraps.any():", "if not wraps.size:")},
     ),
     *mistakes_in(
         "studies/identification/search",

@@ -4,42 +4,51 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, BadValue, UnknownName, brief, listed
 from spear_pin.files import regular
-from spear_pin.studies.identification.records import SYNTHETIC, unwrapped
-from spear_pin.studies.identification.units import ANGLES, TIMES, find_times, guess_time_unit, split_name
 from spear_pin.studies.logs.log import Column, Log
-from spear_pin.studies.logs.tables import MCAP, SUFFIXES, Table, read_tables
-from spear_pin.studies.logs.units import MODE, OTHERS, POSITIONS, TIME, TORQUE, find_units, known_unit
+from spear_pin.studies.tables.columns import MOST_BYTES as TABLE
+from spear_pin.studies.tables.columns import Table, read_columns
+from spear_pin.studies.tables.readings import (
+    GAP,
+    SYNTHETIC,
+    Clock,
+    find_gaps,
+    read_clock,
+    read_unit,
+    read_values,
+)
+from spear_pin.studies.tables.units import (
+    ANGLES,
+    MODE,
+    POSITIONS,
+    TIME,
+    TORQUE,
+    find_times,
+    find_units,
+    known_unit,
+    split_name,
+)
 
+MCAP = ".mcap"
+SUFFIXES = ".csv", ".txt", ".tsv", ".dat", ".mat", ".npz", MCAP
 FOLDER = "log.toml"
 SAMPLES = {"domain", "phase", "cycle"}  # columns by which a table of this package's own samples is known
 OWN = {"q_": "", "v_": "_rate", "u_": TORQUE}  # how its other columns begin, and how the quantities' names end
 SHOWN = 8  # columns that are not read
-GAP = 5.0  # median steps, from which on samples are missing
-LONGEST = 3600.0  # s without a sample: more is another clock
 FEWEST = 20  # samples
 MOST_BYTES = 1_000_000  # of the file that says what the columns are
 Columns = Mapping[str, Column]
 Units = Mapping[str, str]
 UNSAID = Column("")
 ENTRIES = [field.name for field in fields(Column)]
-
-
-@dataclass(frozen=True)
-class Clock:
-    """Times of a table, (n,), in s on its own clock, increasing, and the rows that have them."""
-
-    t: Array
-    rows: NDArray[np.intp]
 
 
 def read(path: str | Path, columns: Mapping[str, Any] | None, units: Units) -> Log:
@@ -152,20 +161,8 @@ def _stem(column: str) -> str:
 
 
 def _unit(table: Table, name: str, column: Column, units: Units) -> str | None:
-    """Returns the unit of a column, None where nothing names it.
-
-    Raises:
-        UnknownName: the unit that is named is none of such a quantity.
-    """
-    possible, split, last = find_units(name), split_name(column.column), column.column.rpartition("_")[2]
-    surely = split.meant or (split.unit and split.stem != column.column)
-    own = split.word if surely else last if last != column.column and known_unit(last, OTHERS) else None
-    said = units.get(column.column, column.unit) or table.units.get(column.column) or own
-    if said is not None:
-        if (unit := known_unit(said, possible)) is None:
-            raise UnknownName(f"unit of {name!r}, column {column.column!r} of {table.path}:", said, possible)
-        return unit
-    return known_unit(last, possible)
+    said = units.get(column.column, column.unit)
+    return read_unit(table, repr(name), column.column, find_units(name), said)
 
 
 # what they hold
@@ -175,7 +172,7 @@ def _read(path: Path, asked: Columns, units: Units) -> Log:
     """Reads one file, and those of other sensors beside it."""
     wanted = [column.column for column in asked.values()]
     files = dict.fromkeys([None, *(column.file for column in asked.values())])
-    tables = {file: read_tables(path.parent / file if file else path, wanted) for file in files}
+    tables = {file: _tables(path.parent / file if file else path, wanted) for file in files}
     whole = [table for each in tables.values() for table in each]
     remarks = [remark for table in whole for remark in table.remarks]
     for name in units:
@@ -211,13 +208,20 @@ def _read(path: Path, asked: Columns, units: Units) -> Log:
         remarks.append(f"no unit is named, so SI units and radians are taken, of {', '.join(bare)}")
     if path.suffix.lower() != MCAP and (unread := [*main.values.keys() - {*_used(asked, main)}]):
         remarks.append(f"columns that are not read: {listed([*map(brief, sorted(unread))], SHOWN)}")
-    steps = np.diff(t)
-    if (gaps := steps > GAP * np.median(steps)).any():
-        remarks.append(f"{gaps.sum()} gaps between samples, the longest {steps.max():.3g} s")
+    remarks += find_gaps(t)
     synthetic = any(comment.startswith(SYNTHETIC) for table in whole for comment in table.comments)
     at_motor = frozenset(name for name, column in asked.items() if column.at == "motor")
     told = tuple(f"{path.name}: {each}" for each in remarks)
     return Log(str(path), t - t[0], values, at_motor, modes, synthetic, told, float(t[0]))
+
+
+def _tables(path: Path, wanted: Sequence[str]) -> list[Table]:
+    """Reads all columns of a file; of an MCAP file the first message of each topic, and all with wanted columns."""
+    if path.suffix.lower() != MCAP:
+        return [read_columns(path, lambda names: names)]
+    from spear_pin.studies.logs.topics import read_topics
+
+    return read_topics(regular(path, TABLE), wanted)
 
 
 def _used(asked: Columns, main: Table) -> list[str]:
@@ -240,66 +244,29 @@ def _spans(one: Array, other: Array) -> str:
 
 
 def _measured(table: Table, name: str, column: Column, unit: str | None, clock: Clock, remarks: list[str]) -> Array:
-    """Returns a column in SI units at the times of its table; an angle goes on where an encoder wraps."""
-    possible = find_units(name)
-    raw = table.values[column.column][clock.rows]
-    good = np.flatnonzero(np.isfinite(raw))
-    words = f", but {table.words[column.column]}" if column.column in table.words else ""
-    if not good.size:
-        raise BadFile(table.path, f"column {column.column!r}, for {name!r}, holds no number{words}; name another")
-    if lost := raw.size - good.size:
-        remarks.append(f"{column.column!r} holds no number in {lost} of {raw.size} rows{words}")
-    found = np.full(raw.size, np.nan)
-    found[good] = column.sign * (raw[good] - column.zero) * possible.get(unit or "", 1.0)
-    if unit in ANGLES:
-        found[good], jumps = unwrapped(found[good], clock.rows[good])
-        remarks += [f"{column.column!r}: {jump}" for jump in jumps]
-    return found
+    """Returns a column in SI units at the times of its table."""
+    size = find_units(name).get(unit or "", 1.0)
+    return read_values(
+        table, column.column, clock, lambda raw: column.sign * (raw - column.zero) * size, unit in ANGLES, remarks
+    )
 
 
 def _clock(table: Table, asked: Column | None, units: Units, remarks: list[str]) -> Clock:
     """Returns the times of a table's rows, in s."""
-    path, times = table.path, find_times([*table.values])
-    if asked is not None and (asked.column in table.values or not times):
-        column = asked.column
-    elif times:
-        column, asked = times[0], None
-    else:
-        raise BadFile(path, f"which column is the time? It has {listed([*table.values])}; name one as `time`")
-    if column not in table.values:
-        raise UnknownName(f"column for {TIME!r} in {path}:", column, table.values)
-    raw = table.values[column]
-    unit = "s" if column in table.moments else _unit(table, TIME, asked or Column(column), units)
-    if unit is None and (unit := guess_time_unit(column, raw)) != "s":
-        remarks.append(f"{column!r} names no unit: taken as {unit}, by its name or as Unix time")
-    t = raw * TIMES[unit or "s"]
-    rows = np.flatnonzero(np.isfinite(t))
-    if lost := t.size - rows.size:
-        remarks.append(f"dropped {lost} of {t.size} rows without a time")
-    steps = np.diff(t[rows])
-    if (steps < 0).any():
-        row = int(np.flatnonzero(steps < 0)[0])
-        raise BadFile(
-            path, f"time goes back after row {rows[row] + 1}, by {-steps[row]:.3g} s; expected times that increase"
-        )
-    if (same := steps < 1e-9).any():
-        remarks.append(f"dropped {int(same.sum())} rows that repeat a time")
-        rows = rows[np.concatenate([[True], ~same])]
-    if rows.size < FEWEST:
-        raise BadFile(path, f"{rows.size} rows have a time of their own; a log needs at least {FEWEST}")
-    steps = np.diff(t[rows])
-    if steps.max() > LONGEST:
-        row, unit = rows[int(steps.argmax())] + 1, unit or "s"
-        raise BadFile(path, f"time jumps by {steps.max():.3g} s after row {row}; expected one clock, in {unit}")
-    return Clock(t[rows], rows)
+    times = find_times([*table.values])
+    if asked is None or (asked.column not in table.values and times):
+        if not times:
+            raise BadFile(table.path, f"which column is the time? It has {listed([*table.values])}; name one as `time`")
+        asked = Column(times[0])
+    if asked.column not in table.values:
+        raise UnknownName(f"column for {TIME!r} in {table.path}:", asked.column, table.values)
+    return read_clock(table, asked.column, units.get(asked.column, asked.unit), FEWEST, remarks)
 
 
 def _modes(table: Table, column: Column, clock: Clock) -> Any:
     """Returns the name of the mode in each row."""
     if column.column in table.words:
-        raise BadFile(
-            table.path, f"column {column.column!r}, for 'mode', holds {table.words[column.column]}; expected numbers"
-        )
+        raise BadFile(table.path, f"column {column.column!r}, for 'mode', holds {table.words[column.column]}")
     names = {float(number): name for number, name in column.modes.items()}
     return np.array([names.get(value, f"{value:g}") for value in table.values[column.column][clock.rows].tolist()])
 

@@ -4,36 +4,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, MissingExtra, listed
+from spear_pin.studies.tables.columns import Table
+from spear_pin.studies.tables.units import TIME
 
-TIME = "time"  # name of the column with the time at which a message was logged
 LONGEST = 64  # entries of a list, beyond which it is a picture or a shape
 
 
-@dataclass(frozen=True)
-class Topic:
-    """Numbers of a topic's messages.
-
-    Attributes:
-        values: columns, (n,), by topic and field, such as "/joint_states.knee.position"; and "time", in ns.
-        units: the unit of time.
-        remarks: topics that cannot be decoded.
-    """
-
-    values: Mapping[str, Array]
-    units: Mapping[str, str]
-    remarks: tuple[str, ...] = ()
-
-
-def read_topics(path: Path, wanted: Sequence[str]) -> list[Topic]:
+def read_topics(path: Path, wanted: Sequence[str]) -> list[Table]:
     """Reads the first message of each topic, and all messages of topics that have wanted columns.
+
+    Columns have names by topic and field, such as "/joint_states.knee.position"; "time" is in ns.
 
     Raises:
         BadFile: the file cannot be read.
@@ -63,14 +49,14 @@ def read_topics(path: Path, wanted: Sequence[str]) -> list[Topic]:
     except Exception as error:  # a damaged file may raise anything
         raise BadFile(path, f"not an MCAP file that can be read: {str(error) or type(error).__name__}") from None
     remarks = (f"topics in neither JSON nor protobuf: {listed(sorted(closed))}",) if closed else ()
-    return [_topic(each, remarks if i == 0 else ()) for i, each in enumerate(rows.values())]
+    return [_topic(path, each, remarks if i == 0 else ()) for i, each in enumerate(rows.values())]
 
 
-def _topic(rows: Sequence[tuple[int, dict[str, float]]], remarks: tuple[str, ...]) -> Topic:
+def _topic(path: Path, rows: Sequence[tuple[int, dict[str, float]]], remarks: tuple[str, ...]) -> Table:
     names = dict.fromkeys(name for _, numbers in rows for name in numbers)
     values = {name: np.array([numbers.get(name, np.nan) for _, numbers in rows]) for name in names}
     times = np.array([time for time, _ in rows], dtype=float)
-    return Topic({TIME: times, **values}, {TIME: "ns"}, remarks)
+    return Table(path, {TIME: times, **values}, {TIME: "ns"}, remarks=remarks)
 
 
 def _decoder(factory: Any, encoding: str, schema: Any) -> Callable[[bytes], Any] | None:

@@ -9,7 +9,7 @@ from scipy.io import savemat
 
 from spear_pin.errors import SpearError
 from spear_pin.studies.logs import Column, Log
-from spear_pin.studies.logs.reading import GAP
+from spear_pin.studies.tables.readings import GAP
 
 T = np.arange(0.0, 0.5, 0.002)
 KNEE = 0.6 + 0.4 * np.sin(9.0 * T)
@@ -337,7 +337,7 @@ MISTAKES = {
     ),
     "one name": (text("time_s,knee,knee", T, T, T), None, None, "two columns have the same name"),
     "empty": ("", None, None, "the file is empty"),
-    "few": (text("time_s,knee", T[:9], T[:9]), None, None, "9 rows have a time of their own; a log needs at least 20"),
+    "few": (text("time_s,knee", T[:9], T[:9]), None, None, "9 rows have a time of their own; expected at least 20"),
     "back": (
         text("time_s,knee", np.r_[T, 0.1], np.r_[T, 0]),
         None,
@@ -355,14 +355,14 @@ MISTAKES = {
         text("time_s,knee,hip", T, T * np.nan, T),
         {"knee": "knee"},
         None,
-        "column 'knee', for 'knee', holds no number; name another",
+        "column 'knee' holds no number; name another",
     ),
     "words": (text("time_s,knee", T, ["up"] * len(T)), {"knee": "knee"}, None, "holds no number, but 'up' in row 1"),
     "modes of words": (
         text("time_s,knee,m", T, T, ["up"] * len(T)),
         {"knee": "knee", "mode": "m"},
         None,
-        "holds 'up' in row 1; expected numbers",
+        "holds 'up' in row 1: write a number",
     ),
 }
 

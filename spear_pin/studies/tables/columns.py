@@ -1,4 +1,4 @@
-"""Named columns of numbers from a CSV or .mat file of any origin.
+"""Named columns of numbers from a CSV, .mat or .npz file of any origin.
 
 pandas reads the numbers. This module finds out how they are written. pandas would ask `csv.Sniffer`, which gives up
 where comments precede the table; and neither knows a decimal comma.
@@ -10,52 +10,53 @@ import io
 import os
 import re
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadFile
+from spear_pin.errors import BadFile, brief
 from spear_pin.files import regular
-from spear_pin.studies.identification.clocks import past_midnight, read_moments
-from spear_pin.studies.identification.layout import HEAD, find_layout
+from spear_pin.studies.tables.cells import find_remedy
+from spear_pin.studies.tables.clocks import past_midnight, read_moments
+from spear_pin.studies.tables.layout import HEAD, find_layout
 
 ROWS = 1 << 18  # that are read at a time
 LARGEST = 50_000_000  # values of a .mat variable
 MOST_BYTES = 500_000_000
 
 
-@dataclass(frozen=True)
-class Columns:
-    """A file's columns, of equal length.
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Columns of one clock, of equal length.
 
     Attributes:
-        names: names as in the file; "column 1" and so on where it has none.
-        values: one array per column that was asked for, in rows of the file, NaN where it holds no number.
+        path: path of the file.
+        values: columns, (n,), by name, "column 1" and so on where the file has none; NaN where they hold no number.
+        units: units of columns, where something other than their names says them.
+        moments: names of columns that hold dates or times of day; their values are in s.
+        words: of columns that hold something other than numbers, the first such cell, its row and what to write.
         comments: lines above the rows that begin with #, without the #, and titles.
         remarks: reasons why the file is doubtful.
-        units: units of the columns that were asked for, from a row below the names, empty where it gives none.
-        others: of each column that was asked for, the first cell that holds something other than a number, and its row
-            from 0; None where there is none.
-        moments: of each column that was asked for, whether it holds dates or times of day; their values are in s.
     """
 
-    names: tuple[str, ...]
-    values: tuple[Array, ...]
-    comments: tuple[str, ...]
+    path: Path
+    values: Mapping[str, Array]
+    units: Mapping[str, str] = field(default_factory=dict)
+    moments: frozenset[str] = frozenset()
+    words: Mapping[str, str] = field(default_factory=dict)
+    comments: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
-    units: tuple[str, ...] = ()
-    others: tuple[tuple[str, int] | None, ...] = ()
-    moments: tuple[bool, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Part:
-    """Some rows of a column; see `Columns` for the attributes."""
+    """Some rows of a column: their numbers, the first that is none with its row from 0, whether they are moments."""
 
     values: Array
     other: tuple[str, int] | None = None
@@ -65,11 +66,11 @@ class _Part:
 Choice = Callable[[tuple[str, ...]], Sequence[str]]
 
 
-def read_columns(path: str | Path, choose: Choice) -> Columns:
-    """Reads some columns of a CSV file (comma, semicolon, tab or blanks; decimal comma too) or of a .mat file.
+def read_columns(path: str | Path, choose: Choice) -> Table:
+    """Reads some columns of a CSV file (comma, semicolon, tab or blanks; decimal comma too), a .mat or .npz file.
 
     Args:
-        path: path of the file; a suffix .mat is MATLAB's, anything else is text.
+        path: path of the file; a suffix .mat is MATLAB's, .npz NumPy's, anything else is text.
         choose: returns which columns to read, given all their names.
 
     Raises:
@@ -83,7 +84,8 @@ def read_columns(path: str | Path, choose: Choice) -> Columns:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     if not head.strip(b"\0 \t\r\n\f\v"):  # nor do zeros, as in the hole of a sparse file, say anything
         raise BadFile(path, "the file is empty; expected rows of a time and a voltage or angle")
-    return _mat(path, choose) if path.suffix.lower() == ".mat" else _text(path, head, choose)
+    packed = {".mat": _mat, ".npz": _npz}.get(path.suffix.lower())
+    return packed(path, choose) if packed else _text(path, head, choose)
 
 
 class _Text(io.BufferedReader):
@@ -103,7 +105,7 @@ class _Text(io.BufferedReader):
         return found
 
 
-def _text(path: Path, head: bytes, choose: Choice) -> Columns:
+def _text(path: Path, head: bytes, choose: Choice) -> Table:
     import pandas as pd
 
     layout = find_layout(path, head)
@@ -144,27 +146,33 @@ def _text(path: Path, head: bytes, choose: Choice) -> Columns:
         raise BadFile(path, f"not a table of numbers: {_reason(error)}") from None
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
-    values = tuple(np.concatenate([part.values for part in chunk]) if chunk else np.empty(0) for chunk in chunks)
-    moments = tuple(any(part.moments for part in chunk) for chunk in chunks)
-    values = tuple(past_midnight(value) if of_day else value for value, of_day in zip(values, moments, strict=True))
     with path.open("rb") as file:
         file.seek(-1, os.SEEK_END)
         ended = file.read(1) in b"\r\n"
-    remarks = (*layout.remarks, *(() if ended else ("the last line has no end: it may be cut off",)))
-    units = tuple(layout.units[place] if layout.units else "" for place in places)
-    others = tuple(_first_other(chunk) for chunk in chunks)
-    return Columns(wanted, values, layout.comments, remarks, units, others, moments)
-
-
-def _first_other(chunk: Sequence[_Part]) -> tuple[str, int] | None:
-    return next(
-        (
-            (part.other[0], i * ROWS + part.other[1])  # every part but the last has so many rows
-            for i, part in enumerate(chunk)
-            if part.other
-        ),
-        None,
+    values = {
+        name: np.concatenate([part.values for part in chunk]) if chunk else np.empty(0)
+        for name, chunk in zip(wanted, chunks, strict=True)
+    }
+    units = zip(wanted, [layout.units[place] for place in places], strict=True) if layout.units else ()
+    moments = frozenset(name for name, chunk in zip(wanted, chunks, strict=True) if any(part.moments for part in chunk))
+    last = None if ended or all(np.isfinite(value[-1:]).all() for value in values.values()) else -1  # it is cut off
+    return Table(
+        path,
+        {name: (past_midnight(value) if name in moments else value)[:last] for name, value in values.items()},
+        {name: unit for name, unit in units if unit.strip("- ")},
+        moments,
+        {name: found for name, chunk in zip(wanted, chunks, strict=True) if (found := _first_other(chunk))},
+        layout.comments,
+        (*layout.remarks, *(() if ended else ("the last line has no end: it may be cut off",))),
     )
+
+
+def _first_other(chunk: Sequence[_Part]) -> str:
+    for i, part in enumerate(chunk):
+        if part.other:  # every part but the last has so many rows
+            cell, row = part.other
+            return f"{brief(cell)} in row {i * ROWS + row + 1}: {find_remedy(cell)}"
+    return ""
 
 
 def _numbers(column: Any, decimal: str) -> _Part:
@@ -183,7 +191,7 @@ def _numbers(column: Any, decimal: str) -> _Part:
     return _Part(values, (str(text.iloc[other[0]]), int(other[0])) if other.size else None, moments)
 
 
-def _mat(path: Path, choose: Choice) -> Columns:
+def _mat(path: Path, choose: Choice) -> Table:
     from scipy.io import loadmat, whosmat
 
     sizes = {name: max(shape) for name, shape, kind in _tried(path, whosmat) if kind in _NUMBERS and _is_vector(shape)}
@@ -195,12 +203,28 @@ def _mat(path: Path, choose: Choice) -> Columns:
     for name in wanted:
         if np.iscomplexobj(content[name]):
             raise BadFile(path, f"{name} is complex; expected real numbers")
-    values = tuple(np.asarray(content[name], dtype=np.float64) for name in wanted)
-    if len({value.size for value in values}) > 1:
-        described = ", ".join(f"{name} has {value.size}" for name, value in zip(wanted, values, strict=True))
-        raise BadFile(path, f"expected columns of equal length: {described}")
-    one = len(wanted)
-    return Columns(wanted, values, (), (), ("",) * one, (None,) * one, (False,) * one)
+    return _even(path, {name: np.asarray(content[name], dtype=np.float64) for name in wanted})
+
+
+def _npz(path: Path, choose: Choice) -> Table:
+    try:
+        with ZipFile(path) as archive:
+            size = sum(each.file_size for each in archive.infolist())
+        if size > MOST_BYTES:
+            raise ValueError(f"unpacked it has {size} bytes; at most {MOST_BYTES} are read")
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: np.asarray(stored[name]) for name in stored.files}
+    except Exception as error:  # a damaged file may raise anything
+        raise BadFile(path, f"not an .npz file that can be read: {error}; expected columns of numbers") from None
+    values = {name: each.astype(float) for name, each in arrays.items() if each.ndim == 1 and each.dtype.kind in "fiu"}
+    return _even(path, {name: values[name] for name in choose(tuple(values))})
+
+
+def _even(path: Path, values: Mapping[str, Array]) -> Table:
+    if len({each.size for each in values.values()}) > 1:
+        sizes = ", ".join(f"{name} has {each.size}" for name, each in values.items())
+        raise BadFile(path, f"expected columns of equal length: {sizes}")
+    return Table(path, values)
 
 
 def _tried(path: Path, reader: Callable[[Path], Any]) -> Any:

@@ -1,4 +1,4 @@
-"""Units of time, angles and read-outs by the words that logs use for them."""
+"""Units by the words that logs use for them, and those that a quantity may have, by how its name ends."""
 
 from __future__ import annotations
 
@@ -9,12 +9,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import UnknownName
 
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}  # in s
 ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180.0, "turns": 2.0 * np.pi}  # in rad
 READOUTS = {"V": 1.0, "mV": 1e-3, "counts": 1.0}  # in V, or in counts: they need a calibration
 VALUES = ANGLES | READOUTS
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
+TORQUES = {"N·m": 1.0, "mN·m": 1e-3}
+FORCES = {"N": 1.0, "kN": 1e3}
+POSITIONS = ANGLES | LENGTHS
+RATES = {f"{unit}/s": size for unit, size in POSITIONS.items()} | {"rpm": ANGLES["turns"] / 60.0}
+PLAIN = {"1": 1.0}
+TIME, MODE, TORQUE = "time", "mode", "_torque"
+KINDS: Mapping[str, Mapping[str, float]] = {
+    "_rate": RATES,
+    TORQUE: TORQUES | FORCES,  # a motor that slides has a force
+    "_force": FORCES,
+}
+"""The units of a quantity, by how its name ends; of a name with another ending those of a position."""
+OTHERS = RATES | TORQUES | FORCES
+"""Units that no position has."""
 _WORDS = {
     "s": "s sec secs second seconds sek sekunde sekunden",
     "ms": "ms msec msecs millisec millisecond milliseconds millisekunde millisekunden",
@@ -30,6 +44,11 @@ _WORDS = {
     "mV": "mv millivolt millivolts",
     "counts": "count counts tick ticks lsb",
 }
+_COMPOSED = {
+    **{"nm": "N·m", "newtonmeter": "N·m", "newtonmetre": "N·m", "mnm": "mN·m", "newton": "N"},
+    **{"meter": "m", "metre": "m", "dps": "deg/s", "rps": "turns/s"},
+}
+_BETWEEN = re.compile(r"[\s.·⋅*]")  # factors of a unit
 _UNITS = {word: unit for unit, words in _WORDS.items() for word in words.split()}
 _ALIKE = str.maketrans({"μ": "µ", "º": "°", "˚": "°", "（": "(", "）": ")", "［": "[", "］": "]"})
 _BRACKETED = re.compile(r"(.*?)[\s_/]*[\[(]\s*([^\[\]()]*?)\s*[\])]", re.DOTALL)
@@ -75,11 +94,6 @@ def find_unit(word: str) -> str | None:
     return _UNITS.get(word.translate(_ALIKE).strip(" []().").lower())
 
 
-def is_rate(word: str) -> bool:
-    """Tells whether a word is the unit of a rate of change, such as `deg/s` or `rpm`."""
-    return bool(_RATE.fullmatch(_CAMEL.sub("_", word.translate(_ALIKE).strip(" []()."))))
-
-
 def split_name(name: str) -> Named:
     """Splits a column's name into what it names and the unit."""
     name = name.translate(_ALIKE).strip().rstrip(".")
@@ -112,13 +126,27 @@ def guess_time_unit(name: str, times: Array) -> str:
     return unix[0] if unix else "s"
 
 
-def require_unit(word: str, units: Mapping[str, float]) -> str:
-    """Returns the unit that a word names, and refuses other words.
+def find_units(name: str) -> Mapping[str, float]:
+    """Returns the units that a quantity may have, with their sizes in SI units."""
+    if name in (TIME, MODE):
+        return TIMES if name == TIME else PLAIN
+    return next((units for ending, units in KINDS.items() if name.endswith(ending)), POSITIONS)
 
-    Raises:
-        UnknownName: the word is not one of the units.
-    """
-    unit = find_unit(word)
-    if unit is None or unit not in units:
-        raise UnknownName("unit", word, units)
-    return unit
+
+def known_unit(word: str, units: Mapping[str, float]) -> str | None:
+    """Returns the unit among some that a word means, None for a word that means none of them."""
+    plain = word.strip(" []()")
+    joined = _BETWEEN.sub("", plain).lower()
+    for meant in (plain, find_unit(plain), _COMPOSED.get(joined), _rate(plain)):
+        if meant in units:
+            return meant
+    return next((unit for unit in units if unit.lower() == plain.lower()), None)
+
+
+def _rate(word: str) -> str | None:
+    """Returns the unit of a rate, such as "deg/s", of a word such as "deg_s" or "deg per s"."""
+    for mark in ("/", "_per_", " per ", "_", " "):
+        above, found, below = word.partition(mark)
+        if found and find_unit(below) == "s" and above:
+            return f"{find_unit(above) or above}/s"
+    return None

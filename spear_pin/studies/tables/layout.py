@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from spear_pin.errors import BadFile, brief, listed
-from spear_pin.studies.identification.units import find_times, find_unit
+from spear_pin.studies.tables.units import find_times, find_unit
 
 HEAD = 1 << 16  # bytes of a file that are looked at to tell its format
 LOOKED_AT = 200  # lines that hold something

@@ -1,0 +1,1 @@
+"""Tables of numbers of any origin: how they are written, their clock, their units."""
