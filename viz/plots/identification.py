@@ -76,10 +76,10 @@ def correlations(estimate: Estimate) -> Figure:
     """Plots correlations of the parameters as a heat map; of many, the shared ones and those of the first release.
 
     Raises:
-        BadValue: the data do not tell the parameters apart.
+        BadValue: there is no noise.
     """
-    if not np.isfinite(estimate.covariance).all() or not np.diag(estimate.covariance).all():
-        raise BadValue("estimate.condition", estimate.condition, "parameters that the data tell apart")
+    if not np.diag(estimate.covariance).all():
+        raise BadValue("estimate.covariance", estimate.covariance, "that of residuals with noise")
     few = len(estimate.parameters) <= MOST
     chosen = [i for i, p in enumerate(estimate.parameters) if few or p.trial in (None, 0)]
     names = [_symbol(estimate.parameters[i]) for i in chosen]
@@ -142,9 +142,9 @@ def _found(name: str, given: Estimate, width: int) -> str:
         same = [p for p in given.parameters if p.name == quantity]
         symbol, unit = mathematical(QUANTITIES[quantity].symbol), QUANTITIES[quantity].unit
         deviation = max(p.deviation for p in same)
-        decimals = int(np.clip(1 - np.floor(np.log10(deviation)), 0, 6)) if 0.0 < deviation < np.inf else 4
+        decimals = int(np.clip(1 - np.floor(np.log10(deviation)), 0, 6)) if deviation > 0.0 else 4
         values = " … ".join(dict.fromkeys(f"{pick(p.value for p in same):.{decimals}f}" for pick in (min, max)))
-        error = f"± {deviation:.{decimals}f}" if deviation < np.inf else "± ∞"
+        error = f"± {deviation:.{decimals}f}"
         if len(same) > 1:
             lines += [f"{symbol} = {values} {unit}", f"    each release its own, {error} at most"]
         else:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import combinations
 from typing import Any
 
 import numpy as np
 
+from spear_pin.studies.fitting import doubt
 from spear_pin.studies.identification.estimate import Estimate
 from spear_pin.studies.identification.least_squares import LeastSquares
 from spear_pin.studies.identification.quantities import KNEE
 from spear_pin.studies.push_test.motion import move
 
-ALIKE = 0.98  # correlation of two estimates that cannot be told apart
 BY_CHANCE = 0.01  # probability below which residuals are not white
 UNEXPLAINED = 2.0  # times the power of noise and rounding: residuals that have more miss something
 POOR = 70.0  # percent: a model that fits worse does not describe the data
@@ -27,22 +26,9 @@ def doubts(problem: LeastSquares, solution: Any, estimate: Estimate) -> Iterator
         solution: solution of SciPy.
         estimate: the estimate made from it.
     """
-    if not estimate.converged:
-        yield f"the search did not converge in {solution.nfev} evaluations"
-    for parameter, side in zip(estimate.parameters, solution.active_mask, strict=True):
-        if side:
-            value = round(parameter.value, 6)
-            yield f"{parameter.label} is at its bound, {value:g}: its standard deviation means nothing"
-    if not np.isfinite(estimate.condition):
-        yield "the data do not tell these parameters apart at all: vary fewer"
-    else:
-        correlation = estimate.correlation
-        knees = [(i, parameter) for i, parameter in enumerate(estimate.parameters) if parameter.name in KNEE]
-        for (i, one), (j, other) in combinations(knees, 2):
-            if abs(correlation[i, j]) > ALIKE:
-                pair = f"{one.label} and {other.label} are hardly told apart (correlation {correlation[i, j]:.4f})"
-                larger = (1.0 - correlation[i, j] ** 2) ** -0.5
-                yield f"{pair}: with one of them held, the deviation of the other would be {larger:.0f} times less"
+    labels = [parameter.label for parameter in estimate.parameters]
+    of_knee = sum(parameter.name in KNEE for parameter in estimate.parameters)  # they come first
+    yield from doubt(solution, labels, estimate.correlation[:of_knee, :of_knee])
     for j, (trial, fit) in enumerate(zip(estimate.trials, estimate.fits, strict=True)):
         if not fit >= POOR:
             yield f"the model does not describe {trial.label}: fit {fit:.1f} %"

@@ -23,7 +23,7 @@ class Parameter:
         name: a name of `QUANTITIES`.
         trial: number of the trial to which it belongs; None if all trials share it.
         value: value in the quantity's unit.
-        deviation: its standard deviation; infinite where the data do not determine it.
+        deviation: its standard deviation.
         inflation: factor in the deviation by the correlation of rounding errors.
     """
 
@@ -119,5 +119,5 @@ class Estimate:
     def correlation(self) -> Array:
         """Correlation matrix of the parameters, in their order."""
         deviation = np.sqrt(np.diag(self.covariance))
-        with np.errstate(invalid="ignore"):  # infinite, or without any noise
+        with np.errstate(invalid="ignore"):  # without any noise
             return np.asarray(self.covariance / np.outer(deviation, deviation))

@@ -11,12 +11,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy
 
 from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
+from spear_pin.studies.fitting import search, tell_apart
 from spear_pin.studies.identification.doubts import doubts
 from spear_pin.studies.identification.estimate import Estimate, Parameter
 from spear_pin.studies.identification.first_guess import first_swing
@@ -75,8 +75,8 @@ def identify(
         on_iteration: called with the number of evaluations and the residuals' root mean square, in rad.
 
     Raises:
-        BadValue: there is nothing to estimate from or nothing to estimate, a trial is beyond the joint's limits, or
-            bounds are not valid.
+        BadValue: there is nothing to estimate from or nothing to estimate, a trial is beyond the joint's limits, bounds
+            are not valid, or the data do not tell two parameters apart at all.
         UnknownName: an unknown parameter or loss.
     """
     if loss not in LOSSES:
@@ -121,26 +121,8 @@ def _started(problem: LeastSquares, guessed: bool, on_iteration: Callable[[int, 
 def _solved(
     problem: LeastSquares, start: Array, loss: str, spread: float, on_iteration: Callable[[int, float], None] | None
 ) -> Any:
-    evaluations = 0
-    at, slopes = np.empty(0), np.empty(0)  # one integration gives both, and SciPy asks for them in turn
-
-    def residuals(x: Array) -> Array:
-        nonlocal evaluations, at, slopes
-        evaluations += 1
-        values, slopes = problem.linearized(x)
-        at = x.copy()
-        if on_iteration is not None:
-            on_iteration(evaluations, float(np.sqrt(np.mean(values**2))))
-        return values
-
-    def jacobian(x: Array) -> Array:
-        return slopes if np.array_equal(x, at) else problem.linearized(x)[1]
-
-    bounds = np.array([entry.bounds for entry in problem.entries]).T
-    tolerances = {"ftol": TOLERANCE, "xtol": TOLERANCE, "gtol": TOLERANCE}
-    return scipy.optimize.least_squares(
-        residuals, start, jacobian, bounds, x_scale="jac", loss=loss, f_scale=spread, max_nfev=100, **tolerances
-    )
+    low, high = np.array([entry.bounds for entry in problem.entries]).T
+    return search(problem.linearized, start, (low, high), TOLERANCE, 100, on_iteration, loss=loss, f_scale=spread)
 
 
 def _estimate(problem: LeastSquares, solution: Any, loss: str, spread: float) -> Estimate:
@@ -155,9 +137,12 @@ def _estimate(problem: LeastSquares, solution: Any, loss: str, spread: float) ->
     known = len(unsmoothed) == len(trials)
     roundings = [rounding(trial.unsmoothed, angle) for trial, angle in zip(trials, angles, strict=True)]
     moving = [setting.since(trial) > 0.0 for trial, setting in zip(trials, settings, strict=True)]
+    jacobian = problem.linearized(x)[1]
+    labels = [Parameter(entry.name, entry.trial, 0.0, 0.0).label for entry in problem.entries]
+    tell_apart("vary", labels, jacobian)
     found = scatter(
         residuals,
-        np.split(problem.linearized(x)[1], ends),
+        np.split(jacobian, ends),
         [trial.smoothing for trial in trials],
         influence=_influence(np.concatenate(residuals), loss, spread),
         unsmoothed=unsmoothed if known else None,

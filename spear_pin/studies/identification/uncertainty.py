@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.studies.identification.smoothing import MovingAverage
 
-SINGULAR = 1e-10  # least singular value of the Jacobian with columns of length one: below, some cannot be told apart
 LAGS = 20  # of the test of whiteness
 
 
@@ -21,7 +20,7 @@ class Scatter:
     """Covariance of an estimate.
 
     Attributes:
-        covariance: covariance, (m, m); infinite on the diagonal where the data do not determine a parameter.
+        covariance: covariance, (m, m).
         noise: standard deviation of the white noise before smoothing.
         condition: condition of the Jacobian with columns of length one.
         inflation: standard deviations over those without correlated errors, (m,).
@@ -51,7 +50,7 @@ def scatter(
 
     Args:
         residuals: residuals of each record, (n,).
-        jacobians: Jacobian of each record, (n, m).
+        jacobians: Jacobian of each record, (n, m), which tells all parameters apart.
         smoothings: smoothing of each record.
         influence: ψ and ψ' at all residuals for a robust loss (default: those of least squares, r and 1).
         unsmoothed: the residuals before smoothing, if known: they give the noise more accurately.
@@ -59,13 +58,9 @@ def scatter(
         correlated: L of errors before smoothing that are not white, (N, any) for all samples (default: none).
     """
     jacobian = np.vstack(jacobians)
-    lengths = np.linalg.norm(jacobian, axis=0)
-    scale = np.where(lengths > 0, lengths, 1.0)
+    scale = np.linalg.norm(jacobian, axis=0)
     left, singular, right = np.linalg.svd(jacobian / scale, full_matrices=False)
     count = scale.size
-    condition = float(singular[0] / singular[-1]) if singular[-1] > 0 else np.inf
-    if singular.size < count or singular[-1] < SINGULAR * singular[0] or (lengths == 0).any():
-        return Scatter(np.diag(np.full(count, np.inf)), np.nan, np.inf, np.ones(count))
     back = _backwards(left, jacobians, smoothings)
     if influence is None and unsmoothed is not None:
         rows = np.concatenate(unsmoothed)
@@ -80,7 +75,7 @@ def scatter(
     white = variance * (root.T @ root)
     covariance = white + sum((image := root.T @ factor) @ image.T for factor in correlated)
     inflation = np.sqrt(np.diag(covariance) / np.maximum(np.diag(white), np.finfo(float).tiny))
-    return Scatter(covariance, float(np.sqrt(variance)), condition, inflation)
+    return Scatter(covariance, float(np.sqrt(variance)), float(singular[0] / singular[-1]), inflation)
 
 
 def _backwards(left: Array, jacobians: Sequence[Array], smoothings: Sequence[MovingAverage | None]) -> Array:

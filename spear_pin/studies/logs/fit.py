@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
@@ -15,6 +13,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, unit
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
+from spear_pin.studies.fitting import search
 from spear_pin.studies.logs.arcs import SETTLE, LogArc, find_arcs
 from spear_pin.studies.logs.doubts import doubts
 from spear_pin.studies.logs.log import Log
@@ -201,34 +200,9 @@ def _solved(problem: Residuals, left_out: tuple[LogPhase, ...]) -> MotionFit:
         float(np.sqrt(np.mean(last[0] ** 2))),
         inflation,
         left_out,
-        (*doubts(problem, found, correlation, solution, shots), *([STIFF] if coarse else [])),
+        (*doubts(problem, correlation, solution, shots), *([STIFF] if coarse else [])),
         bool(solution.success),
         int(solution.nfev),
-    )
-
-
-def _search(problem: Residuals, first: Array) -> Any:
-    """Returns SciPy's solution from some values on."""
-    bounds = problem.bounds(first)
-    last: dict[bytes, tuple[Array, Array]] = {}
-
-    def at(x: Array) -> tuple[Array, Array]:
-        key = x.tobytes()
-        if key not in last:
-            last.clear()
-            last[key] = problem.joined(x)
-        return last[key]
-
-    return least_squares(
-        lambda x: at(x)[0],
-        np.clip(first, bounds[0] + 1e-9, bounds[1]),
-        lambda x: at(x)[1],
-        bounds=bounds,
-        x_scale="jac",
-        ftol=TOLERANCE,
-        xtol=TOLERANCE,
-        gtol=TOLERANCE,
-        max_nfev=EVALUATIONS,
     )
 
 

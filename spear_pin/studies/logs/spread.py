@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue
+from spear_pin.studies.fitting import tell_apart
 from spear_pin.studies.logs.residuals import Residuals
-
-SINGULAR = 1e-5  # of the largest singular value, with columns of length one: what the data do not tell at all
 
 
 @dataclass(frozen=True)
@@ -40,12 +37,7 @@ def spread(problem: Residuals, at: tuple[Array, Array], inflation: float) -> tup
         BadValue: some values cannot be told apart at all.
     """
     residual, jacobian = at
-    scaled, lengths = _seen(problem, jacobian)
-    _, sizes, rows = np.linalg.svd(scaled, full_matrices=False)
-    if sizes[-1] < SINGULAR * sizes[0]:
-        alike = [name for name, share in zip(problem.over, np.abs(rows[-1]), strict=True) if share > 0.2]
-        expected = f"fewer of them: the log does not tell {' and '.join(alike)} apart"
-        raise BadValue("over", list(problem.over), f"{expected}; hold one, {_anchor(alike)}")
+    scaled, lengths = tell_apart("over", problem.over, jacobian)
     free = max(len(residual) - jacobian.shape[1], 1)
     covariance = np.linalg.inv(scaled.T @ scaled) * float(residual @ residual) / free
     widths = np.sqrt(np.diag(covariance))
@@ -64,25 +56,10 @@ def spread_by_parts(problem: Residuals, at: tuple[Array, Array], parts: Array) -
         parts: number of the part that a residual belongs to, (N,).
     """
     residual, jacobian = at
-    scaled, lengths = _seen(problem, jacobian)
+    scaled, lengths = tell_apart("over", problem.over, jacobian)
     kept = [parts != part for part in np.unique(parts)]
     moved = [np.linalg.lstsq(scaled[rows], residual[rows], rcond=None)[0] / lengths for rows in kept]
     return np.asarray(np.sqrt((1.0 - 1.0 / len(kept)) * np.sum(np.square(moved), axis=0)))
-
-
-def _seen(problem: Residuals, jacobian: Array) -> tuple[Array, Array]:
-    """Returns the slopes by the fitted values that no start explains, of length one, (N, k), and their lengths."""
-    own, starts = np.split(jacobian, [len(problem.over)], axis=1)
-    basis, _ = np.linalg.qr(starts)
-    seen = own - basis @ (basis.T @ own)
-    lengths = np.linalg.norm(seen, axis=0)
-    return seen / np.where(lengths > 0.0, lengths, 1.0), lengths
-
-
-def _anchor(alike: Sequence[str]) -> str:
-    if any(name == "torque_scale" or name.endswith(("_mass", "_armature", "_inertia")) for name in alike):
-        return "such as a mass that was weighed, or the torque's scale from a force that was measured"
-    return "at a value that was measured otherwise"
 
 
 def correlation_time(residual: Array) -> float:

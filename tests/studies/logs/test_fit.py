@@ -203,7 +203,7 @@ def test_what_is_not_told_apart_at_all_is_refused(bare, plain_log):
         "rod_com_z",
         "crank_com_x",
     ]
-    with pytest.raises(BadValue, match="the log does not tell .* apart; hold one, such as a mass that was weighed"):
+    with pytest.raises(BadValue, match="the data do not tell .* apart; hold one that was measured otherwise"):
         identify_motion(bare, plain_log[0], [*LEG, *masses])
 
 

@@ -27,7 +27,7 @@ def test_are_those_of_regression_with_all_unknowns():
 
 def test_values_that_only_a_start_explains_are_refused():
     jacobian = np.column_stack([T, 2.0 * T + 1.0, np.ones(N)])
-    with pytest.raises(BadValue, match="the log does not tell mass and stiffness apart"):
+    with pytest.raises(BadValue, match="the data do not tell mass and stiffness apart"):
         spread(SimpleNamespace(over=("mass", "stiffness")), (np.ones(N), jacobian), 1.0)
 
 
