@@ -13,7 +13,7 @@ from spear_pin.cli.pairs import names
 from spear_pin.cli.python_lines import Program
 
 if TYPE_CHECKING:
-    from spear_pin.studies.logs import MotionFit
+    from spear_pin.studies.logs import LogPhase, MotionFit
 
 STEM = "fit"
 
@@ -77,27 +77,16 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _figures(found: MotionFit) -> dict[str, Any]:
     return {
-        "found": {
-            name: {"value": each.value, "deviation": each.deviation, "unit": each.unit}
-            for name, each in found.found.items()
-        },
+        "found": {name: vars(each) for name, each in found.found.items()},
         "correlation": found.correlation.tolist(),
-        "phases": [
-            {"log": arc.phase.source, "name": arc.phase.name, "begin": arc.phase.begin, "end": arc.phase.end}
-            for arc in found.arcs
-        ],
-        "left_out": [
-            {
-                "log": phase.source,
-                "name": phase.name,
-                "begin": phase.begin,
-                "end": phase.end,
-                "why": phase.left_out,
-            }
-            for phase in found.left_out
-        ],
+        "phases": [_phase(arc.phase) for arc in found.arcs],
+        "left_out": [{**_phase(phase), "why": phase.left_out} for phase in found.left_out],
         "rms": found.rms,
         "inflation": found.inflation,
         "converged": found.converged,
         "doubts": list(found.doubts),
     }
+
+
+def _phase(phase: LogPhase) -> dict[str, Any]:
+    return {"log": phase.source, "name": phase.name, "begin": phase.begin, "end": phase.end}

@@ -5,18 +5,18 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_options, add_out, check_out
 from spear_pin.cli.legs import add_leg as add_another
 from spear_pin.cli.legs import called
 from spear_pin.cli.output import joined, progress
 from spear_pin.cli.pairs import names
-from spear_pin.cli.pinned import add_drive, pinned_leg
+from spear_pin.cli.pinned import add_drive, add_spring, pinned_leg
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
-    from spear_pin.studies.identification import Calibration, Estimate, MovingAverage, Trial
+    from spear_pin.studies.identification import Estimate, MovingAverage, Trial
 
 GUESSED = ("stiffness", "damping", "rest_angle")  # from the data, where they are neither given nor varied
 WORDS = {"coulomb": "dry friction", "rest_angle": "rest angle", "rotor_inertia": "rotor inertia"}
@@ -36,20 +36,22 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("files", nargs="+", metavar="FILE", help="CSV, .mat, .npz: time, the knee's angle or voltage")
     data = parser.add_argument_group("records")
-    data.add_argument(
-        "--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer, or counts per radian"
+    add_options(
+        data,
+        float,
+        volts_per_rad=("V/RAD", None, "slope of the potentiometer, or counts per radian"),
+        offset=("V", None, "voltage at the straight leg (default: 0)"),
+        before=("S", 0.5, "time used before a release"),
+        after=("S", 1.5, "time used after a release"),
     )
-    data.add_argument("--offset", type=float, metavar="V", help="voltage at the straight leg (default: 0)")
-    data.add_argument(
-        "--unit", metavar="UNIT", help="V, mV, counts, rad, mrad, deg or turns (default: as the column's name says)"
+    add_options(
+        data,
+        str,
+        unit=("UNIT", None, "V, mV, counts, rad, mrad, deg or turns (default: as the column's name says)"),
+        time_unit=("UNIT", None, "s, ms, us, ns, min or h (default: as its name says, or s)"),
+        column=("NAME", None, "column of the voltage or angle"),
+        time_column=("NAME", None, "column of the time"),
     )
-    data.add_argument("--time-unit", metavar="UNIT", help="s, ms, us, ns, min or h (default: as its name says, or s)")
-    data.add_argument("--column", metavar="NAME", help="column of the voltage or angle")
-    data.add_argument("--time-column", metavar="NAME", help="column of the time")
-    data.add_argument(
-        "--before", type=float, default=0.5, metavar="S", help="time used before a release (default: 0.5)"
-    )
-    data.add_argument("--after", type=float, default=1.5, metavar="S", help="time used after a release (default: 1.5)")
     smoothing = parser.add_argument_group("smoothing", "data and model are smoothed alike")
     smoothing.add_argument("--window", type=int, metavar="N", help="samples of a moving average (default: none)")
     smoothing.add_argument("--filter", metavar="KIND", help="centred or causal (default: centred)")
@@ -73,15 +75,9 @@ def add(commands: Commands) -> None:
     model.add_argument(
         "--per-release", nargs="+", type=names, default=[], metavar="NAME", help="estimate these anew for each release"
     )
-    for name in KNOWN:
-        option, text = f"--{name.replace('_', '-')}", "value, or initial guess where it is estimated"
-        model.add_argument(option, type=float, metavar="VALUE", help=f"{WORDS.get(name, name)}: {text}")
-    model.add_argument(
-        "--static-rest",
-        action="store_true",
-        help="the rest angle is where the leg rests under gravity, not where the spring is slack",
-    )
-    model.add_argument("--unilateral", action="store_true", help="let the spring pull only")
+    text = "value, or initial guess where it is estimated"
+    add_options(model, float, **{name: ("VALUE", None, f"{WORDS.get(name, name)}: {text}") for name in KNOWN})
+    add_spring(model)
     model.add_argument(
         "--loss", default="linear", metavar="NAME", help="loss function of the fit: linear, soft_l1, huber or cauchy"
     )
@@ -146,11 +142,9 @@ def _write(arguments: argparse.Namespace, program: Program, smoothing: MovingAve
 
     from spear_pin.studies.identification import cut, identify, read_record, smoothed
 
-    given = {"column": arguments.column, "time_column": arguments.time_column, "calibration": _calibration(arguments)}
-    units = {"unit": arguments.unit, "time_unit": arguments.time_unit}
     trials = Code("[]")
     for path in arguments.files if arguments.together else arguments.files[:1]:
-        record = program.call(read_record, path, **given, **units)
+        record = program.call(read_record, path, **_columns(arguments))
         made = program.call(cut, record, before=arguments.before, after=arguments.after)
         trials = program.let("trials", Code(f"{made}[0]" if trials == "[]" else f"{trials} + {made}[0]"))
     if smoothing is not None:
@@ -176,12 +170,18 @@ def _options(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _calibration(arguments: argparse.Namespace) -> Calibration | None:
-    """The potentiometer that options describe."""
+def _columns(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Options of `read_record`."""
     from spear_pin.studies.identification import Calibration
 
     slope = arguments.volts_per_rad
-    return None if slope is None else Calibration(slope, arguments.offset or 0.0)
+    return {
+        "column": arguments.column,
+        "time_column": arguments.time_column,
+        "calibration": None if slope is None else Calibration(slope, arguments.offset or 0.0),
+        "unit": arguments.unit,
+        "time_unit": arguments.time_unit,
+    }
 
 
 def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage | None) -> tuple[list[Trial], list[str]]:
@@ -189,20 +189,12 @@ def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage |
 
     from spear_pin.studies.identification import cut, read_record, smoothed
 
-    calibration, notes = _calibration(arguments), list[str]()
-    if arguments.volts_per_rad is not None:
-        if arguments.offset is None:
-            notes.append("--offset is not given: the voltage of the straight leg is taken as 0")
-    elif arguments.offset is not None:
+    notes = list[str]()
+    if arguments.volts_per_rad is None and arguments.offset is not None:
         raise BadValue("--offset", arguments.offset, "only with --volts-per-rad")
-    record = read_record(
-        path,
-        column=arguments.column,
-        time_column=arguments.time_column,
-        calibration=calibration,
-        unit=arguments.unit,
-        time_unit=arguments.time_unit,
-    )
+    if arguments.volts_per_rad is not None and arguments.offset is None:
+        notes.append("--offset is not given: the voltage of the straight leg is taken as 0")
+    record = read_record(path, **_columns(arguments))
     trials, remarks = cut(record, arguments.before, arguments.after)
     if arguments.smoothed_already:
         trials = [replace(trial, smoothing=smoothing) for trial in trials]
@@ -229,14 +221,8 @@ def _figures(estimate: Estimate) -> dict[str, Any]:
         "synthetic": any(trial.synthetic for trial in estimate.trials),
         "releases": len(estimate.trials),
         "parameters": [
-            {
-                "name": parameter.name,
-                "release": None if parameter.trial is None else parameter.trial + 1,
-                "value": parameter.value,
-                "deviation": parameter.deviation,
-                "inflation": parameter.inflation,
-                "unit": parameter.unit,
-            }
+            {"release": None if parameter.trial is None else parameter.trial + 1}
+            | {each: getattr(parameter, each) for each in ("name", "value", "deviation", "inflation", "unit")}
             for parameter in estimate.parameters
         ],
         "held": _held(estimate),

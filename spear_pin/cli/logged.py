@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import add_repair
+from spear_pin.cli.arguments import add_options, add_repair
 from spear_pin.cli.gaits import named_gait, write_gait
 from spear_pin.cli.legs import add_cut, cut_out, write_cut
 from spear_pin.cli.pairs import one_pair, values
@@ -39,9 +39,7 @@ def add_leg_and_log(parser: Any, several: bool) -> None:
     data.add_argument(
         "--unit", action="append", type=one_pair, default=[], metavar="NAME=UNIT", help="unit of a column, by its name"
     )
-    data.add_argument(
-        "--settle", type=float, default=0.012, metavar="S", help="time left out after each touchdown (default: 0.012)"
-    )
+    add_options(data, float, settle=("S", 0.012, "time left out after each touchdown"))
     model = parser.add_argument_group("model")
     model.add_argument(
         "--set",

@@ -24,6 +24,13 @@ def add_drive(parser: argparse._ActionsContainer) -> None:
     drive.add_argument("--no-motor", action="store_true", help="the belt is off: no rotor turns with the knee")
 
 
+def add_spring(parser: argparse._ActionsContainer) -> None:
+    """Declare --static-rest and --unilateral."""
+    text = "the rest angle is where the leg rests under gravity, not where the spring is slack"
+    parser.add_argument("--static-rest", action="store_true", help=text)
+    parser.add_argument("--unilateral", action="store_true", help="let the spring pull only")
+
+
 def pinned_leg(arguments: argparse.Namespace, program: Program) -> tuple[PinnedLeg, Robot | None]:
     """Load the leg as --robot, --ratio and --no-motor say, and write the Python for it, which calls it "leg".
 

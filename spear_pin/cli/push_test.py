@@ -7,18 +7,18 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_seed, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_options, add_out, add_seed, check_out
 from spear_pin.cli.legs import add_leg as add_another
 from spear_pin.cli.legs import called, rests_on
 from spear_pin.cli.output import aligned, joined, shows
-from spear_pin.cli.pinned import add_drive, pinned_leg
+from spear_pin.cli.pinned import add_drive, add_spring, pinned_leg
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.model.pinned import PinnedLeg
-    from spear_pin.studies.push_test import GearRow, PassiveKnee, Release
+    from spear_pin.studies.push_test import PassiveKnee, Release
 
 RECORDING = ("repeats", "noise", "quantum", "drift", "volts-per-rad", "offset", "seed")  # options of --write-csv
 DURATION, DEPTH = 1.5, 0.10  # s, m: of SPEAR-II; of another leg by its size
@@ -30,34 +30,18 @@ def add(commands: Commands) -> None:
     example = ("spear push-test --ratios none 15 30 66", "compare the release of SPEAR-II's leg with four gear ratios")
     summary = "simulate a push test: a leg is pushed down, then released"
     parser = add_command(commands, "push-test", run, summary, example)
-    parser.add_argument("--depth", type=float, metavar="M", help=f"depth of the push (default: {DEPTH:.2f})")
+    add_options(parser, float, depth=("M", None, f"depth of the push (default: {DEPTH:.2f})"))
     add_drive(parser)
-    parser.add_argument(
-        "--stiffness",
-        type=float,
-        metavar="N·m/RAD",
-        help="stiffness of the spring (default: 48.25, or 47.12 without motor)",
+    add_options(
+        parser,
+        float,
+        stiffness=("N·m/RAD", None, "stiffness of the spring (default: 48.25, or 47.12 without motor)"),
+        damping=("N·m·s/rad", None, "knee damping (default: 1.03, or 0.80 without motor)"),
+        coulomb=("N·m", 0.0, "dry friction of the knee"),
+        rest_angle=("RAD", 1.0, "knee angle at which the spring is slack, of Table 4.1"),
+        duration=("S", None, f"duration of the motion (default: {DURATION:g})"),
     )
-    parser.add_argument(
-        "--damping", type=float, metavar="N·m·s/rad", help="knee damping (default: 1.03, or 0.80 without motor)"
-    )
-    parser.add_argument(
-        "--coulomb", type=float, default=0.0, metavar="N·m", help="dry friction of the knee (default: 0)"
-    )
-    parser.add_argument(
-        "--rest-angle",
-        type=float,
-        default=1.0,
-        metavar="RAD",
-        help="knee angle at which the spring is slack (default: 1.0, of Table 4.1)",
-    )
-    parser.add_argument(
-        "--static-rest",
-        action="store_true",
-        help="the rest angle is where the leg rests under gravity, not where the spring is slack",
-    )
-    parser.add_argument("--unilateral", action="store_true", help="let the spring pull only")
-    parser.add_argument("--duration", type=float, metavar="S", help=f"duration of the motion (default: {DURATION:g})")
+    add_spring(parser)
     parser.add_argument(
         "--ratios", nargs="+", type=_ratio, metavar="N", help=f"compare these gear ratios; {NONE} is without motor"
     )
@@ -65,16 +49,16 @@ def add(commands: Commands) -> None:
     records.add_argument(
         "--write-csv", type=_csv, metavar="NAME", help="write a synthetic record of releases, for `spear identify`"
     )
-    records.add_argument("--repeats", type=int, metavar="N", help="number of releases in it (default: 5)")
-    records.add_argument("--noise", type=float, metavar="V", help="standard deviation of the noise (default: 0.005)")
-    records.add_argument(
-        "--quantum", type=float, metavar="V", help="voltage step of the A/D converter (default: 5/4096)"
+    add_options(records, int, repeats=("N", None, "number of releases in it (default: 5)"))
+    add_options(
+        records,
+        float,
+        noise=("V", None, "standard deviation of the noise (default: 0.005)"),
+        quantum=("V", None, "voltage step of the A/D converter (default: 5/4096)"),
+        drift=("V/S", None, "drift of the voltage (default: 0)"),
+        volts_per_rad=("V/RAD", None, "slope of the potentiometer (default: 1.06)"),
+        offset=("V", None, "voltage at the straight leg (default: 0.4)"),
     )
-    records.add_argument("--drift", type=float, metavar="V/S", help="drift of the voltage (default: 0)")
-    records.add_argument(
-        "--volts-per-rad", type=float, metavar="V/RAD", help="slope of the potentiometer (default: 1.06)"
-    )
-    records.add_argument("--offset", type=float, metavar="V", help="voltage at the straight leg (default: 0.4)")
     add_seed(records, "noise", None)
     add_another(parser, "one of its legs is pushed down")
     add_out(parser, "push_test.html, push_test.svg and push_test.npz")
@@ -126,19 +110,19 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
                 None,
                 "a number: the robot's own spring is not linear, and the push test takes linear springs only",
             )
-    knee = replace(
-        usual,
-        **{name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None},
-        coulomb=arguments.coulomb,
-        zero=arguments.rest_angle,
-        unilateral=arguments.unilateral,
-    )
+    knee = replace(usual, **_changes(arguments))
     if arguments.static_rest:
         knee = resting_at(pinned, knee, arguments.rest_angle)
     program.let("knee", knee)
     if arguments.write_csv is not None:
         return _recorded(arguments, pinned, knee, program)
     return _released(arguments, pinned, knee, program)
+
+
+def _changes(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Numbers of the knee that are other than usual."""
+    found = {name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None}
+    return found | {"coulomb": arguments.coulomb, "zero": arguments.rest_angle, "unilateral": arguments.unilateral}
 
 
 def _check_mode(arguments: argparse.Namespace) -> None:
@@ -186,10 +170,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         "damping": knee.damping,
         "coulomb": knee.coulomb,
         "rotor_inertia": pinned.rotor,
-        "rotor_share": small.rotor_share,
-        "frequency": small.frequency,
-        "damped_frequency": small.damped_frequency,
-        "damping_ratio": small.damping_ratio,
+        **vars(small),
         **_motion(result),
         "shown": read_times(shown)[[0, -1]],
         "files": [str(page), str(samples), str(picture)],
@@ -234,10 +215,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.push import gear_comparison
 
-    changes: dict[str, Any] = {
-        name: value for name in ("stiffness", "damping") if (value := getattr(arguments, name)) is not None
-    }
-    changes |= {"coulomb": arguments.coulomb, "zero": arguments.rest_angle, "unilateral": arguments.unilateral}
+    changes = _changes(arguments)
     options: dict[str, Any] = {
         "depth": arguments.depth,
         "static_rest": arguments.static_rest,
@@ -259,24 +237,14 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
             f"{small.damping_ratio:>15.3f}  {turn:<20}{result.force[:, 1].min():>11.1f} N"
         )
     return {
-        "ratios": [_row(row) for row in rows],
+        "ratios": [
+            {"ratio": row.ratio, "rotor_inertia": row.rotor, **vars(row.swing), **_motion(row.release)} for row in rows
+        ],
         "files": [str(picture)],
         "pictures": {picture: lambda path: save_figure(gear_comparison(rows), path)},
         "opened": picture,
         "text": joined([*lines, str(picture)]),
         "python": str(program),
-    }
-
-
-def _row(row: GearRow) -> dict[str, Any]:
-    return {
-        "ratio": row.ratio,
-        "rotor_inertia": row.rotor,
-        "rotor_share": row.swing.rotor_share,
-        "frequency": row.swing.frequency,
-        "damped_frequency": row.swing.damped_frequency,
-        "damping_ratio": row.swing.damping_ratio,
-        **_motion(row.release),
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_options, add_out, check_out
 from spear_pin.cli.logged import add_leg_and_log, leg_system, logs_of, notes
 from spear_pin.cli.output import joined
 from spear_pin.cli.python_lines import Program
@@ -22,13 +22,7 @@ def add(commands: Commands) -> None:
     )
     parser = add_command(commands, "replay", run, "let the torques of a log drive a model of the leg", example)
     add_leg_and_log(parser, several=False)
-    parser.add_argument(
-        "--window",
-        type=float,
-        default=0.04,
-        metavar="S",
-        help="time on which the first state is fitted (default: 0.04)",
-    )
+    add_options(parser, float, window=("S", 0.04, "time on which the first state is fitted"))
     parser.add_argument("--law", action="store_true", help="let the law of LEG act, not the torques of the log")
     add_out(parser, f"{STEM}.svg")
     add_open(parser, f"{STEM}.svg")
