@@ -11,7 +11,6 @@ from spear_pin.cli.output import joined
 from spear_pin.cli.python_lines import Program
 
 STEM = "replay"
-UNITS = {"compression": "m", "stance": "s", "push_off": "m/s"}
 
 
 def add(commands: Commands) -> None:
@@ -32,6 +31,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Read the log, replay it, and draw log and model."""
     check_out(arguments)
     from spear_pin.studies.logs import replay
+    from spear_pin.studies.logs.replaying import MEASURES
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.logs import replay_over_log
 
@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     lines = [f"{'':<32}{'model':>9}{'log':>9}{'off':>9}"]
     for hop in found.hops:
         for name, (model, log) in hop.measures.items():
-            what = f"{name} from {hop.stance.begin:.3f} s, {UNITS[name]}"
+            what = f"{name} from {hop.stance.begin:.3f} s, {MEASURES[name]}"
             lines.append(f"{what:<32}{model:>9.4f}{log:>9.4f}{100.0 * hop.off(name):>+7.1f} %")
     return {
         "hops": [

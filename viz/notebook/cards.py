@@ -22,6 +22,8 @@ from spear_pin.hybrid.batch import Batch
 from spear_pin.hybrid.column_names import PAIR, of_a_pair
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
+from spear_pin.studies.logs import MotionFit, Replay
+from spear_pin.studies.logs.replaying import MEASURES
 from spear_pin.viz.notebook import sketches
 from spear_pin.viz.notebook.sketches import Sketch
 from spear_pin.viz.plots.sweep import UNITS
@@ -241,6 +243,38 @@ def _(batch: Batch) -> Card:
         Row("run by the reference engine", f"{batch.repeated.sum():,}"),
     ]
     return Card("Runs", f"of {len(batch):,} lanes", tuple(rows))
+
+
+@described.register
+def _(fit: MotionFit) -> Card:
+    rows = [
+        *(
+            Row(
+                _words(name),
+                f"{_number(each.value)} ± {_number(each.deviation)}",
+                "" if each.unit == "1" else each.unit,
+            )
+            for name, each in fit.found.items()
+        ),
+        Row("residual", _number(fit.rms), "rad"),
+        *(Row("", doubt) for doubt in fit.doubts),
+    ]
+    return Card("Fit to logs", f"{len(fit.arcs)} phases; values ± standard deviations", tuple(rows))
+
+
+@described.register
+def _(replay: Replay) -> Card:
+    rows = [
+        Row(
+            f"{_words(name)} from {hop.stance.begin:.3f} s",
+            f"{_number(hop.measures[name][0])}; in the log {_number(hop.measures[name][1])}",
+            unit,
+        )
+        for hop in replay.hops[:MOST_ROWS]
+        for name, unit in MEASURES.items()
+    ]
+    off = [Row(f"{_words(name)}, off on average", _number(100.0 * replay.off(name)), "%") for name in MEASURES]
+    return Card("Replay of a log", f"of {len(replay.hops)} hops by the model", (*rows, *off))
 
 
 def _reasons(reasons: NDArray[np.str_]) -> Iterator[Row]:

@@ -31,7 +31,7 @@ from spear_pin.studies.logs.played import make_played, played_with, with_own
 from spear_pin.studies.logs.residuals import LAG, ZERO
 from spear_pin.studies.logs.shooting import Shooter
 
-MEASURES = "compression", "stance", "push_off"
+MEASURES = {"compression": "m", "stance": "s", "push_off": "m/s"}
 PUSH = 0.012  # s before lift-off, over which the leg's rate is taken
 STEPS = 4  # by how much steps are shorter than need be, as friction is stiff
 MEASURED, LAW = "measured", "law"
@@ -185,13 +185,8 @@ def _replayed(
     model, log = (joints.lengths(each - zeros, arc.near) for each in (modelled, arc.positions))
     leaves = float(np.interp(arc.phase.end - MARGIN, arc.t, log))
     touchdown = joints.length(latched)
-    measures = {
-        name: (one, other)
-        for name, one, other in zip(
-            MEASURES, _measures(arc, model, touchdown, leaves), _measures(arc, log, touchdown, leaves), strict=True
-        )
-    }
-    return Hop(arc.phase, arc.t, arc.positions, modelled, lift_off, measures)
+    both = zip(*(_measures(arc, length, touchdown, leaves) for length in (model, log)), strict=True)
+    return Hop(arc.phase, arc.t, arc.positions, modelled, lift_off, dict(zip(MEASURES, both, strict=True)))
 
 
 def _driven(shooter: Shooter, arc: LogArc, latched: Array, y: Array) -> tuple[Array, float]:

@@ -13,6 +13,7 @@ from lxml import etree, html
 from spear_pin import Gait, load, simulate
 from spear_pin.gaits.gait_table import GaitTable
 from spear_pin.hybrid.batch import Batch
+from spear_pin.studies.logs import Found, Hop, Log, LogPhase, MotionFit, Replay
 from spear_pin.viz.notebook import card
 from tests.viz.samples import ODD
 
@@ -40,6 +41,28 @@ def batch():
     reason, state = np.array(["complete", "complete", "fall"]), np.zeros((3, 3))
     cycles, repeated = np.array([5, 5, 2]), np.array([False, False, True])
     return Batch(state, state, cycles, reason, ("", "", ""), {"flight": np.array([0.1, 0.2, np.nan])}, {}, repeated)
+
+
+def test_a_fit_to_logs():
+    found = {"stiffness": Found(1386.2, 12.34, "N/m"), "torque_scale": Found(0.95, 0.01, "1")}
+    fit = MotionFit(*[None] * 4, found, None, (None,) * 3, (), (), 0.0021, 1.0, (), ("masses were held",), True, 9)
+    assert rows(fit._repr_html_()) == {
+        "stiffness": "1386 ± 12.34 N/m",
+        "torque scale": "0.95 ± 0.01",
+        "residual": "0.0021 rad",
+        "": "masses were held",
+    }
+
+
+def test_a_replay():
+    measures = {"compression": (0.02, 0.025), "stance": (0.2, 0.2), "push_off": (1.1, 1.0)}
+    hop = Hop(LogPhase("stance", 0.5, 0.7, True), np.zeros(2), np.zeros((2, 1)), np.zeros((2, 1)), 0.7, measures)
+    replay = Replay(Log("hop", np.arange(2.0), {}), ("crank",), ("rad",), (hop,), ())
+    assert list(rows(replay._repr_html_()).items())[::2] == [
+        ("compression from 0.500 s", "0.02; in the log 0.025 m"),
+        ("push off from 0.500 s", "1.1; in the log 1 m/s"),
+        ("stance, off on average", "0 %"),
+    ]
 
 
 class TestWhatTheySay:
