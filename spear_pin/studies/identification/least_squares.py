@@ -161,7 +161,6 @@ def pose(
     leg: PinnedLeg,
     trials: Sequence[Trial],
     vary: Sequence[str],
-    *,
     per_trial: Collection[str],
     nuisances: Collection[str],
     static_rest: bool,
@@ -171,7 +170,25 @@ def pose(
     smooth_model: bool,
 ) -> LeastSquares:
     """Sets the least squares up; see `identify` for the arguments and what is refused."""
-    _check(leg, trials, vary, per_trial, nuisances, known, bounds)
+    for kind, names, valid in (
+        ("parameter", vary, KNEE),
+        ("parameter of each trial", per_trial, vary),
+        ("nuisance", nuisances, NUISANCES),
+        ("known parameter", known, KNEE),
+        ("bounded parameter", bounds, (*vary, *nuisances)),
+    ):
+        for name in names:
+            if name not in valid:
+                raise UnknownName(kind, name, valid)
+    if not vary or len(set(vary)) < len(vary):
+        raise BadValue("vary", list(vary), f"one or more of {', '.join(KNEE)}, each once")
+    if not trials:
+        raise BadValue("trials", list(trials), "one release or more")
+    for name, value in known.items():
+        least, largest = QUANTITIES[name].bounds
+        require(f"known {name}", value, lambda v: least <= v <= largest, f"within {least:g} … {largest:g}")  # noqa: B023
+    for trial in trials:
+        _check_calibration(leg, trial)
     guesses = [guess(leg, trial, static_rest) for trial in trials]
     shared = {name: float(np.median([each[name] for each in guesses])) for name in KNEE}
     if "coulomb" not in vary:
@@ -192,38 +209,12 @@ def pose(
     return LeastSquares(leg, tuple(trials), values, tuple(entries), static_rest, unilateral, smooth_model)
 
 
-def _check(
-    leg: PinnedLeg,
-    trials: Sequence[Trial],
-    vary: Sequence[str],
-    per_trial: Collection[str],
-    nuisances: Collection[str],
-    known: Mapping[str, float],
-    bounds: Mapping[str, tuple[float, float]],
-) -> None:
-    for kind, names, valid in (
-        ("parameter", vary, KNEE),
-        ("parameter of each trial", per_trial, tuple(vary)),
-        ("nuisance", nuisances, NUISANCES),
-        ("known parameter", known, KNEE),
-        ("bounded parameter", bounds, (*vary, *nuisances)),
-    ):
-        for name in names:
-            if name not in valid:
-                raise UnknownName(kind, name, valid)
-    if not vary or len(set(vary)) < len(vary):
-        raise BadValue("vary", list(vary), f"one or more of {', '.join(KNEE)}, each once")
-    if not trials:
-        raise BadValue("trials", list(trials), "one release or more")
-    for name, value in known.items():
-        least, largest = QUANTITIES[name].bounds
-        require(f"known {name}", value, lambda v: least <= v <= largest, f"within {least:g} … {largest:g}")  # noqa: B023
+def _check_calibration(leg: PinnedLeg, trial: Trial) -> None:
     low, high = leg.span
-    for trial in trials:
-        for extreme in map(float, np.quantile(trial.angle, (STRAY, 1.0 - STRAY))):
-            if not low <= extreme <= high:
-                expected = f"within the joint's limits, {low:g} … {high:g} rad; is the calibration right?"
-                raise BadValue(f"the knee's angle in {trial.label}", extreme, expected)
+    for extreme in map(float, np.quantile(trial.angle, (STRAY, 1.0 - STRAY))):
+        if not low <= extreme <= high:
+            expected = f"within the joint's limits, {low:g} … {high:g} rad; is the calibration right?"
+            raise BadValue(f"the knee's angle in {trial.label}", extreme, expected)
 
 
 def _onset(trial: Trial, bounds: tuple[float, float], given: object) -> tuple[float, float]:

@@ -82,16 +82,7 @@ def identify(
     if loss not in LOSSES:
         raise UnknownName("loss", loss, LOSSES)
     problem = pose(
-        leg,
-        tuple(trials),
-        tuple(vary),
-        per_trial=tuple(per_trial),
-        nuisances=tuple(nuisances),
-        static_rest=static_rest,
-        known=known or {},
-        unilateral=unilateral,
-        bounds=bounds or {},
-        smooth_model=smooth_model,
+        leg, trials, vary, per_trial, nuisances, static_rest, known or {}, unilateral, bounds or {}, smooth_model
     )
     spread = 1.0
     start = _started(problem, "coulomb" not in (known or {}), on_iteration)
