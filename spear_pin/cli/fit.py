@@ -6,8 +6,8 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.logged import add_leg_and_log, leg_system, logs_of, notes
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_out
+from spear_pin.cli.logged import add_leg_and_log, leg_and_logs, notes
 from spear_pin.cli.output import aligned, joined, progress
 from spear_pin.cli.pairs import names
 from spear_pin.cli.python_lines import Program
@@ -44,15 +44,13 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Read the logs, fit, and draw log and model."""
-    check_out(arguments)
     from spear_pin.files import write_text
     from spear_pin.studies.logs import identify_motion
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.logs import fit_over_log
 
     program = Program()
-    system, leg = leg_system(arguments, program)
-    logs, read = logs_of(arguments, program, system, arguments.log)
+    system, leg, logs, read = leg_and_logs(arguments, program)
     options = {"start": dict(arguments.set), "phases": tuple(arguments.phases), "settle": arguments.settle}
     with progress() as show:
         show("fitting")

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import add_options, add_repair
+from spear_pin.cli.arguments import add_options, add_repair, check_out
 from spear_pin.cli.gaits import named_gait, write_gait
 from spear_pin.cli.legs import add_cut, cut_out, write_cut
 from spear_pin.cli.pairs import one_pair, values
@@ -53,7 +53,7 @@ def add_leg_and_log(parser: Any, several: bool) -> None:
     add_cut(parser)
 
 
-def leg_system(arguments: argparse.Namespace, program: Program) -> tuple[HybridSystem, Code]:
+def _leg_system(arguments: argparse.Namespace, program: Program) -> tuple[HybridSystem, Code]:
     """The leg as a system, and its source: of a saved gait, or of a robot with the springs of its file."""
     from spear_pin import hopping
     from spear_pin.studies.hop_of_another import scaled_hopping
@@ -67,22 +67,23 @@ def leg_system(arguments: argparse.Namespace, program: Program) -> tuple[HybridS
     return build(robot), program.call(build, write_cut(program, word, arguments, options, robot))
 
 
-def logs_of(
-    arguments: argparse.Namespace, program: Program, system: HybridSystem, paths: Sequence[str]
-) -> tuple[list[Log], list[Code]]:
-    """The logs, and their source."""
+def leg_and_logs(arguments: argparse.Namespace, program: Program) -> tuple[HybridSystem, Code, list[Log], list[Code]]:
+    """The leg and the logs that are named, each with its source."""
     from spear_pin.studies.logs import Log
 
+    check_out(arguments)
+    system, leg = _leg_system(arguments, program)
     columns, units = dict(arguments.column) or None, dict(arguments.unit) or None
     valid = _quantities(system)
     for name in columns or ():
         if name not in valid:
             raise UnknownName("quantity in --column", name, valid)
     given = {name: value for name, value in {"columns": columns, "units": units}.items() if value}
+    paths = arguments.log if isinstance(arguments.log, list) else [arguments.log]
     logs = [Log.read(path, **given) for path in paths]
     names = ["log"] if len(paths) == 1 else [f"log_{i}" for i in range(1, len(paths) + 1)]
     read = [program.call(Log.read, path, **given) for path in paths]
-    return logs, [program.let(name, code) for name, code in zip(names, read, strict=True)]
+    return system, leg, logs, [program.let(name, code) for name, code in zip(names, read, strict=True)]
 
 
 def _quantities(system: HybridSystem) -> list[str]:

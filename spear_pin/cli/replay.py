@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_open, add_options, add_out, check_out
-from spear_pin.cli.logged import add_leg_and_log, leg_system, logs_of, notes
+from spear_pin.cli.arguments import Commands, add_command, add_open, add_options, add_out
+from spear_pin.cli.logged import add_leg_and_log, leg_and_logs, notes
 from spear_pin.cli.output import joined
 from spear_pin.cli.python_lines import Program
 
@@ -29,15 +29,13 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Read the log, replay it, and draw log and model."""
-    check_out(arguments)
     from spear_pin.studies.logs import replay
     from spear_pin.studies.logs.replaying import MEASURES
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.logs import replay_over_log
 
     program = Program()
-    system, leg = leg_system(arguments, program)
-    logs, (read,) = logs_of(arguments, program, system, [arguments.log])
+    system, leg, logs, (read,) = leg_and_logs(arguments, program)
     values = dict(arguments.set)
     motors = "law" if arguments.law else "measured"
     options = {"motors": motors, "window": arguments.window, "settle": arguments.settle}
