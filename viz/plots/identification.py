@@ -1,4 +1,4 @@
-"""Plots of an identification: data and model, residuals, correlations. What was fitted to synthetic records says so."""
+"""Plots of an identification: data and model, residuals. What was fitted to synthetic records says so."""
 
 from __future__ import annotations
 
@@ -13,13 +13,11 @@ from matplotlib.lines import Line2D
 
 from spear_pin.errors import BadValue
 from spear_pin.studies.identification import NUISANCES, QUANTITIES, Estimate
-from spear_pin.studies.identification.estimate import Parameter
 from spear_pin.viz.plots.paper import VERMILLION, Picture, style
 from spear_pin.viz.plots.push import ANGLE, TIME
 
 SYNTHETIC = "synthetic"
 CHARACTERS = 96  # of a title, across the page
-MOST = 12  # parameters in a matrix of correlations
 
 
 def fit_summary(estimates: Mapping[str, Estimate]) -> Figure:
@@ -72,40 +70,6 @@ def fit_summary(estimates: Mapping[str, Estimate]) -> Figure:
         return figure
 
 
-def correlations(estimate: Estimate) -> Figure:
-    """Plots correlations of the parameters as a heat map; of many, the shared ones and those of the first release.
-
-    Raises:
-        BadValue: there is no noise.
-    """
-    if not np.diag(estimate.covariance).all():
-        raise BadValue("estimate.covariance", estimate.covariance, "that of residuals with noise")
-    few = len(estimate.parameters) <= MOST
-    chosen = [i for i, p in enumerate(estimate.parameters) if few or p.trial in (None, 0)]
-    names = [_symbol(estimate.parameters[i]) for i in chosen]
-    matrix = estimate.correlation[np.ix_(chosen, chosen)]
-    source = _source(estimate)
-    which = "" if few else f"\nshared, and of release 1 of {len(estimate.trials)}"
-    with style():
-        side = 1.3 + 0.36 * len(chosen)
-        figure = Picture(figsize=(side + 0.5, side), layout="constrained")
-        panel = figure.subplots()
-        mesh = panel.pcolormesh(matrix, cmap="RdBu_r", vmin=-1.0, vmax=1.0, edgecolors="white", linewidth=0.5)
-        for (i, j), value in np.ndenumerate(matrix):
-            color = "white" if abs(value) > 0.6 else "black"
-            number = f"{value:.2f}".replace("-", "−")
-            panel.text(j + 0.5, i + 0.5, number, color=color, ha="center", va="center", fontsize=7.5)
-        centres = np.arange(len(chosen)) + 0.5
-        panel.set_xticks(centres, names)
-        panel.set_yticks(centres, names)
-        panel.tick_params(length=0.0)
-        panel.set_aspect("equal")
-        panel.invert_yaxis()
-        panel.set_title(f"Data: {source}{which}", color=VERMILLION if SYNTHETIC in source else "black")
-        figure.colorbar(mesh, label="Correlation", shrink=0.8)
-        return figure
-
-
 def mathematical(symbol: str) -> str:
     """Returns a symbol in the notation of a formula."""
     letter, _, index = symbol.replace("₀", "_0").replace("²", "^2").partition("_")
@@ -150,8 +114,3 @@ def _found(name: str, given: Estimate, width: int) -> str:
         else:
             lines.append(f"{symbol} = {values} {error} {unit}")
     return "\n".join(lines)
-
-
-def _symbol(parameter: Parameter) -> str:
-    symbol = mathematical(QUANTITIES[parameter.name].symbol)
-    return symbol if parameter.trial is None else f"{symbol}\n({parameter.trial + 1})"

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 from spear_pin.errors import BadValue
@@ -24,9 +23,9 @@ from spear_pin.viz.plots import save_figure, style
 from spear_pin.viz.plots import source as source_plots
 from tests.slow import slow_but
 
-LABEL = re.compile(r"\((s|rad|mrad|m|cm|N|kg·m²|N·m/rad|N·m·s/rad)\)$|^Correlation$")
-NAMES_NOT_NUMBERS = {("gears", 1, "y"), ("correlations", 0, "x"), ("correlations", 0, "y"), ("correlations", 1, "x")}
-FIGURES = ("release", "gears", "correlations", "tables", "fit 1", "fit 2", "fit 3", "fit 4", "fit 6")
+LABEL = re.compile(r"\((s|rad|mrad|m|cm|N|kg·m²|N·m/rad|N·m·s/rad)\)$")
+NAMES_NOT_NUMBERS = {("gears", 1, "y")}
+FIGURES = ("release", "gears", "tables", "fit 1", "fit 2", "fit 3", "fit 4", "fit 6")
 
 
 @cache
@@ -120,7 +119,6 @@ def figure(name: str) -> Figure:
     return {
         "release": lambda: push_plots.release_summary(released()),
         "gears": lambda: push_plots.gear_comparison(geared()),
-        "correlations": lambda: identification_plots.correlations(estimate()),
         "tables": source_plots.source_comparison,
     }[name]()
 
@@ -264,37 +262,6 @@ class TestFits:
         given = replace(estimate(), trials=tuple(noisy), predicted=(exact.angle,) * 5, parameters=())
         figure = identification_plots.fit_summary({f"{n}": given for n in range(3)})
         assert save_figure(figure, tmp_path / "fits.svg").stat().st_size < 400_000
-
-
-class TestCorrelations:
-    def test_shows_every_number(self):
-        given = estimate()
-        panel = identification_plots.correlations(given).axes[0]
-        mesh = next(drawn for drawn in panel.collections if isinstance(drawn, QuadMesh))
-        assert np.array_equal(np.asarray(mesh.get_array()), given.correlation)
-        shown = [float(text.get_text().replace("−", "-")) for text in panel.texts]
-        assert shown == pytest.approx(given.correlation.ravel(), abs=0.005)
-        names = [label.get_text() for label in panel.get_xticklabels()]
-        assert names[:4] == [r"$k_{\mathrm{rot}}$", "$b$", r"$\mathrm{RA}$", r"$θ_{\mathrm{0}}$" + "\n(1)"]
-
-    def test_of_many_only_what_is_shared_and_of_the_first(self, monkeypatch: pytest.MonkeyPatch):
-        monkeypatch.setattr(identification_plots, "MOST", 6)
-        given = estimate()
-        assert len(given.parameters) == 7
-        panel = identification_plots.correlations(given).axes[0]
-        assert [label.get_text()[-3:] for label in panel.get_xticklabels()[3:]] == ["(1)", "(1)"]
-        shown = [float(text.get_text().replace("−", "-")) for text in panel.texts]
-        assert shown == pytest.approx(given.correlation[:5, :5].ravel(), abs=0.005)
-        assert "release 1 of 2" in panel._left_title.get_text()
-
-    def test_synthetic_data_are_marked(self):
-        assert "synthetic" in texts(identification_plots.correlations(estimate()))
-        assert "synthetic" not in texts(identification_plots.correlations(measured(estimate())))
-
-    def test_needs_a_covariance(self):
-        count = len(estimate().parameters)
-        with pytest.raises(BadValue, match="that of residuals with noise"):
-            identification_plots.correlations(replace(estimate(), covariance=np.zeros((count, count))))
 
 
 @pytest.mark.parametrize(("index", "name"), [(0, "stiffness"), (1, "damping")])
