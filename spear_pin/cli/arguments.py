@@ -184,13 +184,6 @@ def add_numbers(parser: Any, *options: tuple[str, str, str]) -> None:
         parser.add_argument(option, type=float, metavar=metavar, help=text)
 
 
-def add_options(parser: Any, kind: Callable[[str], Any], **rows: tuple[str, Any, str]) -> None:
-    """Declare options of one kind, by their names: what stands for the value, the default, None for none, and help."""
-    for name, (metavar, default, text) in rows.items():
-        said = text if default is None else f"{text} (default: {default:g})"
-        parser.add_argument(f"--{name.replace('_', '-')}", type=kind, default=default, metavar=metavar, help=said)
-
-
 def add_repair(parser: Any) -> None:
     """Declare --repair; None unless it is given."""
     parser.add_argument("--repair", action="store_true", default=None, help="mend inertias that no body can have")
@@ -216,6 +209,13 @@ def loading(arguments: argparse.Namespace) -> dict[str, Any]:
     motors = "all" if arguments.motors == ["all"] else arguments.motors
     options = {"locked": arguments.lock, "repair": bool(arguments.repair)}
     return {"toes": arguments.toes, "base": arguments.base, "motors": motors, **options}
+
+
+def add_options(parser: Any, kind: Callable[[str], Any], **rows: tuple[str, Any, str]) -> None:
+    """Declare options of one kind, by their names: what stands for the value, the default, None for none, and help."""
+    for name, (metavar, default, text) in rows.items():
+        said = text if default is None else f"{text} (default: {default:g})"
+        parser.add_argument(f"--{name.replace('_', '-')}", type=kind, default=default, metavar=metavar, help=said)
 
 
 def add_out(parser: Parser, files: str) -> None:

@@ -23,6 +23,7 @@ def test_the_search_asks_once_for_residuals_and_slopes():
     held = np.linalg.lstsq(jacobian[:, 1:], jacobian @ (0.5, 1.0), rcond=None)[0] - 2.0  # with the first at its bound
     assert found.x == pytest.approx([1.5, held[0]], abs=1e-6) and found.active_mask.tolist() == [1, 0]
     assert len({each.tobytes() for each in calls}) == len(calls) == len(told)
+    assert [count for count, _ in told] == [*range(1, len(told) + 1)]
     assert told[0] == (1, pytest.approx(np.sqrt(np.mean((jacobian @ (2.0, -1.0)) ** 2))))
 
 

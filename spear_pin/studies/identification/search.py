@@ -121,21 +121,20 @@ def _estimate(problem: LeastSquares, solution: Any, loss: str, spread: float) ->
     integrations = problem.tally["integrations"]
     ends = np.cumsum([trial.t.size for trial in trials])[:-1]
     predicted = [problem.predicted(x, j) for j in range(len(trials))]
-    residuals = [trial.used * (y - trial.angle) for y, trial in zip(predicted, trials, strict=True)]
     settings = [problem.setting(x, j) for j in range(len(trials))]
     angles = [problem.angle(x, j) for j in range(len(trials))]
     unsmoothed = [angle - raw for angle, t in zip(angles, trials, strict=True) if (raw := t.unsmoothed) is not None]
     known = len(unsmoothed) == len(trials)
     roundings = [rounding(trial.unsmoothed, angle) for trial, angle in zip(trials, angles, strict=True)]
     moving = [setting.since(trial) > 0.0 for trial, setting in zip(trials, settings, strict=True)]
-    jacobian = problem.linearized(x)[1]
+    residuals, jacobian = problem.linearized(x)
     labels = [Parameter(entry.name, entry.trial, 0.0, 0.0).label for entry in problem.entries]
     tell_apart("vary", labels, jacobian)
     found = scatter(
-        residuals,
+        np.split(residuals, ends),
         np.split(jacobian, ends),
         [trial.smoothing for trial in trials],
-        influence=_influence(np.concatenate(residuals), loss, spread),
+        influence=_influence(residuals, loss, spread),
         unsmoothed=unsmoothed if known else None,
         used=[trial.used for trial in trials],
         correlated=errors(angles, moving, roundings),

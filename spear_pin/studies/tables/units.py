@@ -43,10 +43,8 @@ _WORDS = {
     "V": "v volt volts",
     "mV": "mv millivolt millivolts",
     "counts": "count counts tick ticks lsb",
-}
-_COMPOSED = {
-    **{"nm": "N·m", "newtonmeter": "N·m", "newtonmetre": "N·m", "mnm": "mN·m", "newton": "N"},
-    **{"meter": "m", "metre": "m", "dps": "deg/s", "rps": "turns/s"},
+    **{"N·m": "nm newtonmeter newtonmetre", "mN·m": "mnm", "N": "newton", "m": "meter metre"},
+    **{"deg/s": "dps", "turns/s": "rps"},
 }
 _BETWEEN = re.compile(r"[\s.·⋅*]")  # factors of a unit
 _UNITS = {word: unit for unit, words in _WORDS.items() for word in words.split()}
@@ -137,7 +135,7 @@ def known_unit(word: str, units: Mapping[str, float]) -> str | None:
     """Returns the unit among some that a word means, None for a word that means none of them."""
     plain = word.strip(" []()")
     joined = _BETWEEN.sub("", plain).lower()
-    for meant in (plain, find_unit(plain), _COMPOSED.get(joined), _rate(plain)):
+    for meant in (plain, find_unit(plain), find_unit(joined), _rate(plain)):
         if meant in units:
             return meant
     return next((unit for unit in units if unit.lower() == plain.lower()), None)

@@ -228,6 +228,15 @@ class TestFiles:
             save(file, {**columns, "note": np.eye(3)})
             same(Log.read(put(file.getvalue(), name)))
 
+    def test_a_last_line_that_is_cut_off_is_left_out(self, put):
+        whole = text("time_s,knee_rad,tau", T, KNEE, TORQUE)
+        last = whole.rindex("\n", 0, -1) + 1
+        for kept in range(2, 12):  # in its time, which then would go back, or behind it
+            log = Log.read(put(whole[: last + kept]))
+            assert len(log.t) == len(T) - 1 and "it may be cut off" in log.remarks[0]
+        ended = put(text("time_s,knee_rad,tau", T, np.where(T < T[-1], KNEE, np.nan), TORQUE))
+        assert len(Log.read(ended).t) == len(T)
+
     def test_what_a_csv_in_other_units_says_reads_back_exactly(self, put):
         """Numbers of 17 digits lose nothing, and units are one multiplication."""
         log = Log.read(put(text("time_ms,knee_deg,knee_torque_mNm", 1e3 * T, DEGREES, 1e3 * TORQUE)))
