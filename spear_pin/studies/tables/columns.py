@@ -149,19 +149,17 @@ def _text(path: Path, head: bytes, choose: Choice) -> Table:
     with path.open("rb") as file:
         file.seek(-1, os.SEEK_END)
         ended = file.read(1) in b"\r\n"
-    values = {
-        name: np.concatenate([part.values for part in chunk]) if chunk else np.empty(0)
-        for name, chunk in zip(wanted, chunks, strict=True)
-    }
+    columns = dict(zip(wanted, chunks, strict=True))
+    moments = frozenset(name for name, chunk in columns.items() if any(part.moments for part in chunk))
+    values = {name: np.concatenate([np.empty(0), *(part.values for part in chunk)]) for name, chunk in columns.items()}
     units = zip(wanted, [layout.units[place] for place in places], strict=True) if layout.units else ()
-    moments = frozenset(name for name, chunk in zip(wanted, chunks, strict=True) if any(part.moments for part in chunk))
     last = None if ended or all(np.isfinite(value[-1:]).all() for value in values.values()) else -1  # it is cut off
     return Table(
         path,
         {name: (past_midnight(value) if name in moments else value)[:last] for name, value in values.items()},
         {name: unit for name, unit in units if unit.strip("- ")},
         moments,
-        {name: found for name, chunk in zip(wanted, chunks, strict=True) if (found := _first_other(chunk))},
+        {name: found for name, chunk in columns.items() if (found := _first_other(chunk))},
         layout.comments,
         (*layout.remarks, *(() if ended else ("the last line has no end: it may be cut off",))),
     )
