@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -204,6 +205,11 @@ def _solved(problem: Residuals, left_out: tuple[LogPhase, ...]) -> MotionFit:
         bool(solution.success),
         int(solution.nfev),
     )
+
+
+def _search(problem: Residuals, first: Array) -> Any:
+    lower, upper = problem.bounds(first)
+    return search(problem.joined, np.clip(first, lower + 1e-9, upper), (lower, upper), TOLERANCE, EVALUATIONS)
 
 
 def _differ(one: tuple[Array, Array], other: tuple[Array, Array]) -> bool:
