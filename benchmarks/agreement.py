@@ -22,7 +22,7 @@ from tqdm import tqdm
 from spear_pin import Gait, Ground, Spring, find_gait, hopping, load, simulate_many
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.orbits.embedding import embed
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.lanes.runner import FEW
 from spear_pin.hybrid.parameters import with_parameters
@@ -99,7 +99,7 @@ BOUNDS = {name: Case(partial(gait, name), 2, {"friction": (0.3, 1.2)}, far=0.05)
 
 def bound_in_space() -> tuple[HybridSystem, State]:
     """`long_stride` in space."""
-    return embedded(Gait.load("long_stride"))
+    return embed(Gait.load("long_stride"))
 
 
 SPACE = {

@@ -16,7 +16,7 @@ from typing import Any
 from benchmarks.markdown import table
 from spear_pin import load
 from spear_pin.errors import SpearError
-from spear_pin.gaits.collocation import Solution, resampled
+from spear_pin.gaits.collocation import Solution, resample
 from spear_pin.gaits.footfalls.in_plane import in_plane
 from spear_pin.gaits.footfalls.programme import transcribe
 from spear_pin.gaits.library import REQUESTS
@@ -45,7 +45,7 @@ def meshes(request: Request, solution: Solution) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     for intervals in MESHES:
         begin = time.process_time()
-        solution = transcribe(in_plane(ROBOT, request, intervals), resampled(solution)).programme.solve()
+        solution = transcribe(in_plane(ROBOT, request, intervals), resample(solution)).programme.solve()
         row = {"intervals": intervals, "objective": solution.objective, "iterations": solution.iterations}
         rows.append(row | {"success": solution.success, "seconds": time.process_time() - begin})
     return rows

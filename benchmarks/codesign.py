@@ -24,7 +24,7 @@ from spear_pin.errors import NoGait
 from spear_pin.gaits.codesign.design import Design
 from spear_pin.gaits.codesign.problem import Problem, largest
 from spear_pin.gaits.search import gait_beside
-from spear_pin.gaits.sensitivity.closing import closed, led
+from spear_pin.gaits.sensitivity.closing import close_cycle, find_changed
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
@@ -93,7 +93,7 @@ class Followed:
 
     def __init__(self, begun: Gait, problem: Problem) -> None:
         self.problem, self.cycles = problem, 0
-        first = closed(Orbit(begun.system, begun.state, problem.names, problem.motors), problem.keep)
+        first = close_cycle(Orbit(begun.system, begun.state, problem.names, problem.motors), problem.keep)
         self.known = {tuple(self.at(first)): first}
 
     def at(self, orbit: Orbit) -> Array:
@@ -112,7 +112,7 @@ class Followed:
             change = (x - near) * min(step, 1.0 - done) * self.problem.span
             try:
                 by = dict(zip(self.problem.over, change.tolist(), strict=True))
-                orbit = led(orbit, self.problem.keep, by, self._count)
+                orbit = find_changed(orbit, self.problem.keep, by, self._count)
             except (NoGait, NotDifferentiable):
                 step *= 0.5
                 if step < 0.5**HALVINGS:

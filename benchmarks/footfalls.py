@@ -13,7 +13,7 @@ import math
 from benchmarks import markdown
 from spear_pin import load
 from spear_pin.gaits.footfalls.checking import violations
-from spear_pin.gaits.footfalls.collocate import collocated
+from spear_pin.gaits.footfalls.collocate import collocate
 from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
@@ -48,7 +48,7 @@ def main() -> None:
     robot = load("q_spear_full", base="chain")
     markdown.begin(*HEADS.split(" | "))
     for name, request in REQUESTS.items():
-        markdown.row(row(name, collocated(robot, request)))
+        markdown.row(row(name, collocate(robot, request)))
 
 
 def row(name: str, gait: CollocatedGait) -> str:

@@ -21,7 +21,7 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks import markdown
-from spear_pin.studies.identification import MovingAverage, identify, smoothed
+from spear_pin.studies.identification import MovingAverage, identify, smooth_trial
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import DEPTHS, PassiveKnee, spear_ii
 
@@ -49,7 +49,7 @@ def repeated(case: Case, number: int, repeats: int) -> dict[str, Any]:
     values, deviations, integrations, unconverged = [], [], [], 0
     for repeat in range(repeats):
         rng = np.random.default_rng([number, repeat])
-        found = identify(leg, [smoothed(synthetic_trial(leg, TRUTH, case.depth, case.noise, rng), smoothing)])
+        found = identify(leg, [smooth_trial(synthetic_trial(leg, TRUTH, case.depth, case.noise, rng), smoothing)])
         values.append([found[name].value for name in VALUES])
         deviations.append([found[name].deviation for name in VALUES])
         integrations.append(found.integrations)

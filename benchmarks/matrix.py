@@ -38,7 +38,7 @@ from spear_pin import (
     simulate,
 )
 from spear_pin.errors import SpearError, UnknownName
-from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.feedback import add_feedback
 from spear_pin.gaits.round_hopping import round_hopping
 from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.batch import simulate_many
@@ -47,7 +47,7 @@ from spear_pin.hybrid.periodic import multipliers
 from spear_pin.model.mjcf import to_mjcf
 from spear_pin.model.scale import scale_of
 from spear_pin.studies.bound import bound_of
-from spear_pin.studies.explore.carried import carried
+from spear_pin.studies.explore.carried import carry_gait
 from spear_pin.studies.explore.gaits import gait_to_explore
 from spear_pin.studies.hardware import Rig
 from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
@@ -140,7 +140,7 @@ def _swept(gait: Gait, folder: Path) -> object:
 
 
 def _fed_back(gait: Gait, folder: Path) -> object:
-    return regulated(gait, None if hasattr(gait.system.law, "inputs") else OWN_INPUTS)
+    return add_feedback(gait, None if hasattr(gait.system.law, "inputs") else OWN_INPUTS)
 
 
 def _kept(gait: Gait, folder: Path) -> object:
@@ -155,7 +155,7 @@ def _exported(gait: Gait, folder: Path) -> object:
 
 def _explored(gait: Gait, folder: Path) -> object:
     name, value = varied(gait)
-    return carried(gait_to_explore(gait, "").at(**{name: (1.0 + SHARE) * value}))
+    return carry_gait(gait_to_explore(gait, "").at(**{name: (1.0 + SHARE) * value}))
 
 
 def _on_hardware(gait: Gait, folder: Path) -> object:

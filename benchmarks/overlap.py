@@ -15,8 +15,8 @@ import numpy as np
 from benchmarks.markdown import begin, row
 from spear_pin import Gait, simulate
 from spear_pin.arrays import Array
-from spear_pin.gaits.feedback import regulated
-from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.feedback import add_feedback
+from spear_pin.gaits.orbits.embedding import embed
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.periodic import residual
@@ -31,9 +31,9 @@ PUSH = math.radians(5.0), 0.2, math.radians(10.0)  # rad of roll, m/s to the lef
 def main() -> None:
     """Print the table."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    system, state = embedded(Gait.load("long_stride"))
+    system, state = embed(Gait.load("long_stride"))
     straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
-    steady, turn = regulated(straight, ACROSS, heading=HEADING), Gait.load("turn_9")
+    steady, turn = add_feedback(straight, ACROSS, heading=HEADING), Gait.load("turn_9")
     begin(*HEADS.split(" | "))
     for window in WINDOWS:
         off = residual(replace(turn.system, overlap=window), turn.state)

@@ -17,10 +17,10 @@ from benchmarks.codesign import NO_GAIT, PENALTY, Followed
 from benchmarks.markdown import begin, row
 from spear_pin import load
 from spear_pin.studies.payoff.grid import FIXED, SWITCHED, Point
-from spear_pin.studies.payoff.hop_search import MISSED, best_hop, first_hops, led_to, problem
+from spear_pin.studies.payoff.hop_search import MISSED, best_hop, first_hops, lead_hop, problem
 from spear_pin.studies.payoff.hopping import HOPS, task_of, work
-from spear_pin.studies.payoff.knee import tied
-from spear_pin.studies.payoff.motors import PARTS, Motors, fitted, known
+from spear_pin.studies.payoff.knee import tie_springs
+from spear_pin.studies.payoff.motors import PARTS, Motors, fit_motors, known
 from spear_pin.studies.payoff.searches import Search
 
 FLIGHT, SPREAD, SEED = 0.2, 0.2, 1
@@ -47,13 +47,15 @@ def beside(point: Point, hops: int) -> tuple[object, ...]:
     robot = load("spear_ii", locked=["boom_x"])
     drives = {part: found[0] for part in PARTS if (found := known(robot, part)) is not None}
     motors = Motors(**drives)
-    robot = fitted(robot, motors)
+    robot = fit_motors(robot, motors)
     task = task_of(robot, motors, "electricity", Search(point, None, HOPS.meshes))
-    first = led_to(point, SWITCHED, next(first_hops(HOPS.system(robot), (FLIGHT,))))
+    first = lead_hop(point, SWITCHED, next(first_hops(HOPS.system(robot), (FLIGHT,))))
     begun = process_time()
     best = best_hop(task, [first])
     unit, between = work(robot, FLIGHT), process_time()
-    costs, tried = evolved(Followed(replace(first, system=tied(first.system)), problem(task, first.system)), hops)
+    costs, tried = evolved(
+        Followed(replace(first, system=tie_springs(first.system)), problem(task, first.system)), hops
+    )
     found = (f"{best.design.objective / unit:.4f}", best.starts, f"{between - begun:.0f}")
     return *found, f"{min(costs, default=np.inf) / unit:.4f}", tried, len(costs), f"{process_time() - between:.0f}"
 

@@ -14,8 +14,8 @@ import numpy as np
 from benchmarks.markdown import begin, row
 from benchmarks.overlap import HEADING, left_of
 from spear_pin import Gait
-from spear_pin.gaits.feedback import regulated
-from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.feedback import add_feedback
+from spear_pin.gaits.orbits.embedding import embed
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.periodic import residual
 
@@ -26,9 +26,9 @@ ROLLS = (-10.0, -5.0, 0.0, 5.0, 10.0)  # °
 def main() -> None:
     """Print the map."""
     argparse.ArgumentParser(description=__doc__).parse_args()
-    system, state = embedded(Gait.load("long_stride"))
+    system, state = embed(Gait.load("long_stride"))
     straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
-    steady = regulated(straight, ACROSS, heading=HEADING)
+    steady = add_feedback(straight, ACROSS, heading=HEADING)
     begin("rolled to the right by", *(f"pushed by {push:g} m/s" for push in PUSHES))
     for roll in ROLLS:
         entries = [left_of(steady, (math.radians(roll), push, 0.0)) if roll or push else "0" for push in PUSHES]

@@ -15,9 +15,9 @@ import numpy as np
 
 from benchmarks import markdown
 from spear_pin import Gait
-from spear_pin.gaits.feedback import regulated, speed_regulated
+from spear_pin.gaits.feedback import add_feedback, speed_regulated
 from spear_pin.gaits.library import names
-from spear_pin.studies.basin import airborne, midway, pushed, recover
+from spear_pin.studies.basin import airborne, midway, push_moment, recover
 
 HEADS = "flight | push | strides to 1 % | error at the section, first and last | ended | domains beside the four"
 STRIDES = 25
@@ -38,7 +38,7 @@ PUSHES: tuple[tuple[str, str, float, str], ...] = (
 def stabilised(gait: Gait, scheme: str, weight: float = 0.2) -> Gait:
     """The gait with event feedback: "regulated", "speed" or "none"."""
     if scheme == "regulated":
-        return regulated(gait, weight=weight)
+        return add_feedback(gait, weight=weight)
     return speed_regulated(gait) if scheme == "speed" else gait
 
 
@@ -47,7 +47,7 @@ def recoveries(gait: Gait, strides: int = STRIDES) -> Iterator[dict[str, Any]]:
     for phase in airborne(gait):
         moment = midway(gait, phase)
         for part, name, size, unit in PUSHES:
-            found = recover(gait, pushed(gait, moment, **{part: {name: size}}), strides)
+            found = recover(gait, push_moment(gait, moment, **{part: {name: size}}), strides)
             yield {
                 "phase": phase,
                 "push": f"{'d' if part == 'v' else ''}{name}",

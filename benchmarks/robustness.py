@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from benchmarks.markdown import begin, row
 from benchmarks.overlap import HEADING, PUSH, left_of
 from spear_pin import Gait, SpatialLaw, load
-from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.feedback import add_feedback
 from spear_pin.gaits.linear import Linear, linear
-from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.orbits.embedding import embed
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.periodic import eigenvalues, residual
@@ -43,7 +43,7 @@ def main() -> None:
     """Print the table."""
     argparse.ArgumentParser(description=__doc__).parse_args()
     shipped = straight(*CASES["nothing"])
-    held = regulated(shipped, ONE), regulated(shipped, ACROSS, heading=HEADING)
+    held = add_feedback(shipped, ONE), add_feedback(shipped, ACROSS, heading=HEADING)
     designs = [each for gait in held if (each := feedback_of(gait.system)) is not None]
     begin(*HEADS.split(" | "))
     for name, factors in CASES.items():
@@ -55,7 +55,7 @@ def straight(inertia: float, spacing: float, gains: float) -> Gait:
     plane = Gait.load("long_stride")
     law = SpatialLaw(plane.system.law)
     law = replace(law, **{name: gains * getattr(law, name) for name in ("adduction_stiffness", "adduction_damping")})
-    system, state = embedded(plane, law, varied(load("q_spear_full", base="chain"), inertia, spacing))
+    system, state = embed(plane, law, varied(load("q_spear_full", base="chain"), inertia, spacing))
     return Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from tqdm import tqdm
 
 from benchmarks import markdown
-from spear_pin.studies.identification import Calibration, MovingAverage, Record, cut, identify, smoothed
+from spear_pin.studies.identification import Calibration, MovingAverage, Record, cut_releases, identify, smooth_trial
 from spear_pin.studies.laboratory import Instrument, synthesize
 from spear_pin.studies.push_test import PassiveKnee, spear_ii
 
@@ -57,7 +57,9 @@ def off(kind: Class, seed: tuple[int, int]) -> list[list[float]]:
     depth, repeats, rate = rng.uniform(0.05, 0.1), int(rng.integers(1, 4)), float(rng.choice(RATES))
     made = synthesize(leg, knee, depth, repeats=repeats, rate=rate, instrument=instrument, seed=seed[1])
     smoothing = MovingAverage(int(rng.choice(WINDOWS))) if kind.smoothed else None
-    releases = [smoothed(release, smoothing) for release in cut(Record("computed", made.t, made.voltage))[0]]
+    releases = [
+        smooth_trial(release, smoothing) for release in cut_releases(Record("computed", made.t, made.voltage))[0]
+    ]
     found = identify(leg, releases)
     truth = {"stiffness": knee.stiffness, "damping": knee.damping, "rest_angle": knee.zero}
     errors = [(found[name].value - value) / found[name].deviation for name, value in truth.items()]

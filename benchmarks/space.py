@@ -19,7 +19,7 @@ from spear_pin.gaits import library
 from spear_pin.gaits.feedback import UPRIGHT, quadratic_gains
 from spear_pin.gaits.inputs import inputs_of
 from spear_pin.gaits.linear import linear
-from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.orbits.embedding import embed
 from spear_pin.hybrid.periodic import eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Run
 
@@ -39,7 +39,7 @@ def main() -> None:
 
 def _row(name: str) -> str:
     plane = Gait.load(name)
-    system, state = embedded(plane, SpatialLaw(plane.system.law))
+    system, state = embed(plane, SpatialLaw(plane.system.law))
     run, spatial = _timed(lambda: return_map(system, state))
     _, planar = _timed(lambda: return_map(plane.system, plane.state))
     drift = max(float(np.abs(part[ACROSS]).max()) for part in run.state)

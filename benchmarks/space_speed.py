@@ -18,7 +18,7 @@ import numpy as np
 from benchmarks.markdown import begin, row
 from spear_pin import Gait, find_gait, in_space, simulate_many
 from spear_pin.hybrid.periodic import multipliers, return_map
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.record import CYCLES, Recorder
 
 LANES, COLUMNS, REPEATS = 64, 16, 5
@@ -48,7 +48,7 @@ def differ(gait: Gait, columns: int) -> None:
     """Differentiates a cycle along some directions."""
     recorder, y = Recorder(gait.system), np.concatenate(gait.state)
     directions = np.eye(len(y), columns)
-    differentiated(gait.system, recorder, y, directions, np.zeros((len(recorder.numbers), columns)))
+    differentiate_cycle(gait.system, recorder, y, directions, np.zeros((len(recorder.numbers), columns)))
 
 
 def main() -> None:

@@ -33,11 +33,11 @@ from spear_pin.hybrid.newton import jacobian
 from spear_pin.hybrid.parameters import parameter
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.tangent.collocation import ENDS
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.record import TOL, Recorder
 
 OF_HOP = (
@@ -84,7 +84,7 @@ def row(gait: Gait, over: tuple[str, ...]) -> dict[str, float]:
     runner = laps(optimised)
     plain = best(lambda: runner(y))
     exact, of_one_code = (
-        best(lambda recorder=recorder: differentiated(gait.system, recorder, y, begins, seeds, ENDS))
+        best(lambda recorder=recorder: differentiate_cycle(gait.system, recorder, y, begins, seeds, ENDS))
         for recorder in (Recorder(gait.system), Recorder(gait.system, optimised))
     )
     columns = begins.shape[1]
@@ -108,7 +108,7 @@ def laps(numbers: Numbers) -> Callable[[np.ndarray], object]:
     system, runner = numbers.system, LoneRunner(numbers, 0)
     (phase, resets), nv = start(system, True), system.robot.nv
     toes = [0.0] * len(system.robot.toes)
-    return lambda y: runner.lap(phase, y, latched({}, resets, y[:nv].tolist(), y[nv:].tolist(), system.law), toes)
+    return lambda y: runner.lap(phase, y, latch_values({}, resets, y[:nv].tolist(), y[nv:].tolist(), system.law), toes)
 
 
 def jacobian_of(gait: Gait, vary: list[str], target: dict[str, float]) -> dict[str, float]:

@@ -31,22 +31,22 @@ from spear_pin import (
     sagittal,
     simulate,
 )
-from spear_pin.gaits.feedback import regulated
-from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.feedback import add_feedback
+from spear_pin.gaits.orbits.embedding import embed
 from spear_pin.hybrid.hardware import Sensing
 from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.catalogue import gearbox, motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.studies.basin import basin
 from spear_pin.studies.basin.attraction import attraction as attracted
-from spear_pin.studies.basin.attraction import dropped
+from spear_pin.studies.basin.attraction import make_drops
 from spear_pin.studies.basin.robustness import robustness
 from spear_pin.studies.bound import bound_of
 from spear_pin.studies.design import Member
 from spear_pin.studies.drivetrain import knee_drives
-from spear_pin.studies.energetics import computed_points, costs, energy_flow
+from spear_pin.studies.energetics import compute_points, costs, energy_flow
 from spear_pin.studies.hardware import Rig, on_rig
-from spear_pin.studies.identification import Estimate, MovingAverage, cut, identify, read_record, smoothed
+from spear_pin.studies.identification import Estimate, MovingAverage, cut_releases, identify, read_record, smooth_trial
 from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
 from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, gear_study, spear_ii
@@ -193,7 +193,7 @@ def space() -> None:
     """Show the page of the turn that an example keeps, and footfalls beside those of a bound, a trot and a gallop."""
     gait, plane = Gait.load(IMAGES.parents[1] / "examples" / "turn.json"), Gait.load("long_stride")
     strides = simulate(gait.system, gait.state, 20)
-    straight = simulate(*embedded(plane, SpatialLaw(plane.system.law)), 1)
+    straight = simulate(*embed(plane, SpatialLaw(plane.system.law)), 1)
     with tempfile.TemporaryDirectory() as folder, Browser(1000, 720) as browser:
         page = record(gait.system.robot, strides, Path(folder) / "turn.html", title="Q-SPEAR turning")
         browser.open(page, f"#t={TURNING}&show=-plots,-trails&camera={AHEAD}")
@@ -210,7 +210,7 @@ def attraction() -> None:
     """Write the map of where the hop is reached from, of a hundred thousand states; it takes half a minute."""
     gait = hop_in_place()
     clearances, knees = np.linspace(0.005, 0.6, 317), np.linspace(0.1, 2.4, 317)
-    found = attracted(gait, *dropped(gait, clearances, knees))
+    found = attracted(gait, *make_drops(gait, clearances, knees))
     labels = "Toe above the ground (m)", "Knee (rad)"
     figure = basin_plots.attraction_map(found, clearances, knees, *labels)
     print(plots.save_figure(figure, IMAGES / "attraction.png"), found.share)
@@ -239,7 +239,7 @@ def design() -> None:
     }
     for name, figure in pictures.items():
         print(plots.save_figure(figure, IMAGES / f"{name}.svg"))
-    strides = basin(regulated(gait), "flight_1", PUSHES)
+    strides = basin(add_feedback(gait), "flight_1", PUSHES)
     print(plots.save_figure(basin_plots.basin_map(strides, PUSHES), IMAGES / "basin.svg"))
 
 
@@ -313,7 +313,7 @@ def hardware() -> None:
     calm, rough = on_rig(gait, Rig(), hops=3), on_rig(gait, rig, rtol=1e-7)
     bound = Gait.load("long_stride")
     motors = [Drive(motor("assumed_600w"), gearbox("gp_52_c_15"), 48.0)] * 4
-    points = computed_points(
+    points = compute_points(
         "Q-SPEAR, assumed motors", costs(bound.system, simulate(bound.system, bound.state, 1), motors)
     )
     pictures = {
@@ -347,7 +347,7 @@ def fitted(depth: float, seed: int) -> Estimate:
     with tempfile.TemporaryDirectory() as folder:
         synthetic = synthesize(leg, WITH_MOTOR, depth, instrument=instrument, seed=seed)
         data = read_record(write_csv(synthetic, Path(folder) / "record.csv"), calibration=instrument.calibration)
-    return identify(leg, [smoothed(trial, MovingAverage(100)) for trial in cut(data)[0]])
+    return identify(leg, [smooth_trial(trial, MovingAverage(100)) for trial in cut_releases(data)[0]])
 
 
 def drives() -> dict[str, Drive]:

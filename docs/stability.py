@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from spear_pin import Gait, find_gait
 from spear_pin.errors import NoGait
-from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.feedback import add_feedback
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart, multipliers
@@ -25,7 +25,7 @@ NUMBERS = (  # name, label, ends of the range, step
 def stability() -> Figure:
     """Plots the trot's multipliers over roll inertia and hip spacing, without feedback and with that of the trot."""
     trot = Gait.load("trot")
-    steady = regulated(trot)
+    steady = add_feedback(trot)
     print("multipliers with feedback", np.sort(np.abs(steady.multipliers))[:-4:-1])
     with style():
         figure = Picture(figsize=(7.0, 3.2), layout="constrained")

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 
 from spear_pin import Spring, find_gait, load, simulate
 from spear_pin.hybrid.automaton import OPEN, STICK, Domain, Guard, HybridSystem, Mount, Reset
-from spear_pin.hybrid.ground import as_ground, given
+from spear_pin.hybrid.ground import as_ground, choose_ground
 from spear_pin.hybrid.phases import contact_domains, fall, rate, spring_switches, touchdown
 from spear_pin.viz import plots
 from spear_pin.viz.player import record
@@ -90,7 +90,7 @@ def step(robot, side, other, spring):
 
 def running(robot, law=None, spring=None, contact=None, *, ground=None):
     """The automaton."""
-    law, spring, contact = law or RunningLaw(), spring or Spring(), given(contact, ground)
+    law, spring, contact = law or RunningLaw(), spring or Spring(), choose_ground(contact, ground)
 
     def guess():
         knees = law.knee_touchdown, law.knee_retracted

@@ -16,7 +16,14 @@ Run: python examples/identify_knee.py [FOLDER]
 import sys
 from pathlib import Path
 
-from spear_pin.studies.identification import Calibration, MovingAverage, cut, identify, read_record, smoothed
+from spear_pin.studies.identification import (
+    Calibration,
+    MovingAverage,
+    cut_releases,
+    identify,
+    read_record,
+    smooth_trial,
+)
 from spear_pin.studies.laboratory import Instrument, synthesize, write_csv
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, WITHOUT_MOTOR, spear_ii
 from spear_pin.viz.plots import save_figure
@@ -40,8 +47,8 @@ def main(out: Path) -> None:
             path = write_csv(made, out / f"{label.replace(' ', '_')}.csv")
 
             record = read_record(path, calibration=POTENTIOMETER)
-            releases, remarks = cut(record)
-            estimate = identify(leg, [smoothed(release, SMOOTHING) for release in releases])
+            releases, remarks = cut_releases(record)
+            estimate = identify(leg, [smooth_trial(release, SMOOTHING) for release in releases])
 
             estimates[label] = estimate
             found = [estimate[name] for name in ("stiffness", "damping", "rest_angle")]

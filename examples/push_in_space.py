@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from spear_pin import Gait, SpatialLaw, simulate
-from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.orbits.embedding import embed
 from spear_pin.studies.bound.in_space import summarize_in_space
 from spear_pin.viz.player import record
 from spear_pin.viz.plots import save_figure
@@ -38,7 +38,7 @@ def pushed(gait):
 
 def main(folder: Path) -> None:
     plane = Gait.load("long_stride")
-    system, state = embedded(plane, SpatialLaw(plane.system.law))
+    system, state = embed(plane, SpatialLaw(plane.system.law))
     straight = Gait(system, state, {}, 0.0, np.ones(1, complex), {})
     upright = Gait.load(Path(__file__).parent / "upright.json")
     print(f"largest multipliers with feedback: {np.sort(abs(upright.multipliers))[:-4:-1].round(3)}")

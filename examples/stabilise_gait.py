@@ -19,8 +19,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from spear_pin import Gait
-from spear_pin.gaits.feedback import regulated, speed_regulated
-from spear_pin.studies.basin import midway, pushed, recover
+from spear_pin.gaits.feedback import add_feedback, speed_regulated
+from spear_pin.studies.basin import midway, push_moment, recover
 from spear_pin.viz.plots import save_figure, style
 
 GAIN = 54.0  # N·s; near the best gain, which speed_regulated(bare) finds in some seconds
@@ -35,7 +35,7 @@ def main(folder: Path) -> None:
     for name, designed in (
         ("none", lambda: bare),
         ("speed, one gain", lambda: speed_regulated(bare, GAIN)),
-        ("linear-quadratic", lambda: regulated(bare)),
+        ("linear-quadratic", lambda: add_feedback(bare)),
     ):
         gaits[name] = gait = designed()
         sizes = np.sort(np.abs(gait.multipliers))[::-1]
@@ -46,7 +46,7 @@ def main(folder: Path) -> None:
         figure = Figure(figsize=(6.0, 3.6), layout="constrained")
         axes = figure.subplots()
         for name, gait in gaits.items():
-            moment = pushed(gait, midway(gait, "flight_1"), v=PUSH)
+            moment = push_moment(gait, midway(gait, "flight_1"), v=PUSH)
             result = recover(gait, moment, strides=20)
             errors = result.errors
             verdict = f"recovered in {result.strides} strides" if result.recovered else "not recovered"

@@ -116,7 +116,7 @@ class NoGait(SpearError):
     def __init__(self, reason: str, residual: float, cause: str = "", remedy: str = "") -> None:
         self.reason, self.residual, self.cause, self.remedy = reason, residual, cause, remedy
         why = f"; {cause}" if cause else ""
-        super().__init__(f"no gait found: {reason} (best residual {residual:.3g}){why}{tried(remedy)}")
+        super().__init__(f"no gait found: {reason} (best residual {residual:.3g}){why}{describe_remedy(remedy)}")
 
 
 class Infeasible(SpearError):
@@ -126,7 +126,7 @@ class Infeasible(SpearError):
         self.constraint, self.violation, self.unit, self.remedy = constraint, violation, unit, remedy
         super().__init__(
             f"no gait was found: with every wish relaxed, {constraint} is still missed by {violation:.3g} {unit}"
-            f" (a local search: evidence, no proof){tried(remedy)}"
+            f" (a local search: evidence, no proof){describe_remedy(remedy)}"
         )
 
 
@@ -151,7 +151,7 @@ class MissingProgram(SpearError):
         )
 
 
-def tried(remedy: str) -> str:
+def describe_remedy(remedy: str) -> str:
     """What an error says of a remedy, if there is one."""
     return f"; try {remedy}" if remedy else ""
 
@@ -161,7 +161,7 @@ def brief(value: object) -> str:
     return _BRIEF.repr(value)
 
 
-def listed(names: Sequence[str], most: int = 4) -> str:
+def list_names(names: Sequence[str], most: int = 4) -> str:
     """Names as errors and warnings list them, the first few and how many there are beside."""
     rest = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + rest

@@ -52,14 +52,14 @@ class Player:
         return write_text(path, self.page)
 
 
-def playing(robot: Any, trajectory: Any, title: str, height: int) -> Player:
+def play_page(robot: Any, trajectory: Any, title: str, height: int) -> Player:
     """A trajectory as `viz.player` plays it; of a long one the end, as far as a page can hold it."""
     from spear_pin.viz.player import page, shortened
 
     return Player(page(robot, shortened(robot, trajectory), title=title), height)
 
 
-def plotted(trajectory: Any, columns: tuple[str, ...], cycles: int | None) -> Figure:
+def plot_columns(trajectory: Any, columns: tuple[str, ...], cycles: int | None) -> Figure:
     """Columns of a trajectory, as `viz.plots.columns` draws them."""
     from spear_pin.viz.plots.columns import over_time
 

@@ -240,9 +240,16 @@ class TestArchitecture:
             waiting += call.calls
             assert call.says
         assert path.name == "hybrid.run.run"
-        rules = ("start.start", "footing.fitness", "entry.at_once", "impact.routh", "latching.latched", "cycles.whole")
+        rules = (
+            "start.start",
+            "footing.fitness",
+            "entry.at_once",
+            "impact.routh",
+            "latching.latch_values",
+            "cycles.whole",
+        )
         assert {f"hybrid.rules.{rule}" for rule in rules} <= names
-        assert {"gaits.hopping.stance_law", "gaits.hopping.flight_law", "hybrid.strikes.struck_by"} <= names
+        assert {"gaits.hopping.stance_law", "gaits.hopping.flight_law", "hybrid.strikes.strike_by_rule"} <= names
 
 
 @pytest.mark.extra("sphinx")

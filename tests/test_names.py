@@ -5,9 +5,9 @@ import pytest
 
 from spear_pin import Gait, find_gait, hopping, load, simulate
 from spear_pin.errors import UnknownName
-from spear_pin.gaits.measures.catalogue import described
+from spear_pin.gaits.measures.catalogue import describe_measure
 from spear_pin.gaits.measures.of_samples import Sampled
-from spear_pin.gaits.sensitivity.many_measures import measured
+from spear_pin.gaits.sensitivity.many_measures import measure_lanes
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number
 from spear_pin.studies.bound import summarize as summarize_bound
@@ -47,9 +47,11 @@ def test_derivatives_and_lanes(name):
     table = of_samples(gait)
     found = {each: measure for each, measure in Orbit(gait.system, gait.state, ()).measures.items()}
     table.add("derivatives", {each: measure.value for each, measure in found.items()})
-    assert {each: described(each).unit for each in found} == {each: measure.unit for each, measure in found.items()}
+    assert {each: describe_measure(each).unit for each in found} == {
+        each: measure.unit for each, measure in found.items()
+    }
     given = {"friction": np.array([number(gait.system, "friction")])}
-    lanes, _ = measured(gait.system, given, gait.state[0][None], gait.state[1][None])
+    lanes, _ = measure_lanes(gait.system, given, gait.state[0][None], gait.state[1][None])
     table.add("lanes", {each: float(values[0]) for each, values in lanes.items()})
     assert not table.apart and len(table.shared) > 20
 
@@ -86,4 +88,4 @@ class TestTable:
 
     def test_lists_of_names_end(self):
         with pytest.raises(UnknownName):
-            described("anything")
+            describe_measure("anything")

@@ -10,7 +10,7 @@ import pytest
 
 from spear_pin import RobotWarning, SpearError, Trajectory, load
 from spear_pin.cli import main
-from spear_pin.cli.output import aligned, complain, emit, joined, print_result, progress, tell
+from spear_pin.cli.output import align_lines, complain, emit, join_lines, print_result, progress, tell
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.files import write_text
 from spear_pin.printable import is_printable, printable
@@ -81,7 +81,7 @@ class TestStreams:
         emit(f"{text}\n")
         complain(text)
         tell([warnings.WarningMessage(UserWarning(text), UserWarning, "a.py", 1, line="x")])
-        print_result({"name": text, "text": aligned([("name", text)])}, as_json=False)
+        print_result({"name": text, "text": align_lines([("name", text)])}, as_json=False)
         streams = capsys.readouterr()
         assert not raw(streams.out + streams.err)
 
@@ -102,8 +102,8 @@ class TestStreams:
 
     @each
     def test_a_row_stays_a_row(self, text):
-        assert aligned([("name", text), ("other", "b")]).count("\n") == 1
-        assert joined([text, text]).count("\n") == 1
+        assert align_lines([("name", text), ("other", "b")]).count("\n") == 1
+        assert join_lines([text, text]).count("\n") == 1
 
     @each
     def test_words_of_the_command_line(self, text, capsys):

@@ -18,11 +18,11 @@ import pinocchio as pin
 
 from spear_pin import __version__
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, SpearError, listed
+from spear_pin.errors import BadValue, SpearError, list_names
 from spear_pin.files import atomic
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
-from spear_pin.hybrid.trajectory_tables import engaged
+from spear_pin.hybrid.trajectory_tables import find_engaged
 from spear_pin.kinds import typed
 from spear_pin.model.document import describe
 from spear_pin.model.robot import Robot
@@ -75,8 +75,8 @@ def write_mcap(robot: Robot, trajectory: Trajectory, path: str | Path) -> Path:
     """
     schemas = m.load()
     if robot.coordinates != trajectory.coordinates or robot.toes != trajectory.toes:
-        expected = f"one of this robot, with {listed(robot.coordinates)} and the toes {listed(robot.toes)}"
-        raise BadValue("trajectory", f"one with {listed(trajectory.coordinates)}", expected)
+        expected = f"one of this robot, with {list_names(robot.coordinates)} and the toes {list_names(robot.toes)}"
+        raise BadValue("trajectory", f"one with {list_names(trajectory.coordinates)}", expected)
     begin = min(0.0, float(read_times(trajectory)[0]))
     times = [round(1e9 * (time - begin)) for time in trajectory.t.tolist()]
     names, table = trajectory.columns()
@@ -179,7 +179,7 @@ def _events(schemas: m.Schemas, trajectory: Trajectory, begin: float) -> Iterato
 
 
 def _samples(trajectory: Trajectory, times: list[int], names: list[str], table: Array) -> Iterator[Message]:
-    words, latches = {"domain": trajectory.domain, "phase": trajectory.phase}, engaged(trajectory)
+    words, latches = {"domain": trajectory.domain, "phase": trajectory.phase}, find_engaged(trajectory)
     for row, time in enumerate(times):
         numbers = [value if np.isfinite(value) else None for value in table[row].tolist()]
         said: dict[str, Any] = dict(zip(names, numbers, strict=True))
@@ -194,7 +194,7 @@ def _schema(trajectory: Trajectory, names: list[str]) -> dict[str, Any]:
     said = {name: {"description": units[name]} if units[name] else {} for name in names}
     numbers = {name: {"type": ["number", "null"], **said[name]} for name in names}
     words = {name: {"type": "string"} for name in ("domain", "phase")}
-    latches = {name: {"type": "boolean"} for name in engaged(trajectory)}
+    latches = {name: {"type": "boolean"} for name in find_engaged(trajectory)}
     return {"type": "object", "title": SCHEMA, "properties": {**numbers, **words, **latches}}
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spear_pin.errors import BadValue, listed
+from spear_pin.errors import BadValue, list_names
 from spear_pin.files import atomic
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
@@ -185,7 +185,7 @@ def viewer(robot: Robot, q: ArrayLike) -> Any:
     """Shows a robot in a configuration, (nq,), in a meshcat viewer; returns the viewer as `live` does."""
     configuration = np.asarray(q, dtype=np.float64)
     if configuration.shape != (robot.nq,) or not np.isfinite(configuration).all():
-        raise BadValue("q", q, f"{robot.nq} finite numbers ({listed(robot.coordinates, 8)})")
+        raise BadValue("q", q, f"{robot.nq} finite numbers ({list_names(robot.coordinates, 8)})")
     return _show(list(still(robot, configuration).commands))
 
 

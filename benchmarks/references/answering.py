@@ -15,7 +15,7 @@ from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.result import Options, Segment
 from spear_pin.hybrid.rules.cycles import INSTANT
 from spear_pin.hybrid.run import run
-from spear_pin.hybrid.strikes import Overlap, struck_in_space
+from spear_pin.hybrid.strikes import Overlap, strike_in_space
 from spear_pin.hybrid.tangent.record import many
 from spear_pin.model.equations import mechanism_of
 
@@ -146,7 +146,7 @@ def _struck_by_reference(problem: Problem) -> Array:
     """Returns the velocity after an impact."""
     system, q, v = problem.system, np.array(problem.q, dtype=float), np.array(problem.v, dtype=float)
     air = system.of_phase("air")[0]
-    strike = struck_in_space(system, air, Reset(impact=problem.strikes), q, v, Overlap(0.0), 0.0)
+    strike = strike_in_space(system, air, Reset(impact=problem.strikes), q, v, Overlap(0.0), 0.0)
     return strike.v
 
 

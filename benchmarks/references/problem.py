@@ -18,7 +18,7 @@ from spear_pin.hybrid.domain import Domain, Held, Law, Reset
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.phases import contact_domains, touchdown
 from spear_pin.hybrid.result import Moment
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
@@ -95,7 +95,7 @@ class Problem:
         q, v = (np.array(part, dtype=float) for part in (self.q, self.v))
         system, resets = self.system, [self._step(frozenset(), toe, toe in self.stands) for toe in self.robot.toes]
         clock = Clock(0.0, system.springs, system)
-        held = latched({}, resets, q.tolist(), v.tolist(), system.law, begins=True, clock=clock)
+        held = latch_values({}, resets, q.tolist(), v.tolist(), system.law, begins=True, clock=clock)
         return Moment(q, v, self._phase(frozenset(self.stands)), held)
 
     @cached_property

@@ -38,7 +38,7 @@ from spear_pin.cli import (
     uncertainty,
 )
 from spear_pin.cli.arguments import Commands, Parser, commands_of
-from spear_pin.cli.durations import expected
+from spear_pin.cli.durations import tell_duration
 from spear_pin.cli.output import complain, draw, foretold, open_page, print_result, tell
 from spear_pin.errors import RobotWarning, SpearError, one_line
 from spear_pin.files import check_target, together
@@ -105,7 +105,7 @@ def _run(argv: Sequence[str] | None) -> int:
     with together() as files:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", RobotWarning)
-            with foretold(arguments.command, expected(arguments)):
+            with foretold(arguments.command, tell_duration(arguments)):
                 result: dict[str, Any] = arguments.run(arguments)
         tell(caught)
         failed, pictures, opened = (result.pop(name, None) for name in ("failed", "pictures", "opened"))

@@ -190,7 +190,7 @@ def add_repair(parser: Any) -> None:
 
 
 def add_loading(parser: Any) -> None:
-    """Declare --lock, --toes, --base, --motors and --repair; `loading` reads them. None unless they are given."""
+    """Declare --lock, --toes, --base, --motors and --repair, None unless given; `gather_loading` reads them."""
     parser.add_argument("--lock", nargs="+", metavar="JOINT", help="hold these joints at zero")
     parser.add_argument("--toes", nargs="+", metavar="FRAME", help="let these frames of the file touch the ground")
     parser.add_argument(
@@ -204,7 +204,7 @@ def add_loading(parser: Any) -> None:
     add_repair(parser)
 
 
-def loading(arguments: argparse.Namespace) -> dict[str, Any]:
+def gather_loading(arguments: argparse.Namespace) -> dict[str, Any]:
     """Keyword arguments of `load`, from what `add_loading` declares."""
     motors = "all" if arguments.motors == ["all"] else arguments.motors
     options = {"locked": arguments.lock, "repair": bool(arguments.repair)}

@@ -11,8 +11,8 @@ from spear_pin.cli import bound_in_space
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.durations import usual
 from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.legs import add_plane, called, in_the_plane, rests_on, stability, write_plane
-from spear_pin.cli.output import iterations, joined, progress
+from spear_pin.cli.legs import add_plane, in_the_plane, name_robot, rests_on, stability, write_plane
+from spear_pin.cli.output import iterations, join_lines, progress
 from spear_pin.cli.python_lines import Program
 from spear_pin.cli.writing import Rows, list_checks, play, write_motion
 from spear_pin.errors import BadValue
@@ -80,7 +80,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     figures = {"gait": name, **summarize(gait, trajectory)}
     if robot.cut is not None:
         figures |= _searched(gait, figures["friction_used"])
-    title, plot = f"{called(robot)} bounding at {figures['speed']:.2f} m/s", partial(bound_summary, gait=gait)
+    title, plot = f"{name_robot(robot)} bounding at {figures['speed']:.2f} m/s", partial(bound_summary, gait=gait)
     told = [*notes, *_of_the_search(figures), *rests_on(robot)]
     return write_motion(
         arguments, "bound", gait, trajectory, end, figures, _rows, title=title, program=program, told=told, plot=plot
@@ -107,22 +107,22 @@ def _gait(arguments: argparse.Namespace, program: Program) -> tuple[str, Gait, l
         )
     notes: list[tuple[str, str]] = []
     with progress() as show:
-        show(f"searching for a bound of {called(robot)}")
+        show(f"searching for a bound of {name_robot(robot)}")
         gait = bound_of(
             robot, arguments.speed, on_attempt=lambda speed, why: notes.append((f"at {speed:.2f} m/s", why))
         )
     program.let("gait", program.call(bound_of, write_plane(program, arguments), speed=arguments.speed))
-    return called(robot), gait, notes
+    return name_robot(robot), gait, notes
 
 
 def _searched(gait: Gait, friction: float) -> dict[str, Any]:
     """What a search for a bound was given, and what of it holds the gait."""
     from spear_pin.gaits.request import Request
-    from spear_pin.studies.bound import held_by, springs_of
+    from spear_pin.studies.bound import list_active_bounds, springs_of
 
     robot = gait.system.robot
     asked = Request.scaled(robot, **springs_of(robot))
-    return {"held_by": held_by(gait, asked, friction)}
+    return {"held_by": list_active_bounds(gait, asked, friction)}
 
 
 def _of_the_search(summary: dict[str, Any]) -> list[tuple[str, str]]:
@@ -152,7 +152,7 @@ def _shipped() -> dict[str, Any]:
     for row in rows:
         head = f"{row['name']:<{width}}{row['speed']:>6.2f} m/s  {row['lift_off']:<13}"
         lines.append(f"{head}{row['largest_multiplier']:<20.4f}{row['residual']:.1e}")
-    return {"gaits": rows, "text": joined(lines)}
+    return {"gaits": rows, "text": join_lines(lines)}
 
 
 def _rows(summary: dict[str, Any]) -> Rows:

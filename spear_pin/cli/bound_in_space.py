@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.legs import called, of_the_section, rests_on
+from spear_pin.cli.legs import name_robot, of_the_section, rests_on
 from spear_pin.cli.output import progress
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.writing import Rows, play, write_motion
@@ -99,7 +99,7 @@ def run(
         **summarize_in_space(gait, trajectory),
         **multipliers_of(gait, found),
     }
-    title, plot = f"{called(gait.system.robot)} bounding in space at {figures['speed']:.2f} m/s", space_summary
+    title, plot = f"{name_robot(gait.system.robot)} bounding in space at {figures['speed']:.2f} m/s", space_summary
     return write_motion(
         arguments, STEM, gait, trajectory, end, figures, _rows, title=title, program=program, told=told, plot=plot
     )
@@ -130,7 +130,7 @@ def _straight(plane: Gait, program: Program) -> Gait:
 
     from spear_pin import in_space
     from spear_pin.gaits.gait import Gait
-    from spear_pin.gaits.orbits.embedding import embedded
+    from spear_pin.gaits.orbits.embedding import embed
     from spear_pin.hybrid.periodic import residual, return_map
 
     program.let("gait", program.call(in_space, Code("gait")))
@@ -138,7 +138,7 @@ def _straight(plane: Gait, program: Program) -> Gait:
         with progress() as show:
             show("finding the gait in space, which takes some minutes")
             return in_space(plane)
-    system, state = embedded(plane)
+    system, state = embed(plane)
     durations = {phase: seconds for phase, seconds in return_map(system, state).durations.items() if seconds > 0.0}
     return Gait(system, state, {}, residual(system, state), np.ones(1, complex), durations)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_cycles, add_open, add_out, check_out
 from spear_pin.cli.legs import add_leg, one_leg, write_leg
-from spear_pin.cli.output import aligned, joined, progress
+from spear_pin.cli.output import align_lines, join_lines, progress
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
@@ -66,7 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         **as_json(found),
         "files": [str(page)],
         "opened": page,
-        "text": text(found) + "\n\n" + aligned([("files", str(page))]),
+        "text": text(found) + "\n\n" + align_lines([("files", str(page))]),
         "python": str(program),
     }
 
@@ -139,7 +139,7 @@ def text(found: Comparison) -> str:
         for row in found.measures
     ]
     differing = [[each.name, *parameters(each)] for each in found.differences]
-    parts = [joined([*found.said, *(note for side in found.sides for note in side.notes)]), _table([head, *rows])]
+    parts = [join_lines([*found.said, *(note for side in found.sides for note in side.notes)]), _table([head, *rows])]
     if differing:
         parts.append(_table([["parameters that differ", *labels], *differing]))
     return "\n\n".join(part for part in parts if part)
@@ -154,4 +154,4 @@ def _table(rows: list[list[str]]) -> str:
         )
         for row in rows
     )
-    return joined(line.rstrip() for line in lines)
+    return join_lines(line.rstrip() for line in lines)

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import VARY, add_gait, named_gait, write_gait
+from spear_pin.cli.gaits import VARY, add_gait, find_named_gait, write_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import progress
 from spear_pin.cli.pairs import RANGE, names, once, ranges, values
@@ -71,7 +71,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     with progress() as show:
         show("looking for the gait to begin with")
-        gait = named_gait(arguments.what)
+        gait = find_named_gait(arguments.what)
         options: dict[str, Any] = {
             "vary": arguments.vary,
             "at_most": once(arguments.at_most, "--at-most"),

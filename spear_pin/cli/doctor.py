@@ -9,7 +9,7 @@ from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command
 from spear_pin.cli.gaits import BOUND, bounding_gait
-from spear_pin.cli.output import joined
+from spear_pin.cli.output import join_lines
 from spear_pin.errors import BadValue
 
 # as the project's metadata have them
@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "programs": {name: path is not None for name, path in programs.items()},
         "checks": checks,
         "failed": failed,
-        "text": joined(lines),
+        "text": join_lines(lines),
     }
 
 

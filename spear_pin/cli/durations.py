@@ -45,7 +45,7 @@ LASTING = (
 """The first that fits is told."""
 
 
-def expected(arguments: argparse.Namespace) -> str | None:
+def tell_duration(arguments: argparse.Namespace) -> str | None:
     """How long a command that is asked for takes, in words; None if it is soon done."""
     if getattr(arguments, "list", False):
         return None

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_loading, add_robot, loading
-from spear_pin.cli.legs import add_cut, cut_out, rests_on, write_cut
-from spear_pin.cli.output import joined
+from spear_pin.cli.arguments import Commands, add_command, add_loading, add_robot, gather_loading
+from spear_pin.cli.legs import add_cut, load_or_cut, rests_on, write_cut
+from spear_pin.cli.output import join_lines
 from spear_pin.cli.python_lines import Program
-from spear_pin.errors import SpearError, listed
+from spear_pin.errors import SpearError, list_names
 
 
 def add(commands: Commands) -> None:
@@ -39,14 +39,14 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     import numpy as np
     import pinocchio as pin
 
-    robot = cut_out(arguments.robot, arguments, loading(arguments))
+    robot = load_or_cut(arguments.robot, arguments, gather_loading(arguments))
     program = Program()
-    named = write_cut(program, arguments.robot, arguments, loading(arguments), robot)
+    named = write_cut(program, arguments.robot, arguments, gather_loading(arguments), robot)
     for option, names in (("q", robot.configuration), ("v", robot.coordinates)):
         given = getattr(arguments, option)
         if given is not None and len(given) != len(names):
             has = f"{len(given)} number{'s' if len(given) > 1 else ''}"
-            raise SpearError(f"--{option} has {has}; expected {len(names)} ({listed(names, 8)})")
+            raise SpearError(f"--{option} has {has}; expected {len(names)} ({list_names(names, 8)})")
     q = pin.neutral(robot.model) if arguments.q is None else np.array(arguments.q)
     v = np.zeros(robot.nv) if arguments.v is None else np.array(arguments.v)
     result: dict[str, Any] = {
@@ -80,4 +80,4 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     place, speed = program.let("q", q.tolist()), program.let("v", v.tolist())
     for name, given in (("mass_matrix", [place]), ("coriolis_matrix", [place, speed]), ("gravity", [place])):
         program.show(program.method(named, name, *given))
-    return result | {"text": joined(lines), "python": str(program)}
+    return result | {"text": join_lines(lines), "python": str(program)}

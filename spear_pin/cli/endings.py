@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.errors import SpearError, tried
+from spear_pin.errors import SpearError, describe_remedy
 
 if TYPE_CHECKING:
     from spear_pin.hybrid.trajectory import Trajectory
@@ -37,11 +37,11 @@ def lost(trajectory: Trajectory, cycle: str, of: int = 1, remedy: str = "") -> s
     whole = trajectory.cycles // of
     how = "falls" if trajectory.reason == "fall" else "is lost"
     if not whole:
-        raise SpearError(f"the motion {how} in its first {cycle}: {trajectory.message}{tried(remedy)}")
+        raise SpearError(f"the motion {how} in its first {cycle}: {trajectory.message}{describe_remedy(remedy)}")
     return f"{how} after {whole} {cycle}{'s' if whole > 1 else ''}: {trajectory.message}"
 
 
-def ended(said: str | None) -> list[tuple[str, str]]:
+def show_ending(said: str | None) -> list[tuple[str, str]]:
     """Row of a command's text for what `lost` says; none of a motion that went on."""
     return [] if said is None else [("the motion", said)]
 

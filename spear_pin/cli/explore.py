@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open
-from spear_pin.cli.gaits import BOUND, WHAT, named_gait
+from spear_pin.cli.gaits import BOUND, WHAT, find_named_gait
 from spear_pin.cli.given import refuse
-from spear_pin.cli.legs import OPTIONS, add_leg, called, one_leg
+from spear_pin.cli.legs import OPTIONS, add_leg, name_robot, one_leg
 from spear_pin.cli.pairs import names
 from spear_pin.cli.python_lines import Program
 from spear_pin.errors import BadValue
@@ -89,12 +89,12 @@ def _subject(arguments: argparse.Namespace) -> Subject:
 
     if arguments.what == "hop":
         robot = one_leg(arguments, ["boom_x"])
-        return spear_ii_hop() if robot is None else hop_of_leg(robot, f"{called(robot)} hopping")
-    gait, source = named_gait(arguments.what), BOUND if arguments.what == "bound" else arguments.what
+        return spear_ii_hop() if robot is None else hop_of_leg(robot, f"{name_robot(robot)} hopping")
+    gait, source = find_named_gait(arguments.what), BOUND if arguments.what == "bound" else arguments.what
     if Path(source).exists():  # a program is saved elsewhere
         source = str(Path(source).resolve())
     moving = gait.system.kind.replace("_", " ")
-    title = f"{called(gait.system.robot)} {moving}"
+    title = f"{name_robot(gait.system.robot)} {moving}"
     if gait.system.kind == "bounding" and not arguments.over:
         return bound_to_explore(gait, title, source)
     return gait_to_explore(gait, title, arguments.over or (), source)

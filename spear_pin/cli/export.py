@@ -11,11 +11,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import ROBOT as ROBOT_HELP
-from spear_pin.cli.arguments import Commands, add_command, add_loading, add_open, add_out, check_out, folder, loading
+from spear_pin.cli.arguments import (
+    Commands,
+    add_command,
+    add_loading,
+    add_open,
+    add_out,
+    check_out,
+    folder,
+    gather_loading,
+)
 from spear_pin.cli.gaits import BOUND
 from spear_pin.cli.given import given, refuse
-from spear_pin.cli.legs import add_cut, cut_out
-from spear_pin.cli.output import aligned
+from spear_pin.cli.legs import add_cut, load_or_cut
+from spear_pin.cli.output import align_lines
 from spear_pin.errors import BadFile, BadValue, SpearError
 
 if TYPE_CHECKING:
@@ -102,7 +111,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     result = _trajectory(arguments, paths) if moves else _robot(arguments, paths)
     files = [str(path) for path in paths.values()]
     rows = [*result.pop("rows"), ("files", ", ".join(files))]
-    return result | {"files": files, "opened": paths.get("mp4", paths.get("png")), "text": aligned(rows)}
+    return result | {"files": files, "opened": paths.get("mp4", paths.get("png")), "text": align_lines(rows)}
 
 
 def _check_options(arguments: argparse.Namespace, asked: Sequence[str]) -> None:
@@ -133,15 +142,15 @@ def _gait(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.c is not None:
         files += map(str, write_controller(gait, arguments.c))
         rows.append(("try it", f"cd {arguments.c} && gcc -O2 controller.c test.c -o test -lm && ./test"))
-    text = aligned([*rows, ("files", ", ".join(files))])
+    text = align_lines([*rows, ("files", ", ".join(files))])
     return {"robot": gait.system.robot.name, "files": files, "text": text}
 
 
 def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:
     from spear_pin.files import write_text
     from spear_pin.model.mjcf import to_mjcf
-    from spear_pin.model.mjcf_loops import left_out as loops_left_out
-    from spear_pin.model.mjcf_springs import left_out
+    from spear_pin.model.mjcf_loops import list_left_out_loops as loops_left_out
+    from spear_pin.model.mjcf_springs import list_left_out_springs
     from spear_pin.model.srdf import to_srdf
 
     robot, springs = _whose(arguments)
@@ -163,7 +172,7 @@ def _robot(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str
         if meshes:
             rows.append(("meshes", f"{len(meshes)}, in {path.with_name(f'{path.stem}_meshes')}"))
         rows += [("shapes", note) for note in notes]
-    missing = [*left_out(robot, springs), *loops_left_out(robot)] if "mjcf" in paths else []
+    missing = [*list_left_out_springs(robot, springs), *loops_left_out(robot)] if "mjcf" in paths else []
     rows += [("left out", line) for line in missing]
     for path, text in texts.items():
         write_text(path, text)
@@ -176,7 +185,7 @@ def _whose(arguments: argparse.Namespace) -> tuple[Robot, dict[str, Spring]]:
     if Path(arguments.what).suffix != GAIT:
         from spear_pin.model.mjcf_springs import springs_of
 
-        robot = cut_out(arguments.what, arguments, loading(arguments))
+        robot = load_or_cut(arguments.what, arguments, gather_loading(arguments))
         return robot, springs_of(robot)
     from spear_pin.gaits.gait import Gait
 
@@ -192,7 +201,7 @@ def _postures(robot: Robot) -> dict[str, Any]:
 
     from spear_pin.gaits.gait import Gait
     from spear_pin.gaits.hopping import HoppingLaw
-    from spear_pin.model.postures import grounded
+    from spear_pin.model.postures import put_on_ground
 
     if robot.source in ("spear_ii", "spear_ii_series"):
         knee = HoppingLaw().knee_touchdown
@@ -203,7 +212,7 @@ def _postures(robot: Robot) -> dict[str, Any]:
     else:
         return {}
     q = np.array([angles.get(coordinate, 0.0) for coordinate in robot.coordinates])
-    return {"touchdown": grounded(robot, q)}
+    return {"touchdown": put_on_ground(robot, q)}
 
 
 def _trajectory(arguments: argparse.Namespace, paths: Mapping[str, Path]) -> dict[str, Any]:

@@ -7,10 +7,10 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_rtol, check_out
-from spear_pin.cli.gaits import add_gait, add_wanted, named_gait, write_gait
+from spear_pin.cli.gaits import add_gait, add_wanted, find_named_gait, write_gait
 from spear_pin.cli.given import refuse
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
-from spear_pin.cli.output import aligned, progress
+from spear_pin.cli.output import align_lines, progress
 from spear_pin.cli.pairs import RANGE, one_range
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.writing import write_study
@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     program.show(Code("branch"))
     robot = branch.family.system.robot
     summary = _figures(branch) | ({"cut": str(robot.cut)} if robot.cut is not None else {})
-    texts, told = [aligned(_rows(branch)), str(branch)], rests_on(robot)
+    texts, told = [align_lines(_rows(branch)), str(branch)], rests_on(robot)
     return write_study(arguments, STEM, branch.to_json(), family(branch), summary, texts, program=program, told=told)
 
 
@@ -114,7 +114,7 @@ def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[
     from spear_pin.gaits.bounding import SPEED_BY
     from spear_pin.gaits.targets import measures_of
 
-    gait = None if arguments.what == "hop" else named_gait(arguments.what)
+    gait = None if arguments.what == "hop" else find_named_gait(arguments.what)
     if gait is not None and arguments.speed is not None and gait.system.kind != "bounding":
         raise BadValue("--speed", arguments.speed, f"only with a bound; this gait is of the kind {gait.system.kind!r}")
     bounds = gait is not None and "hopping" not in gait.system.kind
@@ -149,7 +149,7 @@ def _hop(arguments: argparse.Namespace, target: dict[str, float], program: Progr
     at = {} if arguments.at is None else {over: arguments.at}
     if leg is None and not at and not target and over not in measures_of(make(robot), sampled=True):
         write_gait(program, "hop")
-        return named_gait("hop")
+        return find_named_gait("hop")
     named = write_leg(program, arguments, robot, ["boom_x"])
     if at and over in parameters_of(robot):
         named = program.let("robot", program.call(vary, named, **at))

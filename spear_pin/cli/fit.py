@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out
 from spear_pin.cli.logged import add_leg_and_log, leg_and_logs, notes
-from spear_pin.cli.output import aligned, joined, progress
+from spear_pin.cli.output import align_lines, join_lines, progress
 from spear_pin.cli.pairs import names
 from spear_pin.cli.python_lines import Program
 
@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "remarks": [remark for log in logs for remark in log.remarks],
         "files": [str(kept), str(picture)],
         "opened": picture,
-        "text": "\n".join([aligned(rows), joined(told)]),
+        "text": "\n".join([align_lines(rows), join_lines(told)]),
         "python": str(program),
     }
 

@@ -60,7 +60,7 @@ def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
 
 
 def add_gait(parser: argparse.ArgumentParser) -> None:
-    """Declare the gait, which `named_gait` finds."""
+    """Declare the gait, which `find_named_gait` finds."""
     parser.add_argument(
         "what",
         metavar=WHAT,
@@ -93,7 +93,7 @@ def offer_words(*words: str) -> Iterator[None]:
         raise UnknownName(error.kind, error.value, (*words, *error.valid), error.also) from None
 
 
-def named_gait(what: str) -> Gait:
+def find_named_gait(what: str) -> Gait:
     """SPEAR-II's hop in place with a flight of 0.2 s ("hop"), the bound that is shown ("bound"), or a gait by name.
 
     Args:
@@ -113,7 +113,7 @@ def named_gait(what: str) -> Gait:
 
 
 def write_gait(program: Program, what: str) -> Code:
-    """Write the Python of `named_gait`, and return what the gait is called."""
+    """Write the Python of `find_named_gait`, and return what the gait is called."""
     from spear_pin import Gait, find_gait, hopping, load
 
     if what != "hop":

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_numbers, add_seed, add_simulation, check_simulation
 from spear_pin.cli.given import given, refuse
-from spear_pin.cli.legs import add_leg, called, one_leg, rests_on, stability, write_leg
+from spear_pin.cli.legs import add_leg, name_robot, one_leg, rests_on, stability, write_leg
 from spear_pin.cli.output import iterations, progress
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.writing import Rows, play, write_motion
@@ -117,7 +117,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if trajectory.electrical is not None:
         figures["electrical"] = {flow: trajectory.electrical[flow].mean() for flow in trajectory.electrical.flows}
         figures["peak_current"] = dict(zip(trajectory.actuated, abs(trajectory.current).max(axis=0), strict=True))
-    title, told, plot = f"{called(robot)} hopping in place", [*notes, *rests_on(robot)], partial(hop_summary, gait=gait)
+    title, told, plot = (
+        f"{name_robot(robot)} hopping in place",
+        [*notes, *rests_on(robot)],
+        partial(hop_summary, gait=gait),
+    )
     return write_motion(
         arguments, "hop", gait, trajectory, end, figures, _rows, title=title, program=program, told=told, plot=plot
     )
@@ -195,7 +199,7 @@ def _found(
         if other is not None and arguments.flight_time is None and arguments.stance_torque is None:
             wanted = usual_flight(other)
             with progress() as show:
-                show(f"looking for a hop of {called(other)}")
+                show(f"looking for a hop of {name_robot(other)}")
                 gait = hop_of(
                     system,
                     wanted,

@@ -6,7 +6,7 @@ import argparse
 import math
 from typing import Any
 
-from spear_pin.cli.legs import called, stability
+from spear_pin.cli.legs import name_robot, stability
 from spear_pin.cli.output import iterations
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.writing import Rows, list_checks, play, write_motion
@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     program.let("gait", program.call(find_gait, made))
     trajectory, end = play(arguments, program, gait, "hop")
     figures = {**summarize_round(gait, trajectory), "friction": arguments.friction}
-    title = f"{called(robot)} hopping round its post"
+    title = f"{name_robot(robot)} hopping round its post"
     return write_motion(arguments, "hop", gait, trajectory, end, figures, _rows, title=title, program=program)
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_options, add_out, check_out
 from spear_pin.cli.legs import add_leg as add_another
-from spear_pin.cli.legs import called
-from spear_pin.cli.output import joined, progress
+from spear_pin.cli.legs import name_robot
+from spear_pin.cli.output import join_lines, progress
 from spear_pin.cli.pairs import names
 from spear_pin.cli.pinned import add_drive, add_spring, pinned_leg
 from spear_pin.cli.python_lines import Code, Program
@@ -103,7 +103,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     smoothing = None if arguments.window is None else MovingAverage(arguments.window, kind)
     program = Program()
     pinned, other = pinned_leg(arguments, program)
-    of_whom = LEG if other is None else called(other).removesuffix(",")
+    of_whom = LEG if other is None else name_robot(other).removesuffix(",")
     guessed = [name for name in GUESSED if name not in arguments.vary and getattr(arguments, name) is None]
     for path in arguments.files:
         if arguments.files.count(path) > 1:
@@ -129,7 +129,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "remarks": remarks,
         "files": [str(picture)],
         "opened": picture,
-        "text": joined(
+        "text": join_lines(
             [f"leg: {of_whom}", *_lines(estimates), *(f"note: {remark}" for remark in remarks), f"picture: {picture}"]
         ),
         "python": str(program),
@@ -140,17 +140,17 @@ def _write(arguments: argparse.Namespace, program: Program, smoothing: MovingAve
     """Write the Python of an estimate from the first file, or from all of them together."""
     from dataclasses import replace
 
-    from spear_pin.studies.identification import cut, identify, read_record, smoothed
+    from spear_pin.studies.identification import cut_releases, identify, read_record, smooth_trial
 
     trials = Code("[]")
     for path in arguments.files if arguments.together else arguments.files[:1]:
         record = program.call(read_record, path, **_columns(arguments))
-        made = program.call(cut, record, before=arguments.before, after=arguments.after)
+        made = program.call(cut_releases, record, before=arguments.before, after=arguments.after)
         trials = program.let("trials", Code(f"{made}[0]" if trials == "[]" else f"{trials} + {made}[0]"))
     if smoothing is not None:
         by = program.let("smoothing", smoothing)
         one = program.call(replace, Code("trial"), smoothing=by)
-        one = one if arguments.smoothed_already else program.call(smoothed, Code("trial"), by)
+        one = one if arguments.smoothed_already else program.call(smooth_trial, Code("trial"), by)
         trials = program.let("trials", Code(f"[{one} for trial in trials]"))
     estimate = program.call(identify, Code("leg"), trials, vary=arguments.vary, **_options(arguments))
     program.show(program.let("estimate", estimate))
@@ -187,7 +187,7 @@ def _columns(arguments: argparse.Namespace) -> dict[str, Any]:
 def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage | None) -> tuple[list[Trial], list[str]]:
     from dataclasses import replace
 
-    from spear_pin.studies.identification import cut, read_record, smoothed
+    from spear_pin.studies.identification import cut_releases, read_record, smooth_trial
 
     notes = list[str]()
     if arguments.volts_per_rad is None and arguments.offset is not None:
@@ -195,11 +195,11 @@ def _trials(arguments: argparse.Namespace, path: str, smoothing: MovingAverage |
     if arguments.volts_per_rad is not None and arguments.offset is None:
         notes.append("--offset is not given: the voltage of the straight leg is taken as 0")
     record = read_record(path, **_columns(arguments))
-    trials, remarks = cut(record, arguments.before, arguments.after)
+    trials, remarks = cut_releases(record, arguments.before, arguments.after)
     if arguments.smoothed_already:
         trials = [replace(trial, smoothing=smoothing) for trial in trials]
     else:
-        trials = [smoothed(trial, smoothing) for trial in trials]
+        trials = [smooth_trial(trial, smoothing) for trial in trials]
     return trials, [*notes, *record.remarks, *remarks]
 
 

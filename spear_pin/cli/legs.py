@@ -53,7 +53,7 @@ def add_plane(parser: Any, what: str) -> None:
 
 
 def add_cut(parser: Any) -> None:
-    """Declare --leg, --plane, --bends and --body; `cut_out` reads them. None unless they are given."""
+    """Declare --leg, --plane, --bends and --body; `load_or_cut` reads them. None unless they are given."""
     group = parser.add_argument_group(
         "part of the robot", "its joints get the names and signs of SPEAR-II (--leg) or Q-SPEAR (--plane)"
     )
@@ -99,7 +99,7 @@ def one_leg(arguments: argparse.Namespace, locked: list[str]) -> Robot | None:
     return robot
 
 
-def cut_out(source: str, arguments: argparse.Namespace, options: dict[str, Any]) -> Robot:
+def load_or_cut(source: str, arguments: argparse.Namespace, options: dict[str, Any]) -> Robot:
     """A robot, or the part of it that `add_cut` asks for.
 
     Args:
@@ -188,14 +188,14 @@ def _write_plane(program: Program, whole: Code, sides: Sequence[int] | None) -> 
 def write_cut(
     program: Program, source: str, arguments: argparse.Namespace, options: dict[str, Any], robot: Robot
 ) -> Code:
-    """Write the Python of `cut_out`, and return what the robot is called.
+    """Write the Python of `load_or_cut`, and return what the robot is called.
 
     Args:
         program: to which lines are added.
         source: name of the robot, or path of its file.
         arguments: those of `add_cut`.
         options: of `load`.
-        robot: what `cut_out` returned.
+        robot: what `load_or_cut` returned.
     """
     from spear_pin import load
 
@@ -281,7 +281,7 @@ def _unsaid(source: str, base: str) -> dict[str, Any]:
     return unsaid | ({"motors": "all"} if said.motors is None else {})
 
 
-def called(robot: Robot) -> str:
+def name_robot(robot: Robot) -> str:
     """A robot as titles name it: one that was cut out of another as that one."""
     cut = robot.cut
     if cut is None:
@@ -321,7 +321,7 @@ def _said(settings: Settings) -> str:
     return "; ".join(f"{what} at the {' and the '.join(joints)}" if joints else what for what, joints in alike.items())
 
 
-def doubted(doubts: Sequence[str]) -> list[tuple[str, str]]:
+def list_doubts(doubts: Sequence[str]) -> list[tuple[str, str]]:
     """What makes a gait implausible, a line each."""
     return [("" if i else "implausible", doubt) for i, doubt in enumerate(doubts)]
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import add_options, add_repair, check_out
-from spear_pin.cli.gaits import named_gait, write_gait
-from spear_pin.cli.legs import add_cut, cut_out, write_cut
+from spear_pin.cli.gaits import find_named_gait, write_gait
+from spear_pin.cli.legs import add_cut, load_or_cut, write_cut
 from spear_pin.cli.pairs import one_pair, values
 from spear_pin.cli.python_lines import Code, Program
-from spear_pin.errors import UnknownName, listed
+from spear_pin.errors import UnknownName, list_names
 
 if TYPE_CHECKING:
     from spear_pin.hybrid.automaton import HybridSystem
@@ -60,9 +60,9 @@ def _leg_system(arguments: argparse.Namespace, program: Program) -> tuple[Hybrid
 
     word = arguments.model
     if word.endswith(".json") or word == "hop":
-        return named_gait(word).system, Code(f"{write_gait(program, word)}.system")
+        return find_named_gait(word).system, Code(f"{write_gait(program, word)}.system")
     options: dict[str, Any] = {"repair": True} if arguments.repair else {}
-    robot = cut_out(word, arguments, options)
+    robot = load_or_cut(word, arguments, options)
     build = hopping if robot.cut is None else scaled_hopping
     return build(robot), program.call(build, write_cut(program, word, arguments, options, robot))
 
@@ -99,7 +99,7 @@ def notes(
     lines, valid = [f"note: {remark}" for log in logs for remark in log.remarks], _quantities(system)
     for log in logs:
         if others := [name for name in log.values if name not in valid]:
-            lines.append(f"note: {log.source}: not of this leg: {listed(others, 8)}")
+            lines.append(f"note: {log.source}: not of this leg: {list_names(others, 8)}")
     lines += [
         f"note: {phase.source}: left out: {phase.name} from {phase.begin:.3f} s: {phase.left_out}" for phase in left_out
     ]

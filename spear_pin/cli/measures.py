@@ -7,7 +7,7 @@ import textwrap
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command
-from spear_pin.cli.output import joined
+from spear_pin.cli.output import join_lines
 
 WIDTH, WIDE = 110, 28  # characters of a line, and of a name in it
 PLACES = (
@@ -33,4 +33,4 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         head = f"{each.pattern:<{WIDE}}{'' if each.unit == '1' else each.unit:<9}"
         first, *more = textwrap.wrap(each.text + ("" if target else " (*)"), WIDTH - len(head))
         lines += [head + first, *(" " * len(head) + line for line in more)]
-    return {"measures": rows, "text": joined([*lines, "", *PLACES.splitlines()])}
+    return {"measures": rows, "text": join_lines([*lines, "", *PLACES.splitlines()])}

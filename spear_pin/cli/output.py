@@ -87,14 +87,14 @@ def _write(stream: TextIO, text: str) -> None:
         raise
 
 
-def aligned(rows: Iterable[tuple[str, str]]) -> str:
+def align_lines(rows: Iterable[tuple[str, str]]) -> str:
     """Lines of a name and what it says, in two columns, of which long names widen the first."""
     told = [*rows]
     wide = max([20, *(len(name) for name, _ in told)])
-    return joined(f"{name:<{wide}} {value}" for name, value in told)
+    return join_lines(f"{name:<{wide}} {value}" for name, value in told)
 
 
-def joined(lines: Iterable[str]) -> str:
+def join_lines(lines: Iterable[str]) -> str:
     """Join lines to a text; what ends a line within one of them, as in a name from a file, is written out."""
     return "\n".join(map(printable, lines))
 
@@ -158,7 +158,7 @@ def shows(played: TrajectoryLike) -> list[tuple[str, str]]:
     return [("page", f"shows {played.said}")] if isinstance(played, Part) else []
 
 
-def listed(folder: Path, stem: str, files: Sequence[Path]) -> list[tuple[str, str]]:
+def list_rows(folder: Path, stem: str, files: Sequence[Path]) -> list[tuple[str, str]]:
     """Rows of a command's text with its files, and those called as they are that an earlier call has left there."""
     beside = (folder / f"{stem}{suffix}" for suffix in SUFFIXES)
     older = [str(path) for path in beside if path not in files and path.exists()]

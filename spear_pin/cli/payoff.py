@@ -22,9 +22,9 @@ from spear_pin.cli.arguments import (
     check_out,
 )
 from spear_pin.cli.given import refuse
-from spear_pin.cli.legs import BODY, SIDE, called, in_the_plane, one_leg, rests_on, write_leg, write_plane
+from spear_pin.cli.legs import BODY, SIDE, in_the_plane, name_robot, one_leg, rests_on, write_leg, write_plane
 from spear_pin.cli.motors import EFFICIENCY
-from spear_pin.cli.output import aligned, progress
+from spear_pin.cli.output import align_lines, progress
 from spear_pin.cli.pairs import RANGE, once, ranges
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue, SpearError, UnknownName, require
@@ -133,7 +133,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     hop = arguments.leg is not None or arguments.robot == LEG
     robot, study_of, speeds = (_hops if hop else _bounds)(arguments)
-    drives = given_drives(arguments, robot)
+    drives = make_drives(arguments, robot)
     program = Program()
     given = {"speeds": speeds, "stiffnesses": arguments.stiffnesses, "drives": drives or None, "bus": arguments.bus}
     given |= {"over": once(arguments.over, "--over") or None, "spring": arguments.spring}
@@ -152,7 +152,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     with progress() as show:
         study = study_of(robot, arguments.out / "payoff.jsonl", **{"drives": {}} | own, tell=show)
     found = answer(study)
-    name = called(robot).removesuffix(",")
+    name = name_robot(robot).removesuffix(",")
     of_robot = [(label, text) for label, text in rests_on(robot) if not text.startswith("rotors without")]
     rests = [*rests_of(study), *of_robot]
     files = {"page": arguments.out / "payoff.html"}
@@ -257,7 +257,7 @@ def check_motors(arguments: argparse.Namespace) -> None:
         raise BadValue("--efficiency", arguments.efficiency, "only with --knee-motor or --hip-motor")
 
 
-def given_drives(arguments: argparse.Namespace, robot: Robot) -> dict[str, Drive]:
+def make_drives(arguments: argparse.Namespace, robot: Robot) -> dict[str, Drive]:
     """Make the drives that options name; a gear ratio that is not given is the one in the robot's file."""
     from spear_pin.model.catalogue import motor
     from spear_pin.model.motor import Drive, Gearbox
@@ -328,4 +328,4 @@ def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list
     failed = sum(1 for each in study.searches if each.reason)
     rows.append(("searches", f"{len(study.searches)}, {failed} without a gait; {study.seconds:.0f} s of a processor"))
     rows.append(("files", ", ".join(map(str, files))))
-    return aligned(rows)
+    return align_lines(rows)

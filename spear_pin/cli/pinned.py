@@ -6,7 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING
 
-from spear_pin.cli.legs import called, one_leg, write_leg
+from spear_pin.cli.legs import name_robot, one_leg, write_leg
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
 
@@ -74,7 +74,7 @@ def _geared(robot: Robot, arguments: argparse.Namespace, program: Program, named
         return robot
     if not robot.model.armature[robot.index("knee")]:
         raise BadValue(
-            "--ratio", arguments.ratio, f"to be left out: the knee of {called(robot)} has a rotor without inertia"
+            "--ratio", arguments.ratio, f"to be left out: the knee of {name_robot(robot)} has a rotor without inertia"
         )
     program.let(named, program.call(vary, named, knee_ratio=arguments.ratio))
     return vary(robot, knee_ratio=arguments.ratio)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_options, add_out, add_seed, check_out
 from spear_pin.cli.legs import add_leg as add_another
-from spear_pin.cli.legs import called, rests_on
-from spear_pin.cli.output import aligned, joined, shows
+from spear_pin.cli.legs import name_robot, rests_on
+from spear_pin.cli.output import align_lines, join_lines, shows
 from spear_pin.cli.pinned import add_drive, add_spring, pinned_leg
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadValue
@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin.model.scale import scale_of
     from spear_pin.studies.hop_of_another import scaled_hopping
-    from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, resting_at
+    from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, rest_at
 
     check_out(arguments)
     _check_mode(arguments)
@@ -112,7 +112,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             )
     knee = replace(usual, **_changes(arguments))
     if arguments.static_rest:
-        knee = resting_at(pinned, knee, arguments.rest_angle)
+        knee = rest_at(pinned, knee, arguments.rest_angle)
     program.let("knee", knee)
     if arguments.write_csv is not None:
         return _recorded(arguments, pinned, knee, program)
@@ -144,7 +144,7 @@ def _check_mode(arguments: argparse.Namespace) -> None:
 
 
 def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKnee, program: Program) -> dict[str, Any]:
-    from spear_pin.studies.push_test import release, simulated, swing
+    from spear_pin.studies.push_test import release, simulate_release, swing
     from spear_pin.viz.playback.trajectory import read_times
     from spear_pin.viz.player import record
     from spear_pin.viz.plots import save_figure
@@ -155,9 +155,9 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     result = release(pinned, knee, arguments.depth, duration)
     options = {"depth": arguments.depth, "duration": duration}
     program.let("result", program.call(release, Code("leg"), Code("knee"), **options))
-    samples = simulated(pinned, knee, float(result.angle[0]), duration).save(arguments.out / "push_test.npz")
+    samples = simulate_release(pinned, knee, float(result.angle[0]), duration).save(arguments.out / "push_test.npz")
     small = swing(pinned, knee)
-    title = f"{called(pinned.robot)} released from {100 * arguments.depth:.4g} cm" + (
+    title = f"{name_robot(pinned.robot)} released from {100 * arguments.depth:.4g} cm" + (
         ", no motor" if arguments.no_motor else ""
     )
     shown = playback(pinned, knee, result)
@@ -194,7 +194,7 @@ def _released(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
         *shows(shown),
         ("files", f"{page}, {samples}, {picture}"),
     ]
-    return figures | {"text": aligned(rows), "python": str(program)}
+    return figures | {"text": align_lines(rows), "python": str(program)}
 
 
 def _motion(result: Release) -> dict[str, Any]:
@@ -243,7 +243,7 @@ def _compared(arguments: argparse.Namespace) -> dict[str, Any]:
         "files": [str(picture)],
         "pictures": {picture: lambda path: save_figure(gear_comparison(rows), path)},
         "opened": picture,
-        "text": joined([*lines, str(picture)]),
+        "text": join_lines([*lines, str(picture)]),
         "python": str(program),
     }
 
@@ -286,4 +286,4 @@ def _recorded(arguments: argparse.Namespace, pinned: PinnedLeg, knee: PassiveKne
     ]
     truth = {"stiffness": knee.stiffness, "damping": knee.damping, "coulomb": knee.coulomb, "spring_zero": knee.zero}
     figures = {"synthetic": True, "truth": truth, "releases": made.let_go, "samples": made.t.size, "files": [str(path)]}
-    return figures | {"text": aligned(rows), "python": str(program)}
+    return figures | {"text": align_lines(rows), "python": str(program)}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, check_folder, folder
-from spear_pin.cli.output import joined
+from spear_pin.cli.output import join_lines
 from spear_pin.errors import BadFile
 from spear_pin.files import parse_json, read_bytes, write_text
 
@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             written.append(str(write_text(arguments.out / path.name, path.read_text(encoding="utf-8"))))
         lines += ["", f"wrote {len(written)} files into {arguments.out}"]
         result["files"] = written
-    return {**result, "text": joined(lines)}
+    return {**result, "text": join_lines(lines)}
 
 
 def _answers(path: str, references: dict[str, Any]) -> Any:

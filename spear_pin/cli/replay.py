@@ -7,7 +7,7 @@ from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_options, add_out
 from spear_pin.cli.logged import add_leg_and_log, leg_and_logs, notes
-from spear_pin.cli.output import joined
+from spear_pin.cli.output import join_lines
 from spear_pin.cli.python_lines import Program
 
 STEM = "replay"
@@ -60,6 +60,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "remarks": list(logs[0].remarks),
         "files": [str(picture)],
         "opened": picture,
-        "text": joined([*lines, *notes(system, logs, found.left_out), f"picture: {picture}"]),
+        "text": join_lines([*lines, *notes(system, logs, found.left_out), f"picture: {picture}"]),
         "python": str(program),
     }

@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.output import aligned, joined
+from spear_pin.cli.output import align_lines, join_lines
 from spear_pin.cli.python_lines import Program
 from spear_pin.errors import BadFile
 
@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     selection = select(arguments.only)
     if arguments.list:
         ids = _ids(selection)
-        return {"ids": ids, "text": joined(ids)}
+        return {"ids": ids, "text": join_lines(ids)}
     formats = tuple(dict.fromkeys((SVG, arguments.figures or SVG)))
     with tqdm(total=len(selection), unit="item", leave=False, disable=None) as bar:
 
@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "bytes": len(text),
         "files": files,
         "opened": page,
-        "text": aligned(rows),
+        "text": align_lines(rows),
         "python": str(program),
     }
 

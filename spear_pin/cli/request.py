@@ -24,7 +24,7 @@ RATIO, BUS = 15.0, 48.0  # of the knee's gearbox; in V
 
 
 def add_request(parser: Parser) -> None:
-    """Declare the gait and the options that `requested` reads."""
+    """Declare the gait and the options that `make_request` reads."""
     parser.add_argument(
         "gait",
         nargs="?",
@@ -73,7 +73,7 @@ def add_request(parser: Parser) -> None:
     add_plane(parser, "Q-SPEAR's constraints are scaled to it, and the limits of its joints are kept")
 
 
-def requested(arguments: argparse.Namespace, program: Program) -> tuple[Robot, Request]:
+def make_request(arguments: argparse.Namespace, program: Program) -> tuple[Robot, Request]:
     """The robot, and a shipped gait's request, or another robot's, with the options in the place of its own.
 
     Args:

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command
-from spear_pin.cli.output import joined
+from spear_pin.cli.output import join_lines
 
 
 def add(commands: Commands) -> None:
@@ -24,7 +24,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         head = f"{row['name']:<28}{row['degrees_of_freedom']:>4}{motors:>8}{row['mass']:>8.2f} kg"
         what = f"{row['summary']} ({row['source']})" if row["summary"] else row["source"]
         lines.append(f"{head}  {what}")
-    return {"robots": rows, "text": joined(lines)}
+    return {"robots": rows, "text": join_lines(lines)}
 
 
 def _shipped() -> list[dict[str, Any]]:

@@ -7,10 +7,10 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_out, add_seed, check_out
-from spear_pin.cli.legs import doubted, rests_on, stability
-from spear_pin.cli.output import aligned, progress
+from spear_pin.cli.legs import list_doubts, rests_on, stability
+from spear_pin.cli.output import align_lines, progress
 from spear_pin.cli.python_lines import Code, Program
-from spear_pin.cli.request import GAIT, add_request, requested
+from spear_pin.cli.request import GAIT, add_request, make_request
 from spear_pin.errors import BadValue
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin import simulate
     from spear_pin.gaits.collocation import casadi
-    from spear_pin.gaits.feedback import regulated, speed_regulated
+    from spear_pin.gaits.feedback import add_feedback, speed_regulated
     from spear_pin.gaits.objectives import in_its_unit
     from spear_pin.gaits.optimize import search
     from spear_pin.gaits.request import OBJECTIVES
@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.seed < 0:
         raise BadValue("--seed", arguments.seed, "a whole number >= 0")
     program = Program()
-    robot, request = requested(arguments, program)
+    robot, request = make_request(arguments, program)
     casadi()
     ground = Contact(friction=max(Contact().friction, request.friction))
     with progress() as show:
@@ -68,7 +68,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         gait, solution = search(robot, request, seed=arguments.seed, contact=ground, on_iteration=tell)
         if arguments.feedback != "none":
             show(f"designing feedback: {arguments.feedback}")
-            stabilise: Callable[[Gait], Gait] = regulated if arguments.feedback == "regulated" else speed_regulated
+            stabilise: Callable[[Gait], Gait] = add_feedback if arguments.feedback == "regulated" else speed_regulated
             gait = stabilise(gait)
         trajectory = simulate(gait.system, gait.state, progress=False)
         figures = summarize(gait, trajectory)
@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
     if robot.cut is not None:
         summary["cut"] = str(robot.cut)
-    told = [*rests_on(robot), *doubted(summary["implausible"])]
+    told = [*rests_on(robot), *list_doubts(summary["implausible"])]
     path = gait.save(arguments.out / "gait.json")
     text = _text(summary, [*told, ("file", str(path))])
     return summary | {"files": [str(path)], "text": text, "python": str(program)}
@@ -148,4 +148,4 @@ def _text(summary: dict[str, Any], told: list[tuple[str, str]]) -> str:
         away = summary["distance_from_shipped"]
         verdict = "the same gait" if away < SAME else "another local optimum: another seed may lead to it"
         rows.append(("shipped gait", f"{summary['shipped']}: {away:.1e} from its fixed point, {verdict}"))
-    return aligned([*rows, *told])
+    return align_lines([*rows, *told])

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
-from spear_pin.cli.gaits import add_gait, add_kept, named_gait, write_gait
+from spear_pin.cli.gaits import add_gait, add_kept, find_named_gait, write_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import progress
 from spear_pin.cli.pairs import names
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     with progress() as show:
         show("looking for the gait")
-        gait = named_gait(arguments.what)
+        gait = find_named_gait(arguments.what)
         show("differentiating")
         over = arguments.over or nonzero(gait.system, OVER)
         driven = motors(arguments, gait.system.robot)

@@ -20,7 +20,7 @@ from spear_pin.cli.arguments import (
 from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait, offer_words
 from spear_pin.cli.given import refuse
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
-from spear_pin.cli.output import aligned
+from spear_pin.cli.output import align_lines
 from spear_pin.cli.pairs import once
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
@@ -261,4 +261,4 @@ def _text(summary: dict[str, Any], vary: list[str], told: list[tuple[str, str]],
         for name in vary:
             solved = dataset[name]
             rows.append((name.replace("_", " "), f"{float(solved.min()):.4f} to {float(solved.max()):.4f}"))
-    return aligned([*rows, *told])
+    return align_lines([*rows, *told])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_simulation, check_simulation
 from spear_pin.cli.bound_in_space import check_push, list_checks_in_space, list_push, play_pushed, sections
-from spear_pin.cli.legs import called
+from spear_pin.cli.legs import name_robot
 from spear_pin.cli.output import progress
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.writing import Rows, write_motion
@@ -77,7 +77,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         "stride_time": in_a_stride * figures["period"],
         **multipliers_of(gait, found),
     }
-    title = f"{called(gait.system.robot)} {gait.system.kind} at {figures['speed']:.2f} m/s"
+    title = f"{name_robot(gait.system.robot)} {gait.system.kind} at {figures['speed']:.2f} m/s"
     saved = [] if found is None else [gait.save(arguments.out / "trot_steady.json")]
     plot = partial(space_summary, cycles=DRAWN * in_a_stride)
     return write_motion(

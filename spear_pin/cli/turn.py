@@ -12,7 +12,7 @@ from spear_pin.cli.arguments import Commands, add_command, add_numbers, add_simu
 from spear_pin.cli.bound_in_space import list_checks_in_space
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.given import given, refuse
-from spear_pin.cli.legs import called, of_the_section
+from spear_pin.cli.legs import name_robot, of_the_section
 from spear_pin.cli.output import progress
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.writing import Rows, play, write_motion
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     trajectory, end = play(arguments, program, gait, "stride", in_space=True)
     figures = {"gait": name, **summarize_turn(gait, trajectory)}
     side, rate = _side(figures), significant(math.degrees(abs(figures["rate"])))
-    title = f"{called(gait.system.robot)} turning {side} by {rate}°/s at {figures['speed']:.2f} m/s"
+    title = f"{name_robot(gait.system.robot)} turning {side} by {rate}°/s at {figures['speed']:.2f} m/s"
     kept = [gait.save(arguments.out / "turn.json")] if saved is None else []
     plot = partial(space_summary, cycles=DRAWN)
     return write_motion(
@@ -95,8 +95,8 @@ def _found(arguments: argparse.Namespace, program: Program, show: Any) -> tuple[
 
     from spear_pin import SpatialLaw, in_space
     from spear_pin.gaits.gait import Gait
-    from spear_pin.gaits.orbits.embedding import embedded
-    from spear_pin.gaits.orbits.turning import turning
+    from spear_pin.gaits.orbits.embedding import embed
+    from spear_pin.gaits.orbits.turning import find_turn
     from spear_pin.hybrid.periodic import residual
 
     name, plane = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)
@@ -107,13 +107,13 @@ def _found(arguments: argparse.Namespace, program: Program, show: Any) -> tuple[
         option, given = ("--angle", angle) if arguments.rate is None else ("--rate", arguments.rate)
         raise BadValue(option, given, f"a turn within ±{STEEPEST:g}° a stride, not {angle:.3g}°")
     law = SpatialLaw(plane.system.law, adduction_stiffness=0.0, adduction_damping=0.0)
-    system, state = embedded(plane, law)
+    system, state = embed(plane, law)
     straight = Gait(system, state, {}, residual(system, state), np.ones(1, complex), {})
     free = {"adduction_stiffness": law.adduction_stiffness, "adduction_damping": law.adduction_damping}
     plane_code = program.let("plane", program.call(Gait.load, name))
     law_code = program.let("law", program.call(SpatialLaw, Code(f"{plane_code}.system.law"), **free))
     in_3d = program.let("straight", program.call(in_space, plane_code, law_code))
-    program.let("gait", program.call(turning, in_3d, math.radians(angle)))
+    program.let("gait", program.call(find_turn, in_3d, math.radians(angle)))
     show("finding out what leads it into a turn")
 
     def tell(stride: int, change: float) -> None:
@@ -122,7 +122,7 @@ def _found(arguments: argparse.Namespace, program: Program, show: Any) -> tuple[
     def further(reached: float) -> None:
         show(f"turning by {math.degrees(reached):.3g}° a stride so far")
 
-    return name, turning(straight, math.radians(angle), on_stride=tell, on_turn=further)
+    return name, find_turn(straight, math.radians(angle), on_stride=tell, on_turn=further)
 
 
 def _side(summary: dict[str, Any]) -> str:

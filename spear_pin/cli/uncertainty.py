@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_seed, check_out
-from spear_pin.cli.gaits import add_gait, add_kept, named_gait, write_gait
+from spear_pin.cli.gaits import add_gait, add_kept, find_named_gait, write_gait
 from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import progress
 from spear_pin.cli.pairs import once, one_pair, words
@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     sigma = once(arguments.sigma, "--sigma")
     with progress() as show:
         show("looking for the gait")
-        gait = named_gait(arguments.what)
+        gait = find_named_gait(arguments.what)
         show("differentiating")
         driven = motors(arguments, gait.system.robot)
         table = gait.sensitivity([*sigma], arguments.vary, arguments.keep, driven)

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.endings import ended, lost, notes_of, patience
-from spear_pin.cli.legs import doubted
-from spear_pin.cli.output import aligned, listed, shows
+from spear_pin.cli.endings import lost, notes_of, patience, show_ending
+from spear_pin.cli.legs import list_doubts
+from spear_pin.cli.output import align_lines, list_rows, shows
 from spear_pin.cli.python_lines import Code, Program
 
 if TYPE_CHECKING:
@@ -122,24 +122,26 @@ def write_motion(
         draw = plot
         pictures[plots] = lambda path: save_figure(draw(trajectory), path)
     files = [page, samples, *list(pictures)[1:], *saved]
-    last = [*told, *doubted(summary["implausible"]), *shows(shown), *listed(arguments.out, stem, files)]
+    last = [*told, *list_doubts(summary["implausible"]), *shows(shown), *list_rows(arguments.out, stem, files)]
     return summary | {
         "shown": read_times(shown)[[0, -1]],
         "files": [*map(str, files)],
         "pictures": pictures,
         "opened": page,
-        "text": aligned([*ended(end), *rows(summary), *_added(summary["measures"]), *last]),
+        "text": align_lines([*show_ending(end), *rows(summary), *_added(summary["measures"]), *last]),
         "python": str(program),
     }
 
 
 def _added(measures: dict[str, float]) -> Rows:
     """Rows of the measures that commands show behind their own figures."""
-    from spear_pin.gaits.measures.catalogue import added, described
+    from spear_pin.gaits.measures.catalogue import added, describe_measure
 
     rows = []
     for each in added():
-        places = {name.removeprefix(each.kind): value for name, value in measures.items() if described(name) is each}
+        places = {
+            name.removeprefix(each.kind): value for name, value in measures.items() if describe_measure(name) is each
+        }
         told = ", ".join(f"{place.replace('_', ' ')} {value:.4g}".strip() for place, value in places.items())
         rows.append((each.kind.replace("_", " ").lower(), f"{told} {each.unit.replace('1', '')}".strip()))
     return rows
@@ -181,7 +183,7 @@ def write_study(
     return figures | {
         "files": [str(path) for path in files],
         "opened": drawn,
-        "text": "\n\n".join([*texts, aligned([*told, *listed(arguments.out, stem, files)])]),
+        "text": "\n\n".join([*texts, align_lines([*told, *list_rows(arguments.out, stem, files)])]),
         "python": str(program),
     }
 

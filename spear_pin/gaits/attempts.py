@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, NoGait, listed
+from spear_pin.errors import BadValue, NoGait, list_names
 from spear_pin.gaits.diagnosis import Reached
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.leading import led
+from spear_pin.gaits.leading import lead_along
 from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
 from spear_pin.gaits.targets import measure_of
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
@@ -45,7 +45,7 @@ WHY: Mapping[str, str] = {
 }
 
 
-def sought(
+def search_gait(
     system: HybridSystem,
     vary: Sequence[str],
     target: Mapping[Any, float],
@@ -105,7 +105,7 @@ class Search:
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """Finds the system and state from the fixed point of the system as it is; moves the targets step by step."""
-        unasked = replace(sought(system, (), {}, self.rtol, self.on_iteration), effort=self.effort)
+        unasked = replace(search_gait(system, (), {}, self.rtol, self.on_iteration), effort=self.effort)
         system, state = unasked.roughly(system, state, self.wanted[:0])
         cycle = return_map(system, state, self.rtol)
         begin = np.array([measure(system, cycle) for measure in self.measures], dtype=float)
@@ -116,7 +116,7 @@ class Search:
             return found
 
         steps = {"first": SHORTEST_STEP, "shortest": SHORTEST_STEP}
-        way = led(solve, (system, state), **steps, enough=lambda: self.effort.evaluations > ENOUGH)
+        way = lead_along(solve, (system, state), **steps, enough=lambda: self.effort.evaluations > ENOUGH)
         if way.failure is not None:
             raise way.failure
         return self.directly(*way.end)
@@ -248,7 +248,9 @@ def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float)
     switched = {mount.name: mount for domain in system.domains for mount in domain.mounts if waiting(mount) in held}
     late = [name for name, each in switched.items() if each.on and held[each.on] or held[waiting(each)]]
     if late:
-        reason = f"the switch of {listed(late)} is not open at the {system.section}, so that the first cycle differs"
+        reason = (
+            f"the switch of {list_names(late)} is not open at the {system.section}, so that the first cycle differs"
+        )
         raise NoGait(reason, error, remedy="a shorter off_delay, or hold")
 
 

@@ -29,12 +29,12 @@ from spear_pin.gaits.bounding_law import (
     stance_law,
 )
 from spear_pin.gaits.springing import Springing, springing_of
-from spear_pin.gaits.virtual_constraints import Evolution, begun, progress, value
+from spear_pin.gaits.virtual_constraints import Evolution, begin_evolution, progress, value
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Law, Mount, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
-from spear_pin.hybrid.ground import Ground, as_ground, given
+from spear_pin.hybrid.ground import Ground, as_ground, choose_ground
 from spear_pin.hybrid.phases import contact_domains, fall, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
@@ -82,7 +82,10 @@ def bounding(
         >>> bounding(load("q_spear"), Gait.load("long_stride").system.law).phases
         ('posterior_stance', 'double_1', 'flight_1', 'anterior_stance', 'double_2', 'flight_2')
     """
-    springs, contact = springs_by_name(_spring(robot) if spring is None else spring, "knee"), given(contact, ground)
+    springs, contact = (
+        springs_by_name(_spring(robot) if spring is None else spring, "knee"),
+        choose_ground(contact, ground),
+    )
     return HybridSystem(
         kind="bounding",
         robot=robot,
@@ -222,7 +225,7 @@ def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held:
     whole = getattr(p, f"{phase.name}_span")
     left = 1.0 - (value(leg.angle, q) - held[f"{leg.name}_leg"]) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
-    return _begun(begun(phase.outputs, getattr(p, f"{phase.name}_swing"), q, v, span))
+    return _begun(begin_evolution(phase.outputs, getattr(p, f"{phase.name}_swing"), q, v, span))
 
 
 def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], p: BoundingLaw) -> Held:
@@ -235,7 +238,7 @@ def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], p: BoundingLaw) -
         angle, knee = getattr(p, f"{phase.name}_landing")
         target = getattr(p, f"{leg.name}_leg_touchdown")
         shapes += [(angle, *3 * (target,)), (knee, *3 * (leg.side * p.knee_touchdown,))]
-    return _begun(begun(phase.outputs, shapes, q, v, getattr(p, f"{phase.name}_span")))
+    return _begun(begin_evolution(phase.outputs, shapes, q, v, getattr(p, f"{phase.name}_span")))
 
 
 def _begun(evolution: Evolution) -> Held:

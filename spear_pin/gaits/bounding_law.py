@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any, ClassVar
 
-from spear_pin.errors import BadValue, listed, require
+from spear_pin.errors import BadValue, list_names, require
 from spear_pin.gaits.inputs import ANGLE, Input
-from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Shifted, Variable, zeroing
+from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Shifted, Variable, zero_outputs
 from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.kinds import typed
 from spear_pin.model.legs import Leg as RobotLeg
-from spear_pin.model.legs import in_convention, sided, simple
+from spear_pin.model.legs import check_side, in_convention, simple
 from spear_pin.model.robot import Robot
 
 Shape = tuple[tuple[float, ...], ...]
@@ -197,17 +197,17 @@ def leg_angle(
     thigh, shank = lengths
     above = (pitch, 1.0), (hip, signs[0])
     if abs(thigh - shank) <= ALIKE * thigh:
-        return shifted((*above, (knee, -0.5 * signs[1])), 0.5 * signs[1] * zeros[1] - signs[0] * zeros[0])
+        return shift_variable((*above, (knee, -0.5 * signs[1])), 0.5 * signs[1] * zeros[1] - signs[0] * zeros[0])
     turn = None if (signs[1], zeros[1]) == (1.0, 0.0) else (signs[1], zeros[1])
-    return shifted(Leaning(above, knee, thigh, shank, turn), -signs[0] * zeros[0])
+    return shift_variable(Leaning(above, knee, thigh, shank, turn), -signs[0] * zeros[0])
 
 
-def turned(index: int, sign: float, zero: float) -> Variable:
+def convert_angle(index: int, sign: float, zero: float) -> Variable:
     """Returns an angle of the convention, sign (q - zero)."""
-    return shifted(((index, sign),), -sign * zero)
+    return shift_variable(((index, sign),), -sign * zero)
 
 
-def shifted(variable: Variable, by: float) -> Variable:
+def shift_variable(variable: Variable, by: float) -> Variable:
     """Adds a constant to a variable, if the constant is not zero."""
     return Shifted(variable, by) if by else variable
 
@@ -324,9 +324,8 @@ def legs_of(robot: Robot) -> tuple[Leg, Leg]:
     joints = tuple(f"{name}_{part}" for name in LEGS for part in ("hip", "knee"))
     expected = ("torso_x", "torso_z", "pitch", *joints)
     if robot.coordinates != expected or robot.actuated != joints or robot.toes != ("posterior_toe", "anterior_toe"):
-        alike = (
-            f"a robot as sagittal(...) makes it: coordinates {listed(expected, 8)}, motors on the last four, two toes"
-        )
+        names = list_names(expected, 8)
+        alike = f"a robot as sagittal(...) makes it: coordinates {names}, motors on the last four, two toes"
         raise BadValue("robot", robot, alike)
     posterior, anterior = (
         Leg(name, hip, hip + 1, _side(robot, found, usual), (found.thigh, found.shank), (hip - 3, hip - 2))
@@ -338,7 +337,7 @@ def legs_of(robot: Robot) -> tuple[Leg, Leg]:
 def _side(robot: Robot, leg: RobotLeg, usual: float) -> float:
     """Returns the side to which a knee flexes by its limits; a robot that was not cut from another has Q-SPEAR's."""
     in_convention(simple(leg))
-    return float(leg.side or usual) if robot.cut is None else float(sided(leg).side)
+    return float(leg.side or usual) if robot.cut is None else float(check_side(leg).side)
 
 
 def _stance(leg: Leg, other: Leg) -> Phase:
@@ -363,7 +362,7 @@ def stance_law(leg: Leg, phase: Phase) -> Law:
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         given = support(leg, q, held, p, dyn)
-        swing = zeroing(phase.outputs, evolution(held), q, v, p.epsilon, given, dyn, ops)
+        swing = zero_outputs(phase.outputs, evolution(held), q, v, p.epsilon, given, dyn, ops)
         return _ordered([*given, *zip(phase.outputs.motors, swing, strict=True)])
 
     return law
@@ -373,7 +372,7 @@ def flight_law(phase: Phase) -> Law:
     """Returns the law for torques in flight, (5.20)."""
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-        return zeroing(phase.outputs, evolution(held), q, v, p.epsilon, (), dyn, ops)
+        return zero_outputs(phase.outputs, evolution(held), q, v, p.epsilon, (), dyn, ops)
 
     return law
 

@@ -78,7 +78,7 @@ class Programme:
     `variable` and `require` collect unknowns and constraints; `solve` hands the programme to IPOPT.
 
     Args:
-        start: initial values by name, where there are any; from an earlier `Solution`, see `resampled`.
+        start: initial values by name, where there are any; from an earlier `Solution`, see `resample`.
     """
 
     def __init__(self, start: Guess | None = None) -> None:
@@ -244,7 +244,7 @@ def node_name(phase: str, fraction: float, part: str) -> str:
     return f"{phase}@{fraction:.6f}@{part}"
 
 
-def resampled(solution: Solution) -> Guess:
+def resample(solution: Solution) -> Guess:
     """Returns a solution's values by name; values at missing nodes are interpolated."""
     series: dict[tuple[str, str], tuple[list[float], list[Array]]] = {}
     for name, value in solution.values.items():

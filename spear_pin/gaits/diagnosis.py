@@ -52,7 +52,7 @@ class _Case(NamedTuple):
     spring: Any
 
 
-def explained(
+def explain_failure(
     failure: NoGait,
     system: HybridSystem,
     vary: Collection[str],
@@ -80,7 +80,7 @@ def explained(
 def diagnosis(
     system: HybridSystem, vary: Collection[str], target: Mapping[Any, float], reached: Reached | None = None
 ) -> Diagnosis | None:
-    """Lists causes that speak against a hop, the most certain first; see `explained` for the arguments.
+    """Lists causes that speak against a hop, the most certain first; see `explain_failure` for the arguments.
 
     Raises:
         BadValue: the robot does not have one leg with SPEAR-II's signs.

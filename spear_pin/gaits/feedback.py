@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.inputs import inputs_of, listed
-from spear_pin.gaits.linear import SYMMETRIC, Linear, between, linear, linearized, separable
-from spear_pin.gaits.parity import Multipliers, merged, parted
+from spear_pin.gaits.inputs import inputs_of, list_inputs
+from spear_pin.gaits.linear import SYMMETRIC, Linear, between, linear, linearize, separable
+from spear_pin.gaits.parity import Multipliers, merge_multipliers, split_multipliers
 from spear_pin.gaits.spatial.trotting import halfway
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
@@ -47,7 +47,7 @@ class Regulated:
 
 
 @typed
-def regulated(
+def add_feedback(
     gait: Gait,
     inputs: Sequence[str] | None = None,
     *,
@@ -102,7 +102,7 @@ def regulate(
         raise BadValue("heading", heading, "0 for a gait that is not symmetric in space, and for a trot")
     inputs = _checked(gait, inputs, apart)
     local, one, turns = chart(system, gait.state), inputs_of(system, inputs), heading > 0
-    A, B = linearized(gait, inputs, rtol)
+    A, B = linearize(gait, inputs, rtol)
     for name, column in zip(inputs, B.T, strict=True):
         if not column.any():
             raise BadValue("inputs", name, "numbers on which the next state depends")
@@ -140,11 +140,11 @@ def regulate(
     closed = with_feedback(system, feedback)
     d = local.dimension
     if event:  # whole strides, of which feedback acts on halves
-        without, found = (merged({None: multipliers(each, gait.state, rtol)}) for each in (system, closed))
+        without, found = (merge_multipliers({None: multipliers(each, gait.state, rtol)}) for each in (system, closed))
     elif not apart or (asymmetry(system.robot, gait.state) <= SYMMETRIC and not _mixed(B[:d], local.even)):
-        without, found = merged(free), merged(held)
+        without, found = merge_multipliers(free), merge_multipliers(held)
     else:  # left and right act on each other
-        without, found = (parted(each[:d], local.even) for each in (A, A - B @ gains))
+        without, found = (split_multipliers(each[:d], local.even) for each in (A, A - B @ gains))
     return Regulated(replace(gait, system=closed, multipliers=found.values), without, found)
 
 
@@ -157,7 +157,7 @@ def _checked(gait: Gait, inputs: Sequence[str] | None, apart: bool) -> Sequence[
     """
     valid = numbers_of_law(gait.system)
     if inputs is None:
-        known = tuple(name for name in listed(gait.system.law) if name in valid)
+        known = tuple(name for name in list_inputs(gait.system.law) if name in valid)
         inputs = UPRIGHT if apart and {*UPRIGHT} <= {*known} else known
     for name in inputs:
         if name not in valid:
@@ -225,7 +225,7 @@ def speed_regulated(gait: Gait, gain: float | tuple[float, float] | None = None,
         return gait.with_law(speed_gain=k if isinstance(k, tuple) else (k, k), speed_nominal=speeds)
 
     found = trial(_best_gain(trial, rtol) if gain is None else gain)
-    return replace(found, multipliers=eigenvalues(linearized(found, ())[0]))
+    return replace(found, multipliers=eigenvalues(linearize(found, ())[0]))
 
 
 def _best_gain(trial: Callable[[float], Gait], rtol: float) -> float:
@@ -234,7 +234,7 @@ def _best_gain(trial: Callable[[float], Gait], rtol: float) -> float:
     A stride's Jacobian is the product of the Jacobians of its two halves, each linear in the gain. So three Jacobians
     give all.
     """
-    less, none, more = (linearized(trial(k), (), rtol)[0] for k in (-GAIN_STEP, 0.0, GAIN_STEP))
+    less, none, more = (linearize(trial(k), (), rtol)[0] for k in (-GAIN_STEP, 0.0, GAIN_STEP))
     slope, curvature = (more - less) / (2.0 * GAIN_STEP), (more + less - 2.0 * none) / (2.0 * GAIN_STEP**2)
 
     def radius(k: float) -> float:

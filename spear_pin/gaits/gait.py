@@ -29,7 +29,7 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dry_friction import DryFriction
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.parameters import LIMITS, Fitted, limits, parameter, rebuilt, replaced
+from spear_pin.hybrid.parameters import LIMITS, Fitted, find_replaced, limits, parameter, rebuilt
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
 from spear_pin.model.clutch import Clutch
@@ -210,7 +210,7 @@ class Gait(Shown):
             raise BadFile(path, f"is not a saved gait ({error}); expected a file that Gait.save wrote") from None
 
 
-def built_as_named(system: HybridSystem) -> bool:
+def is_built_by_name(system: HybridSystem) -> bool:
     """Tells whether the builder of a system's kind, which is known by its name, made the system."""
     return system.kind not in KINDS or system.made["builder"] is KINDS[system.kind][0]
 
@@ -222,12 +222,12 @@ def _unsaid(system: HybridSystem) -> list[str]:
         "dry friction of joints": any(domain.rubs for domain in system.domains),
         "ground that is no plane": type(system.contact) not in (Contact, Ground),
         **dict.fromkeys(unsaid(system.robot), True),
-        "another builder than others of its kind": not built_as_named(system),
+        "another builder than others of its kind": not is_built_by_name(system),
         "a change of its own": any(
             not isinstance(change, (DryFriction, EventFeedback, Fitted)) for change in system.changes
         ),
     }
-    others = {f"another {name}": True for name in replaced(system) if name not in (*LIMITS, "hardware")}
+    others = {f"another {name}": True for name in find_replaced(system) if name not in (*LIMITS, "hardware")}
     return [name for name, there in (has | others).items() if there]
 
 

@@ -10,21 +10,21 @@ from typing import Any, ClassVar
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, listed, require
+from spear_pin.errors import BadValue, list_names, require
 from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.gaits.proportions import proportions
-from spear_pin.gaits.reaching import angles, driving, landing, posed, seeing
+from spear_pin.gaits.reaching import angles, drive_motors, find_landing_velocity, pose_leg, show_leg_angles
 from spear_pin.gaits.springing import springing
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset, Switch
 from spear_pin.hybrid.dynamics import Dynamics, Operations
-from spear_pin.hybrid.ground import Ground, as_ground, given
+from spear_pin.hybrid.ground import Ground, as_ground, choose_ground
 from spear_pin.hybrid.phases import contact_domains, fall, rate, toggle, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
-from spear_pin.model.scale import Scale, scale_of, shipped, touchdown_inertia
+from spear_pin.model.scale import Scale, load_shipped, scale_of, touchdown_inertia
 from spear_pin.model.spring import Spring
 from spear_pin.model.springs import springs_by_name
 
@@ -133,7 +133,7 @@ class HoppingLaw:
             _check(robot)
         law = cls()
         hip, knee, scale, torque, inertia = proportions(robot, law.knee_touchdown)
-        heavier = inertia / touchdown_inertia(shipped("spear_ii"), law.knee_touchdown)
+        heavier = inertia / touchdown_inertia(load_shipped("spear_ii"), law.knee_touchdown)
         gains = np.array([law.hip_gain, law.knee_gain]) * heavier / scale.time**2
         dampings = np.array([law.hip_damping, law.knee_damping]) * heavier / scale.time
         if damping_ratio is not None:
@@ -179,7 +179,7 @@ def stance_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, 
     """
     knee = p.stance_torque * held["flexing"]
     if p.minimum_force is not None:
-        knee = knee + held["limited"] * (limited_torque(q, held, p, dyn, ops) - knee)
+        knee = knee + held["limited"] * (limit_torque(q, held, p, dyn, ops) - knee)
     return (p.hip_stance_torque, knee + virtual_torque(q, held, p))
 
 
@@ -188,7 +188,7 @@ def virtual_torque(q: Any, held: Any, p: HoppingLaw) -> Any:
     return -p.virtual_stiffness * held["taut"] * (q[-1] - held["knee_touchdown"])
 
 
-def limited_torque(q: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Any:
+def limit_torque(q: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Any:
     """Returns the flexing torque, up to τ̄, at which the normal force is `minimum_force`, in N·m.
 
     The torque is zero where the force would be less even without flexion. Flexion is limited only where it unloads the
@@ -243,12 +243,12 @@ def hopping(
         >>> system.phases
         ('stance', 'flight')
     """
-    law, contact = law or HoppingLaw(), given(contact, ground)
+    law, contact = law or HoppingLaw(), choose_ground(contact, ground)
     springs = springing(robot, springs_by_name(_usual(robot) if spring is None else spring, "knee"))
     _check(robot)
     if robot.reach is not None and law.hip_touchdown is None:
         law = replace(law, hip_touchdown=0.0)
-    lands = posed(robot, *commanded(law))
+    lands = pose_leg(robot, *find_commanded(law))
     rise, scale = robot.index("boom_z"), _scale(robot, lands)
     forward = robot.index("boom_x") if "boom_x" in robot.coordinates else None
     if forward is None and law.foot_placement != 0.0:
@@ -279,7 +279,7 @@ def hopping(
         "stance",
         "stance",
         (STICK,),
-        driving(robot, stance_law),
+        drive_motors(robot, stance_law),
         mounts=springs.standing,
         guards=(*springs.switches(springs.standing), *springs.conditions("toe"), *fallen),
         switch=Switch("torque_switch", _half_periods, flip),
@@ -288,7 +288,7 @@ def hopping(
         "flight",
         "flight",
         (OPEN,),
-        driving(robot, sprung_flight_law if balancing and robot.reach is None else flight_law),
+        drive_motors(robot, sprung_flight_law if balancing and robot.reach is None else flight_law),
         mounts=aloft,
         guards=(
             *springs.switches(aloft),
@@ -332,7 +332,7 @@ def _limit_guards(robot: Robot, law: HoppingLaw) -> tuple[Guard, ...]:
         return held["compressing"] * spare + (1.0 - held["compressing"])
 
     turn = Reset(latch=lambda q, v, held, p: {"limited": 1.0 - held["limited"]})
-    return (Guard("force_limit", seeing(robot, margin), turn, tolerance=1e-6),)
+    return (Guard("force_limit", show_leg_angles(robot, margin), turn, tolerance=1e-6),)
 
 
 def _check(robot: Robot) -> None:
@@ -342,7 +342,7 @@ def _check(robot: Robot) -> None:
             raise BadValue("robot", robot, "a planar robot with the toe 'toe' on a slider 'boom_z'")
         robot.reach.check(robot.actuated)
         if tied := [motor for motor in robot.actuated if motor not in robot.independent]:
-            expected = f"motors on joints that determine the others: {listed(robot.independent)}"
+            expected = f"motors on joints that determine the others: {list_names(robot.independent)}"
             raise BadValue("motors", tied, expected)
         return
     if not robot.planar or robot.toes != ("toe",) or "boom_z" not in robot.coordinates:
@@ -363,7 +363,7 @@ def _usual(robot: Robot) -> Spring | Mapping[str, Spring]:
     return springs
 
 
-def commanded(law: HoppingLaw) -> tuple[Any, Any]:
+def find_commanded(law: HoppingLaw) -> tuple[Any, Any]:
     """Returns the commanded angles of hip and knee at touchdown, in rad."""
     return 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown, law.knee_touchdown
 
@@ -378,7 +378,7 @@ def _guess(robot: Robot, lands: Array, speed: float, ground: Ground) -> tuple[An
     q = lands.copy()
     x, z = robot.toe_position(q, "toe")
     q[robot.index("boom_z")] = ground.under(x) - z
-    return q, landing(robot, q, speed)
+    return q, find_landing_velocity(robot, q, speed)
 
 
 def _measures(robot: Robot) -> Mapping[str, Callable[[Run], float]]:

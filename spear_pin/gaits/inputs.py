@@ -30,7 +30,7 @@ class Input(NamedTuple):
 ANGLE = Input(0.05, 0.2)  # rad
 
 
-def listed(law: object) -> Mapping[str, Input]:
+def list_inputs(law: object) -> Mapping[str, Input]:
     """Returns the inputs that a law lists in `inputs`, for SPEAR-II or Q-SPEAR; none if it lists none."""
     found: Mapping[str, Input] = getattr(law, "inputs", {})
     return found
@@ -45,7 +45,7 @@ def inputs_of(system: HybridSystem, names: Sequence[str]) -> list[Input]:
         UnknownName: nothing has a number of a name.
         BadValue: a number has no value, or the law does not list it and it is zero.
     """
-    known, robot = listed(system.law), system.robot
+    known, robot = list_inputs(system.law), system.robot
     torque = 1.0
     if any(known[name].torque for name in names if name in known):
         torque = (scale_of if robot.planar else scale_in_space)(robot).torque

@@ -14,9 +14,9 @@ from spear_pin.gaits.lane_measures import MEASURES, OBSERVED
 from spear_pin.gaits.tangent_cycles import tangent_cycles
 from spear_pin.hybrid import periodic
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import simulate_many, unrolled
+from spear_pin.hybrid.batch import is_unrolled, simulate_many
 from spear_pin.hybrid.charts import Charts
-from spear_pin.hybrid.newton import CONVERGED, Words, differentiated, stencil
+from spear_pin.hybrid.newton import CONVERGED, Words, differentiate_stencil, stencil
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import eigenvalues
 from spear_pin.hybrid.result import State
@@ -62,16 +62,16 @@ class LaneCycles:
         measured = np.column_stack(
             [MEASURES[name](self.system, q[can], batch) for name in self.measures] or [q[can, :0]]
         )
-        durations = {phase: spread(seconds, can, n) for phase, seconds in batch.durations.items()}
-        q, v, measured = (spread(part, can, n) for part in (batch.q, batch.v, measured))
+        durations = {phase: spread_lanes(seconds, can, n) for phase, seconds in batch.durations.items()}
+        q, v, measured = (spread_lanes(part, can, n) for part in (batch.q, batch.v, measured))
         orders = dict(zip(can.tolist(), batch.orders, strict=True))
-        reference = spread(batch.repeated, can, n) == 1.0
+        reference = spread_lanes(batch.repeated, can, n) == 1.0
         return Cycles(q, v, measured, durations, reason, reference, [orders.get(i, ()) for i in range(n)])
 
     @property
     def slopes(self) -> Slopes | None:
         """Exact derivatives, where differences take longer: unrolled cycles are so fast that they do not."""
-        return None if unrolled(self.system) else self._slopes
+        return None if is_unrolled(self.system) else self._slopes
 
     def _slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array, Array]:
         """Returns derivatives of the cycles; see `hybrid.shooting.Slopes`."""
@@ -106,7 +106,7 @@ class LaneCycles:
             return None
 
 
-def spread(part: NDArray[np.generic], lanes: Lanes, n: int) -> Array:
+def spread_lanes(part: NDArray[np.generic], lanes: Lanes, n: int) -> Array:
     """Spreads numbers of some lanes over all n lanes, with NaN in the others."""
     whole = np.full((n, *part.shape[1:]), np.nan)
     whole[lanes] = part
@@ -144,7 +144,7 @@ def multipliers(cycle: LaneCycles, charts: Charts, values: Array) -> Spectra:
     after = cycle(lanes, *own.states(offsets), values[lanes])
     closes, centre = after.reason == "", slice(n)
     beside = np.where(closes[:, None], own.coordinates(after.q, after.v), np.nan)[n:]
-    jacobians[rest] = differentiated(beside.reshape(len(rest), 2 * d, d))
+    jacobians[rest] = differentiate_stencil(beside.reshape(len(rest), 2 * d, d))
     closes = closes[centre]
     whole = closes & np.isfinite(jacobians).all(axis=(1, 2))
     found = np.full((n, d), np.nan + 0j)

@@ -26,7 +26,7 @@ class Way(Generic[T]):
     failure: NoGait | None = None
 
 
-def led(
+def lead_along(
     solve: Callable[[float, T], T],
     begun: T,
     *,

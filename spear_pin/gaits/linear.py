@@ -72,7 +72,7 @@ def linear(
         lateral: True for antisymmetric motion alone, False for symmetric motion alone, which is planar, where the gait
             is symmetric, or nearly; None for all motion.
         heading: whether the yaw is a coordinate, of antisymmetric motion; then it is the last.
-        whole: what `linearized` returns, if it is known.
+        whole: what `linearize` returns, if it is known.
 
     Raises:
         BadValue: `lateral` is given, and the gait is not in space, not symmetric, or its cycle is half a stride.
@@ -83,7 +83,7 @@ def linear(
             "gait", gait, "a gait in space whose left and right are mirror images, or nearly so, and no trot"
         )
     system, local = gait.system, chart(gait.system, gait.state)
-    A, B = whole or linearized(gait, inputs)
+    A, B = whole or linearize(gait, inputs)
     d = local.dimension
     own = np.arange(d) if lateral is None else np.flatnonzero(local.even != lateral)
     rows = np.append(own, [d] if heading else []).astype(np.int64)
@@ -114,7 +114,7 @@ def separable(gait: Gait) -> bool:
 
 
 @typed
-def linearized(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
+def linearize(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[Array, Array]:
     """Returns A and B of ξ⁺ = A ξ + B w: the return map's derivatives by section coordinates and by parameters.
 
     They are exact for every cycle that has derivatives, else central differences of the reference engine's cycles.

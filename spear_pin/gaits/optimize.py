@@ -15,7 +15,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.bounding import SPEED_BY, bounding
-from spear_pin.gaits.collocation import Progress, Solution, resampled
+from spear_pin.gaits.collocation import Progress, Solution, resample
 from spear_pin.gaits.footfalls.in_plane import in_plane, read
 from spear_pin.gaits.footfalls.obstacles import obstacle
 from spear_pin.gaits.footfalls.programme import Transcription, transcribe
@@ -76,7 +76,7 @@ def search(
         raise BadValue("contact.friction", ground, f"at least the request's, {request.friction}: give contact=")
     solution = start or _cold(robot, request, seed, on_iteration)
     for intervals in meshes:
-        transcription = transcribe(in_plane(robot, request, intervals), resampled(solution))
+        transcription = transcribe(in_plane(robot, request, intervals), resample(solution))
         solution = transcription.programme.solve(on_iteration=on_iteration)
         if not solution.success:
             raise obstacle(transcription, solution)
@@ -98,7 +98,7 @@ def _cold(robot: Robot, request: Request, seed: int, on_iteration: Progress | No
                 solution = transcription.programme.solve(iterations=PATIENCE, on_iteration=on_iteration)
                 if not solution.success:
                     break
-                start = resampled(solution)
+                start = resample(solution)
             if solution.success:
                 return solution
     raise obstacle(transcription, solution)

@@ -31,7 +31,7 @@ class Multipliers:
     kinds: tuple[str | None, ...]
 
 
-def merged(parts: Mapping[bool | None, NDArray[np.complex128]]) -> Multipliers:
+def merge_multipliers(parts: Mapping[bool | None, NDArray[np.complex128]]) -> Multipliers:
     """Merges the multipliers of parts.
 
     Args:
@@ -44,7 +44,7 @@ def merged(parts: Mapping[bool | None, NDArray[np.complex128]]) -> Multipliers:
     return Multipliers(values[order], tuple(kinds[i] for i in order))
 
 
-def parted(A: Array, symmetric: NDArray[np.bool_]) -> Multipliers:
+def split_multipliers(A: Array, symmetric: NDArray[np.bool_]) -> Multipliers:
     """Finds the multipliers of first-order motion, and the kind that makes up most of each.
 
     A kind's share is its participation factor, the product of the mode's left and right eigenvectors over its

@@ -11,9 +11,9 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.gaits.reaching import posed
+from spear_pin.gaits.reaching import pose_leg
 from spear_pin.model.robot import Robot
-from spear_pin.model.scale import Scale, only_leg, scale_of, shipped, touchdown_inertia
+from spear_pin.model.scale import Scale, load_shipped, only_leg, scale_of, touchdown_inertia
 
 TRIED = np.linspace(-math.pi, math.pi, 61).tolist()  # rad: angles of the knee among which the leg is longest
 STEP = 1e-4  # rad: of the difference that gives the lever
@@ -56,7 +56,7 @@ def proportions(robot: Robot, knee: float) -> Proportions:
     if robot.reach is None:
         scale = scale_of(robot)
         return Proportions(only_leg(robot).lean(knee), knee, scale, scale.torque, touchdown_inertia(robot, knee))
-    like = only_leg(shipped("spear_ii"))
+    like = only_leg(load_shipped("spear_ii"))
     share, depth = like.length(knee) / (like.thigh + like.shank), partial(_depth, robot)
     depths = {angle: found for angle in TRIED if not math.isnan(found := depth(angle))}
     stretched = max(depths, key=depths.__getitem__, default=0.0)
@@ -65,14 +65,14 @@ def proportions(robot: Robot, knee: float) -> Proportions:
     if folded is None:
         raise BadValue("[reach]", robot.reach, f"a knee that folds the leg to {share:.2g} of its length as it grows")
     lands = float(brentq(lambda angle: depth(angle) - wanted, stretched, folded))
-    scale, inertia = scale_of(robot, depths[stretched]), _inertia(robot, posed(robot, 0.0, lands))
+    scale, inertia = scale_of(robot, depths[stretched]), _inertia(robot, pose_leg(robot, 0.0, lands))
     return Proportions(0.0, lands, scale, scale.force * _slope(depth, lands) / _slope(like.length, knee), inertia)
 
 
 def _depth(robot: Robot, knee: float) -> float:
     """Returns how deep the toe is below the slider's zero with the hip at 0, in m; NaN if its limits forbid it."""
     try:
-        q = posed(robot, 0.0, knee)
+        q = pose_leg(robot, 0.0, knee)
     except BadValue:
         return math.nan
     limits = [robot.limits[name].position for name in robot.coordinates]

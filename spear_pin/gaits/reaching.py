@@ -32,9 +32,9 @@ class Seen:
         return self._dyn.normal_force(toe, self._torques(*u))
 
 
-def driving(robot: Robot, law: Law) -> Law:
+def drive_motors(robot: Robot, law: Law) -> Law:
     """Returns a law of hip and knee for a robot's own motors; it stays itself without `[reach]`."""
-    reach, motors, seen = robot.reach, robot.actuated, seeing(robot, law)
+    reach, motors, seen = robot.reach, robot.actuated, show_leg_angles(robot, law)
     if reach is None:
         return law
 
@@ -45,7 +45,7 @@ def driving(robot: Robot, law: Law) -> Law:
     return driven
 
 
-def seeing(robot: Robot, function: Callable[..., Any]) -> Callable[..., Any]:
+def show_leg_angles(robot: Robot, function: Callable[..., Any]) -> Callable[..., Any]:
     """Returns a law or a guard that sees the angles of hip and knee in the place of all coordinates."""
     reach, coordinates, motors = robot.reach, robot.coordinates, robot.actuated
     if reach is None:
@@ -63,7 +63,7 @@ def angles(robot: Robot, values: Sequence[Any]) -> tuple[Any, Any]:
     return (values[-2], values[-1]) if robot.reach is None else robot.reach.angles(values, robot.coordinates)
 
 
-def posed(robot: Robot, hip: float, knee: float) -> Array:
+def pose_leg(robot: Robot, hip: float, knee: float) -> Array:
     """Returns the configuration, (nv,), with these angles of hip and knee.
 
     Of several it is the one whose toe is lowest, within the limits of the joints if there is one.
@@ -100,7 +100,7 @@ def _beyond(robot: Robot, q: Array) -> int:
     return sum(not low <= value <= high for (low, high), value in limits)
 
 
-def landing(robot: Robot, q: Array, fall: float) -> Array:
+def find_landing_velocity(robot: Robot, q: Array, fall: float) -> Array:
     """Returns the velocity, (nv,), of a robot that falls at a speed, in m/s, onto its toe, which is at rest."""
     J = robot.toe_jacobian(q, robot.toes[0])
     if robot.reach is None:

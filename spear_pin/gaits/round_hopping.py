@@ -20,11 +20,11 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, PINNED, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
-from spear_pin.hybrid.ground import Ground, as_ground, given
+from spear_pin.hybrid.ground import Ground, as_ground, choose_ground
 from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
-from spear_pin.model.motor import Gearbox, geared_constant
+from spear_pin.model.motor import Gearbox, gear_constant
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring, refuse_unusual
 
@@ -131,7 +131,7 @@ def _back_emf(robot: Robot, joint: str) -> float:
     if known is None or joint not in known.motors:
         return 0.0
     motor, gears = known.motors[joint], Gearbox(robot.gear_ratio(joint), known.efficiencies[joint])
-    return gears.efficiency * geared_constant(motor, gears) ** 2 / motor.known("resistance")
+    return gears.efficiency * gear_constant(motor, gears) ** 2 / motor.known("resistance")
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ def bezier(coefficients: Sequence[float], s: Any) -> Any:
     return sum(terms, 0.0 * s)
 
 
-def turning(torques: tuple[Any, Any], v: Any, p: RoundHoppingLaw) -> tuple[Any, Any]:
+def find_turning_torques(torques: tuple[Any, Any], v: Any, p: RoundHoppingLaw) -> tuple[Any, Any]:
     """Returns hip and knee torques, in N·m, of turning motors, given the torques commanded as at rest."""
     return torques[0] - p.hip_back_emf * v[2], torques[1] - p.knee_back_emf * v[3]
 
@@ -200,7 +200,7 @@ def laws(limb: Limb) -> tuple[Callable[..., Sequence[Any]], Callable[..., Sequen
             p.toe_stiffness * (there - here) - p.toe_damping * speed
             for there, here, speed in zip(wanted, (x, z), speeds, strict=True)
         )
-        return turning(limb.torques(q, (draw[0], draw[1]), ops), v, p)
+        return find_turning_torques(limb.torques(q, (draw[0], draw[1]), ops), v, p)
 
     def stance(t: Any, q: Any, v: Any, held: Any, p: RoundHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         s = 1.0 - ops.maximum(1.0 - t / p.push_time, 0.0)
@@ -209,7 +209,7 @@ def laws(limb: Limb) -> tuple[Callable[..., Sequence[Any]], Callable[..., Sequen
             hip + p.posture_gain * (p.hip_posture - q[2]) - p.posture_damping * v[2],
             knee + p.posture_gain * (p.knee_posture - q[3]) - p.posture_damping * v[3],
         )
-        return turning(commanded, v, p)
+        return find_turning_torques(commanded, v, p)
 
     return flight, stance
 
@@ -242,7 +242,7 @@ def round_hopping(
         >>> round_hopping(load("hoppy")).cyclic
         ('boom_yaw',)
     """
-    limb, contact = limb_of(robot), given(contact, ground)
+    limb, contact = limb_of(robot), choose_ground(contact, ground)
     law = law or RoundHoppingLaw.driven(robot)
     own = None if robot.settings is None else robot.settings.springs.get(KNEE)
     spring = spring or own or Spring(0.0, damping=0.0, rest=0.0, unilateral=False)

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from spear_pin.errors import BadValue, NoGait, UnknownName
-from spear_pin.gaits.attempts import ENOUGH, Hopeless, Measure, sought
-from spear_pin.gaits.diagnosis import explained
+from spear_pin.gaits.attempts import ENOUGH, Hopeless, Measure, search_gait
+from spear_pin.gaits.diagnosis import explain_failure
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted, measures_of
 from spear_pin.gaits.tolerances import TOLERANCE
@@ -68,7 +68,7 @@ def find_gait(
         if not callable(name) and name not in measures_of(system):
             raise UnknownName("target", name, measures_of(system))
     check_wanted(system, target)
-    search = sought(system, vary, target, rtol, on_iteration)
+    search = search_gait(system, vary, target, rtol, on_iteration)
     start = np.array([parameter(system, name) for name in vary])
     factors = FACTORS if vary else FACTORS[:1]
     begun = [with_parameters(system, dict(zip(vary, (k * start).tolist(), strict=True))) for k in factors]
@@ -93,7 +93,7 @@ def find_gait(
             NoGait(f"cycles take more than {EVALUATIONS} evaluations each; a cycle of a gait takes fewer", residual)
         ]
     nearest = min(failures, key=lambda each: each.residual)
-    raise explained(nearest, system, vary, target, search.effort.reached) from None
+    raise explain_failure(nearest, system, vary, target, search.effort.reached) from None
 
 
 def gait_beside(
@@ -117,7 +117,7 @@ def gait_beside(
     Raises:
         NoGait: Newton's method does not converge to a gait.
     """
-    search = sought(system, vary, target, rtol, on_iteration)
+    search = search_gait(system, vary, target, rtol, on_iteration)
     try:
         return search.gait(*search.newton(system, state, search.wanted, rtol, min(TOLERANCE, rtol)))
     except Hopeless:

@@ -21,7 +21,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset, Switch
 from spear_pin.hybrid.dynamics import Dynamics, Operations
-from spear_pin.hybrid.ground import Ground, as_ground, given
+from spear_pin.hybrid.ground import Ground, as_ground, choose_ground
 from spear_pin.hybrid.phases import contact_domains, fall, rate, touchdown
 from spear_pin.hybrid.result import Run
 from spear_pin.kinds import typed
@@ -122,7 +122,7 @@ def series_hopping(
         BadValue: the robot has other coordinates, the spring pulls only or has a rest of its own, or both
             contact and ground are given.
     """
-    law, spring, contact = law or SeriesHoppingLaw(), spring or SERIES, given(contact, ground)
+    law, spring, contact = law or SeriesHoppingLaw(), spring or SERIES, choose_ground(contact, ground)
     if robot.coordinates != COORDINATES or robot.actuated != ("hip", "knee") or robot.toes != ("toe",):
         raise BadValue("robot", robot, "load('spear_ii_series', locked=['boom_x']) or a variant of it")
     if spring.unilateral or spring.rest is not None:

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.clutch import acting, slipping
-from spear_pin.hybrid.conditions import meeting
+from spear_pin.hybrid.clutch import make_delay_event, make_slip_events
+from spear_pin.hybrid.conditions import make_condition_events
 from spear_pin.hybrid.domain import ENGAGES, HOLDS, KEEPS, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
 from spear_pin.hybrid.dual import ARRAYS
-from spear_pin.hybrid.rules.guards import spring_switches, turning
+from spear_pin.hybrid.rules.guards import make_turning_event, spring_switches
 from spear_pin.hybrid.springs import values_along
 from spear_pin.model.clutch import JOINT, TOUCHDOWN, Clutch
 from spear_pin.model.equations import mechanism_of
@@ -90,14 +90,14 @@ class Springing:
             found += spring_switches(mount, "spring_switch" if mount.of == first else f"spring_switch:{mount.of}")
             clutch = self.springs[mount.of].clutch if mount.on is not None else None
             if clutch is not None and (clutch.on_delay or clutch.off_delay or clutch.hold):
-                found.append(acting(mount))
-            found += slipping(mount)
-            found += turning(mount)
+                found.append(make_delay_event(mount))
+            found += make_slip_events(mount)
+            found += make_turning_event(mount)
         return tuple(found)
 
     def conditions(self, toe: str) -> tuple[Guard, ...]:
         """Returns the events of stance at which switches meet conditions of their own."""
-        return tuple(guard for mount, clutch in self._clutched for guard in meeting(mount, clutch, toe))
+        return tuple(guard for mount, clutch in self._clutched for guard in make_condition_events(mount, clutch, toe))
 
     def engage(self, q: Sequence[Any], held: Held) -> Held:
         """Returns what touchdown latches: where each switched spring rests, and whether fixed ones are taut.

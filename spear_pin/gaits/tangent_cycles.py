@@ -21,7 +21,7 @@ from spear_pin.hybrid.parameters import left_out_at_zero, parameter, with_parame
 from spear_pin.hybrid.result import Moment, Run
 from spear_pin.hybrid.shooting import Cycle, Cycles
 from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder, many
 from spear_pin.hybrid.tangent.resets import REFUSALS
@@ -143,7 +143,7 @@ class TangentCycles:
             with LOCK:
                 recorder = self._recorder(values)
                 fineness = ENDS if of_ends(self.measures) else INSIDE
-                cycle = differentiated(self.system, recorder, y, along, self.seeds, fineness)
+                cycle = differentiate_cycle(self.system, recorder, y, along, self.seeds, fineness)
             load = Measure(self.system.robot.weight, np.zeros(along.shape[1]), "N")  # which none of the numbers changes
             found = measures(cycle, along, load)
             measured = [found.get(name) for name in self.measures]

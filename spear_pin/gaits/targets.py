@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spear_pin.errors import BadValue, NoGait, UnknownName
-from spear_pin.gaits.measures.catalogue import described, names_in
+from spear_pin.gaits.measures.catalogue import describe_measure, names_in
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import Run
@@ -50,7 +50,7 @@ def measures_of(system: HybridSystem, *, sampled: bool = False) -> list[str]:
         system: the system.
         sampled: whether to leave out those that only derivatives give.
     """
-    others = [name for name in names_in(system) if described(name).sampled or not sampled]
+    others = [name for name in names_in(system) if describe_measure(name).sampled or not sampled]
     return [*dict.fromkeys([*system.measures, *others])]
 
 
@@ -77,7 +77,7 @@ def measure_of(system: HybridSystem, measure: str | Callable[[Run], float]) -> C
             raise NoGait(f"a cycle for {measure} does not close: {motion.message}", math.inf)
         found = Sampled(other.robot, motion, cycles, halves).values()
         if measure not in found:
-            told = "samples do not give it" if not described(str(measure)).sampled else "this cycle has none"
+            told = "samples do not give it" if not describe_measure(str(measure)).sampled else "this cycle has none"
             raise BadValue("target", measure, f"a measure that needs no derivatives: {told}")
         return found[str(measure)]
 

@@ -204,7 +204,7 @@ def progress(outputs: Outputs, evolution: Evolution, q: Sequence[Any], ops: Any 
     return (value(outputs.phase, q, ops) - evolution.origin) / evolution.span
 
 
-def desired(evolution: Evolution, s: Any) -> list[tuple[Any, Any, Any]]:
+def evaluate_desired(evolution: Evolution, s: Any) -> list[tuple[Any, Any, Any]]:
     """Returns h, dh/ds and d²h/ds² of each output where the phase variable is s."""
     inside = s + evolution.past * (1.0 - s)
     bases = {n: _bases(n - 1, inside) for n in dict.fromkeys(map(len, evolution.alpha))}
@@ -230,7 +230,7 @@ def _outputs(
     """Yields y and ẏ of each output, the row that times v̇ is part of ÿ, and the rest of ÿ, of (5.9)."""
     phase = jet(outputs.phase, q, v, ops)
     rate = phase.rate / evolution.span
-    wanted = desired(evolution, (phase.value - evolution.origin) / evolution.span)
+    wanted = evaluate_desired(evolution, (phase.value - evolution.origin) / evolution.span)
     for variable, (height, slope, curvature) in zip(outputs.rows, wanted, strict=True):
         own = jet(variable, q, v, ops)
         tilt = slope / evolution.span  # H - h' ds/dq is the output's gradient
@@ -246,7 +246,7 @@ def accelerations(
     return [dot(row, a) + rest for _, _, row, rest in _outputs(outputs, evolution, q, v, ops)]
 
 
-def zeroing(
+def zero_outputs(
     outputs: Outputs,
     evolution: Evolution,
     q: Sequence[Any],
@@ -268,15 +268,15 @@ def zeroing(
         dyn: the dynamics at (q, v), which has `imposing`.
         ops: elementary functions for the type of q and v.
     """
-    rows, wanted = demanded(outputs, evolution, q, v, epsilon, ops)
+    rows, wanted = demand_accelerations(outputs, evolution, q, v, epsilon, ops)
     torques: Sequence[Any] = dyn.imposing(rows, wanted, outputs.motors, others)
     return torques
 
 
-def demanded(
+def demand_accelerations(
     outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], epsilon: Any, ops: Any = np
 ) -> tuple[list[Row], list[Any]]:
-    """Returns rows and the values of rows times v̇ that give ÿ = -y/ε² - 2ẏ/ε; see `zeroing` for the arguments."""
+    """Returns rows and the values of rows times v̇ that give ÿ = -y/ε² - 2ẏ/ε; see `zero_outputs` for the arguments."""
     rows: list[Row] = []
     wanted = []
     for y, dy, row, rest in _outputs(outputs, evolution, q, v, ops):
@@ -312,7 +312,7 @@ def resume(
     return Evolution(tuple(alpha), phase.value, span)
 
 
-def begun(
+def begin_evolution(
     outputs: Outputs, shapes: Sequence[Sequence[float]], q: Sequence[float], v: Sequence[float], span: float
 ) -> Evolution:
     """Returns the evolution that begins with y = ẏ = 0, with bounded slopes; see `resume` for the arguments.

@@ -118,7 +118,7 @@ def simulate_many(
     _check(system, q, v, given, cycles)
     system = _varying(system, given)
     require()
-    code = taylor.Code(rtol / TIMES_FINER, observe, unrolled(system) if unroll is None else unroll)
+    code = taylor.Code(rtol / TIMES_FINER, observe, is_unrolled(system) if unroll is None else unroll)
     options, parts = Options(rtol, max_step=max_step), []
     for first in range(0, max(len(q), 1), CHUNK):
         chunk = slice(first, first + CHUNK)
@@ -143,7 +143,7 @@ def check_equations(system: HybridSystem) -> None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
 
 
-def unrolled(system: HybridSystem) -> bool:
+def is_unrolled(system: HybridSystem) -> bool:
     """Tells whether cycles of a system run unrolled by default, which compiles for longer and then is fast."""
     return system.robot.nv <= taylor.UNROLLED
 

@@ -14,17 +14,17 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, UnknownName, listed, require
+from spear_pin.errors import BadValue, UnknownName, list_names, require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.clutch import of_brake
 from spear_pin.hybrid.domain import Domain, Guard, GuardValue, Held, Reset, Rub, Turn
-from spear_pin.hybrid.dry_friction import left_free, modes_of
+from spear_pin.hybrid.dry_friction import count_free, modes_of
 from spear_pin.hybrid.dynamics import Dynamics
-from spear_pin.hybrid.parameters import changed
+from spear_pin.hybrid.parameters import change_system
 from spear_pin.kinds import typed
 from spear_pin.model.clutch import LONGEST
 from spear_pin.model.path import Joints
-from spear_pin.model.robot_posture import row_along, spanned
+from spear_pin.model.robot_posture import find_spanned, row_along
 
 Made = dict[tuple[int, tuple[str, ...]], Reset]  # by the reset that was changed, and the brakes that then grip
 
@@ -91,7 +91,7 @@ def with_brakes(system: HybridSystem, brakes: Mapping[str, Brake]) -> HybridSyst
         >>> [domain.name for domain in system.of_phase("flight")]
         ['flight knee held', 'flight', 'flight']
     """
-    return changed(system, Braking(dict(brakes)))
+    return change_system(system, Braking(dict(brakes)))
 
 
 @dataclass(frozen=True)
@@ -110,8 +110,8 @@ class Braking:
         if not robot.planar or system.pins:
             raise BadValue("system", system.kind, "one in the plane, without pinned toes")
         for name, rub in rubs.items():
-            if tied := [joint for joint in spanned(rub.along, robot) if joint not in robot.independent]:
-                expected = f"joints that loops do not tie, or {listed(robot.independent)}"
+            if tied := [joint for joint in find_spanned(rub.along, robot) if joint not in robot.independent]:
+                expected = f"joints that loops do not tie, or {list_names(robot.independent)}"
                 raise BadValue(f"joints of the brake {name!r}", tied, expected)
             for phase in self.brakes[name].phases:
                 if phase not in system.phases:
@@ -215,7 +215,7 @@ def _unless(
 def _checked(domain: Domain, closed: list[Rub], system: HybridSystem) -> list[Rub]:
     """Returns the brakes that are closed in a domain, of which all rows have to be independent."""
     rows = [row_along(rub.along, system.robot) for rub in (*domain.rubs, *closed)]
-    most = left_free(domain, system.robot)
+    most = count_free(domain, system.robot)
     if closed and (np.linalg.matrix_rank(rows) < len(rows) or len(rows) > most):
         expected = f"at most {most} in {domain.name!r}, none a combination of others or of dry friction"
         raise BadValue("brakes", [rub.joint for rub in closed], expected)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.per_lane import applied
+from spear_pin.hybrid.per_lane import apply_matrices
 from spear_pin.hybrid.result import State
 from spear_pin.model.robot import Robot
 
@@ -118,7 +118,7 @@ class Charts:
     def states(self, xi: Array) -> tuple[Array, Array]:
         """Returns the states on the section with coordinates ξ, (n, d); not finite where there is none."""
         dq = self.q_bases.shape[2]
-        q, v = self.q + applied(self.q_bases, xi[:, :dq]), self.v + applied(self.v_bases, xi[:, dq:])
+        q, v = self.q + apply_matrices(self.q_bases, xi[:, :dq]), self.v + apply_matrices(self.v_bases, xi[:, dq:])
         return self.section.placed(q, v, self.slides)
 
     def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
@@ -130,7 +130,7 @@ class Charts:
         """Returns the coordinates ξ of states on the section, (n, d)."""
         q, v = self.section.seen(q, v)
         parts = (self.q_bases, q - self.q), (self.v_bases, v - self.v)
-        return np.concatenate([applied(np.swapaxes(bases, 1, 2), part) for bases, part in parts], axis=1)
+        return np.concatenate([apply_matrices(np.swapaxes(bases, 1, 2), part) for bases, part in parts], axis=1)
 
     def changes(self, q: Array, v: Array, moves: Array) -> Array:
         """Returns the changes of ξ, (n, d, c), for changes of states on the section, (n, 2 nv, c)."""

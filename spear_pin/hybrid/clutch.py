@@ -31,7 +31,7 @@ from spear_pin.hybrid.domain import (
 )
 from spear_pin.hybrid.dual import ARRAYS, value_of
 from spear_pin.hybrid.dynamics import Dynamics, Operations
-from spear_pin.hybrid.springs import numbered, values_along
+from spear_pin.hybrid.springs import number_spring, values_along
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.spring import Spring
 
@@ -80,7 +80,7 @@ def from_now_on(held: Held, t: Any) -> dict[str, Any]:
 
 def _after(kind: str, mount: Mount, held: Held, q: Sequence[Any], clock: Clock) -> Held:
     assert mount.on is not None and isinstance(mount.rest, str) and mount.taut is not None
-    spring, path = numbered(mount, clock.system, clock.springs)
+    spring, path = number_spring(mount, clock.system, clock.springs)
     clutch, on = spring.clutch, held.get(mount.on, 0.0)
     assert clutch is not None
     now = values_along(mount.along, clock.system.robot, q)
@@ -124,7 +124,7 @@ def _mixed(on: Any, old: Any, new: Any) -> Any:
     return on * old + (1.0 - on) * new
 
 
-def acting(mount: Mount) -> Guard:
+def make_delay_event(mount: Mount) -> Guard:
     """Returns the event at which a delayed switch acts."""
     time, waits = due(mount), waiting(mount)
 
@@ -134,7 +134,7 @@ def acting(mount: Mount) -> Guard:
     return Guard(f"switch:{mount.name}", left, Reset(edges=(Edge(ACTS, mount),)))
 
 
-def slipping(mount: Mount) -> tuple[Guard, ...]:
+def make_slip_events(mount: Mount) -> tuple[Guard, ...]:
     """Returns the events at which a clutch begins to slip, and grips again as the path grows no more."""
     if mount.on is None or mount.slips is None:
         return ()

@@ -37,7 +37,7 @@ PAIRED = frozenset(f"{end}_{part}" for end in ENDS for part in ("hip", "knee", "
 PAIR = ", a pair"
 
 
-def parted(name: str) -> tuple[str, str]:
+def split_column_name(name: str) -> tuple[str, str]:
     """Splits a column's name into symbol and label, `force_x` and `toe`; the symbol is "" if not in `QUANTITIES`."""
     symbol = next((each for each in QUANTITIES if name.startswith(f"{each}_")), "")
     return symbol, name.removeprefix(f"{symbol}_") if symbol else name
@@ -45,7 +45,7 @@ def parted(name: str) -> tuple[str, str]:
 
 def of_a_pair(name: str) -> bool:
     """Tells whether a column adds up both legs of a pair: forces and torques of a quadruped in its sagittal plane."""
-    symbol, label = parted(name)
+    symbol, label = split_column_name(name)
     return label in PAIRED and symbol in TOGETHER
 
 
@@ -56,7 +56,7 @@ def motors_at(joint: str) -> int:
 
 def quantity(name: str) -> str:
     """Describes a column in words: "motor torque", or "motor torque, a pair"; else returns its name."""
-    symbol, label = parted(name)
+    symbol, label = split_column_name(name)
     return QUANTITIES[symbol][0] + PAIR * of_a_pair(name) if symbol else label
 
 
@@ -73,7 +73,7 @@ def unit(name: str, measured: Mapping[str, str]) -> str:
         measured: unit of each coordinate, "m" or "rad", see `lengths`, and by a column's name of what a spring's path
             is measured in; for others both units are given.
     """
-    symbol, label = parted(name)
+    symbol, label = split_column_name(name)
     if not symbol:
         return "s" if name == TIME else ""
     return unit_of(symbol, measured.get(name, measured.get(label, UNSAID)))
@@ -97,7 +97,7 @@ def read_heading(text: str) -> tuple[str, str]:
     return name, rest.removesuffix("]")
 
 
-def arranged(names: Iterable[str]) -> list[str]:
+def sort_columns(names: Iterable[str]) -> list[str]:
     """Sorts names as in a table: time, domain, phase and cycle, the numbers, and which springs are engaged."""
     there = list(names)
     last = [name for name in there if name.startswith((f"{ENGAGED}_", f"{ACTS}_"))]

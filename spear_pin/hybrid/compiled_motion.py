@@ -14,8 +14,8 @@ from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.engines.polynomials import Polynomials
 from spear_pin.hybrid.engines.taylor import AHEAD, FAILED, KINK, TIME_LIMIT
 from spear_pin.hybrid.events import Watch
-from spear_pin.hybrid.fields import flattened
-from spear_pin.hybrid.integration import DUE, KNOT, Accuracy, Motion, integrated
+from spear_pin.hybrid.fields import flatten
+from spear_pin.hybrid.integration import DUE, KNOT, Accuracy, Motion, integrate_motion
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.result import Piece
 from spear_pin.hybrid.rules.entry import NONE
@@ -25,10 +25,10 @@ ENDS = {TIME_LIMIT: DUE, KINK: KNOT}
 
 
 class CompiledMotion:
-    """Integrates as `integrated` does, up to a motion's first event.
+    """Integrates as `integrate_motion` does, up to a motion's first event.
 
-    What is rare is left to `integrated`: motion on switching surfaces, toes in space that begin to slide, guards that
-    are on zero as a motion begins.
+    What is rare is left to `integrate_motion`: motion on switching surfaces, toes in space that begin to slide, guards
+    that are on zero as a motion begins.
 
     Args:
         system: the system.
@@ -50,20 +50,20 @@ class CompiledMotion:
     def __call__(
         self, flow: Flow, watch: Watch, t: float, y: Array, until: float, how: Accuracy, *, keep: bool, most: int
     ) -> Motion:
-        """Integrates a motion up to its first event, or up to a time; see `integrated` for the arguments."""
+        """Integrates a motion up to its first event, or up to a time; see `integrate_motion` for the arguments."""
         if id(flow.domain) in self._own and not flow.sets_out:
             with LOCK:
                 found = self._integrate(flow, t, y, until)
             if found is not None:
                 flow.arrive(found.t, found.y)
                 return found
-        return integrated(flow, watch, t, y, until, how, keep=keep, most=most)
+        return integrate_motion(flow, watch, t, y, until, how, keep=keep, most=most)
 
     def _integrate(self, flow: Flow, t: float, y: Array, until: float) -> Motion | None:
         """Returns the motion; None where compiled code is not sure of it."""
         domain, n = flow.domain, 2 * flow.system.robot.nv
         single = self._numbers.compilation.single(domain, flow.held)
-        parameters = np.array(self._constants + flattened(flow.held.values()))
+        parameters = np.array(self._constants + flatten(flow.held.values()))
         entered = single.enter(t, y[:n], parameters)
         if entered is None or entered.event != NONE:
             return None

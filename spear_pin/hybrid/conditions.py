@@ -33,7 +33,7 @@ CONDITIONS: Mapping[str, Condition] = {
 }
 
 
-def meeting(mount: Mount, clutch: Clutch, toe: str) -> tuple[Guard, ...]:
+def make_condition_events(mount: Mount, clutch: Clutch, toe: str) -> tuple[Guard, ...]:
     """Returns the events at which a switch meets its conditions.
 
     Args:

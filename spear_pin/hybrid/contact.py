@@ -62,7 +62,7 @@ def solve(matrix: Any, right: Any) -> Array:
     return np.asarray(solution, np.float64)
 
 
-def constrained(D: Array, force: Array, A: Array, G: Array, drift: Array) -> tuple[Array, Array, Array]:
+def solve_constrained(D: Array, force: Array, A: Array, G: Array, drift: Array) -> tuple[Array, Array, Array]:
     """Solves D a = force + G λ under A a + drift = 0.
 
     A sticking toe has A = J and G = Jᵀ. A toe that slips with the sign s has A = J_z and G = J_zᵀ - μ s J_xᵀ,
@@ -93,7 +93,7 @@ def constrained(D: Array, force: Array, A: Array, G: Array, drift: Array) -> tup
     return np.asarray(a, np.float64), np.asarray(multiplier, np.float64), np.asarray(schur, np.float64)
 
 
-def imposed(
+def impose_rows(
     D: Array, force: Array, J: Array, drift: Array, rows: ArrayLike, wanted: Sequence[float], driven: Sequence[int]
 ) -> Array:
     """Finds forces along some coordinates that make rows · a = wanted while toes stay at rest.

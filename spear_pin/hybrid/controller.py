@@ -21,7 +21,7 @@ from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.filippov import flow_of
 from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.result import Options, Segment, State
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.run import run
 from spear_pin.model.equations import mechanism_of
@@ -114,7 +114,7 @@ def beginnings(system: HybridSystem) -> tuple[Happening, Happening]:
         phase, resets = start(system, standing)
 
         def latch(q: Any, v: Any, held: Held, p: Any, resets: Sequence[Reset] = resets) -> Held:
-            return latched({}, resets, q, v, p, begins=True)
+            return latch_values({}, resets, q, v, p, begins=True)
 
         found.append(Happening("standing" if standing else "aloft", (), Reset(latch=latch, phase=phase)))
     return found[0], found[1]
@@ -141,7 +141,7 @@ def motion(
 def after(system: HybridSystem, happening: Happening, t: Any, q: Sequence[Any], v: Sequence[Any], held: Held) -> Held:
     """Returns the values held after an event, for scalars of any kind."""
     clock = Clock(t, system.springs, system)
-    return latched(held, [happening.reset], q, v, system.law, system.place_of, clock=clock)
+    return latch_values(held, [happening.reset], q, v, system.law, system.place_of, clock=clock)
 
 
 def check_controllable(system: HybridSystem, kinds: Sequence[str]) -> None:
@@ -167,7 +167,7 @@ def check_controllable(system: HybridSystem, kinds: Sequence[str]) -> None:
             raise BadValue(f"the spring {name!r}", spring, expected)
 
 
-def recorded(system: HybridSystem, state: State, samples: int = ALONG) -> list[Row]:
+def record_samples(system: HybridSystem, state: State, samples: int = ALONG) -> list[Row]:
     """Returns samples of one cycle, on both sides of every event.
 
     Raises:

@@ -14,11 +14,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
-from spear_pin.errors import BadValue, listed, require
+from spear_pin.errors import BadValue, list_names, require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import SLIPS
 from spear_pin.hybrid.domain import Domain, Rub
-from spear_pin.hybrid.parameters import changed
+from spear_pin.hybrid.parameters import change_system
 from spear_pin.hybrid.rules.footing import Bound, closed_toes
 from spear_pin.hybrid.rules.guards import rubbing_guards
 from spear_pin.model.robot import Robot
@@ -42,7 +42,7 @@ def with_dry_friction(system: HybridSystem, forces: Mapping[str, float]) -> Hybr
         BadValue: a force is not a finite number >= 0, the joint has dry friction already, or more joints would have
             dry friction than can move freely in stance.
     """
-    return changed(system, DryFriction(dict(forces)))
+    return change_system(system, DryFriction(dict(forces)))
 
 
 @dataclass(frozen=True)
@@ -62,13 +62,13 @@ class DryFriction:
             system.robot.index(joint)
             if joint not in system.robot.independent:
                 raise BadValue(
-                    "forces", dict(forces), f"joints that loops do not tie, or {listed(system.robot.independent)}"
+                    "forces", dict(forces), f"joints that loops do not tie, or {list_names(system.robot.independent)}"
                 )
             require(f"dry friction of {joint}", force, lambda value: value >= 0, "a number >= 0, in N or N·m")
             if any(rub.joint == joint for domain in system.domains for rub in domain.rubs):
                 raise BadValue("forces", dict(forces), f"joints without dry friction, which {joint} has already")
         rubbing = len(forces) + max((len(domain.rubs) for domain in system.domains), default=0)
-        free = min(left_free(domain, system.robot) for domain in system.domains)
+        free = min(count_free(domain, system.robot) for domain in system.domains)
         if rubbing > free:
             joints = f"at most {free} joint{'s' * (free != 1)}, as many as move freely with toes on the ground"
             raise BadValue("forces", dict(forces), f"{joints}: with more, friction is not unique")
@@ -90,7 +90,7 @@ def modes_of(domain: Domain, robot: Robot, held: Sequence[Rub]) -> list[Domain]:
     return modes
 
 
-def left_free(domain: Domain, robot: Robot) -> int:
+def count_free(domain: Domain, robot: Robot) -> int:
     """Returns how many joints move freely in a domain with its contacts, in the plane or in space."""
     closed = closed_toes(robot.toes, domain)
     first = Bound(robot).first([toe for toe, _ in closed])

@@ -15,7 +15,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.dynamics import FLOATS, Operations
 from spear_pin.hybrid.elimination import solve_sparse
-from spear_pin.model.scalars import negated, plus, times, vanishes
+from spear_pin.model.scalars import negate, plus, times, vanishes
 
 
 class Dual:
@@ -52,18 +52,18 @@ class Dual:
     __radd__ = __add__
 
     def __neg__(self) -> Dual:
-        return Dual(-self.x, negated(self.d))
+        return Dual(-self.x, negate(self.d))
 
     def __pos__(self) -> Dual:
         return self
 
     def __sub__(self, other: Any) -> Any:
         if isinstance(other, Dual):
-            return Dual(self.x - other.x, plus(self.d, negated(other.d)))
+            return Dual(self.x - other.x, plus(self.d, negate(other.d)))
         return Dual(self.x - other, self.d)
 
     def __rsub__(self, other: Any) -> Any:
-        return Dual(other - self.x, negated(self.d))
+        return Dual(other - self.x, negate(self.d))
 
     def __mul__(self, other: Any) -> Any:
         if isinstance(other, Dual):
@@ -75,14 +75,14 @@ class Dual:
     def __truediv__(self, other: Any) -> Any:
         if isinstance(other, Dual):
             x = self.x / other.x
-            return Dual(x, plus(self.d, negated(times(other.d, x))) / other.x)
+            return Dual(x, plus(self.d, negate(times(other.d, x))) / other.x)
         return Dual(self.x / other, self.d / other)
 
     def __rtruediv__(self, other: Any) -> Any:
         if vanishes(other):
             return 0.0
         x = other / self.x
-        return Dual(x, negated(times(self.d, x)) / self.x)
+        return Dual(x, negate(times(self.d, x)) / self.x)
 
     def __pow__(self, power: Any) -> Any:
         return Dual(self.x**power, times(self.d, power * self.x ** (power - 1)))
@@ -133,7 +133,7 @@ def duals(values: Sequence[float] | Array, slopes: Array) -> list[Dual]:
     return [Dual(float(x), d) for x, d in zip(values, slopes, strict=True)]
 
 
-def varying(values: Array, slopes: Array) -> list[Any]:
+def make_varying(values: Array, slopes: Array) -> list[Any]:
     """Makes dual numbers as `duals` does; what does not change along any direction stays a number."""
     return [Dual(x, d) if d.any() else x for x, d in zip(values.tolist(), slopes, strict=True)]
 
@@ -169,13 +169,13 @@ def operations(base: Any, step: Callable[[Any], Any], solve: Callable[[Any, Any]
 
     def atan2(a: Any, b: Any) -> Any:
         y, x = value_of(a), value_of(b)
-        turned = plus(times(derivative_of(a), x), negated(times(derivative_of(b), y)))
+        turned = plus(times(derivative_of(a), x), negate(times(derivative_of(b), y)))
         return base.atan2(y, x) if vanishes(turned) else Dual(base.atan2(y, x), turned / (x * x + y * y))
 
     def maximum(a: Any, b: Any) -> Any:
         x, y = value_of(a), value_of(b)
         da, db = derivative_of(a), derivative_of(b)
-        more = plus(da, negated(db))
+        more = plus(da, negate(db))
         d = db if vanishes(more) else plus(db, times(more, step(x - y)))
         return base.maximum(x, y) if vanishes(d) else Dual(base.maximum(x, y), d)
 

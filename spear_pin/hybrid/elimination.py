@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from spear_pin.model.mechanism import Terms
-from spear_pin.model.scalars import dot, negated, plus, times, vanishes
+from spear_pin.model.scalars import dot, negate, plus, times, vanishes
 
 Matrix = list[list[Any]]
 
@@ -41,13 +41,13 @@ def substitute(factors: tuple[Matrix, list[Any]], right: Sequence[Any]) -> list[
     return x
 
 
-def eliminated(matrix: Matrix, rights: Matrix) -> Matrix:
+def eliminate(matrix: Matrix, rights: Matrix) -> Matrix:
     """Solves linear systems of one symmetric matrix, as `factorize` takes it."""
     factors = factorize(matrix)
     return [substitute(factors, right) for right in rights]
 
 
-def responses(terms: Terms, rows: Matrix, solved: Callable[[Matrix, Matrix], Matrix] = eliminated) -> Matrix:
+def responses(terms: Terms, rows: Matrix, solved: Callable[[Matrix, Matrix], Matrix] = eliminate) -> Matrix:
     """Returns the change of velocity for a unit impulse along each row, D⁻¹ Jᵀ.
 
     With closed loops, whose rows are A, it solves D r + Aᵀ μ = Jᵀ, A r = 0 instead.
@@ -68,7 +68,7 @@ def determinant(matrix: Sequence[Sequence[Any]]) -> Any:
     for j, value in enumerate(matrix[0]):
         if not vanishes(value):
             rest = times(value, determinant([[*row[:j], *row[j + 1 :]] for row in matrix[1:]]))
-            total = plus(total, negated(rest) if j % 2 else rest)
+            total = plus(total, negate(rest) if j % 2 else rest)
     return total
 
 

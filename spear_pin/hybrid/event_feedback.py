@@ -18,7 +18,7 @@ from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.fields import ADDED
-from spear_pin.hybrid.parameters import changed, numbers_of_law, replaced
+from spear_pin.hybrid.parameters import change_system, find_replaced, numbers_of_law
 from spear_pin.hybrid.symmetry import YAW, Mirror, mirror_of
 from spear_pin.model.scalars import dot, turn
 
@@ -147,11 +147,11 @@ def with_feedback(system: HybridSystem, feedback: EventFeedback | None) -> Hybri
     """
     if feedback_of(system) is not None:
         kept = [change for change in system.changes if not isinstance(change, EventFeedback)]
-        others, system = replaced(system), system.made["builder"](system.robot, *system.parts.values())
+        others, system = find_replaced(system), system.made["builder"](system.robot, *system.parts.values())
         for change in kept:
-            system = changed(system, change)
+            system = change_system(system, change)
         system = replace(system, **others) if others else system
-    return system if feedback is None else changed(system, feedback)
+    return system if feedback is None else change_system(system, feedback)
 
 
 def _fits(name: str, row: Numbers, count: int) -> None:

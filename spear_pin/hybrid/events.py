@@ -21,7 +21,7 @@ from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.own import is_own
 from spear_pin.hybrid.rules.entry import ahead, at_once, stays_on_zero
-from spear_pin.hybrid.span import NEGATIVE, POSITIVE, Step, glances, parted
+from spear_pin.hybrid.span import NEGATIVE, POSITIVE, Step, glances, split_step
 
 Interpolant = Callable[[float], Array]
 BEND = -1  # stands for a guard's index
@@ -123,7 +123,7 @@ class Watch:
         """Yields parts of a step in which a guard is on one side of zero, or that are short."""
         if i not in self._opaque:
             try:
-                return list(parted(self._guards[i], step))
+                return list(split_step(self._guards[i], step))
             except Exception:  # a guard need not take intervals, and may raise anything
                 self._opaque.add(i)
         return glances(step)

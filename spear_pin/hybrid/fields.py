@@ -49,7 +49,7 @@ def names_of(law: Any) -> set[str]:
     return {field.name for field in fields(law)}.union(*nested)
 
 
-def adjusted(law: D, held: Mapping[str, Any]) -> D:
+def adjust_law(law: D, held: Mapping[str, Any]) -> D:
     """Returns the parameters of a law with the held values added that are meant for them, see `ADDED`."""
     added = {name.removeprefix(ADDED): value for name, value in held.items() if name.startswith(ADDED)}
     if not added:
@@ -65,24 +65,24 @@ def value_in(law: Any, name: str) -> Any:
     return next(value_in(part, name) for part in inner if name in names_of(part))
 
 
-def flattened(values: Collection[Any]) -> list[Any]:
+def flatten(values: Collection[Any]) -> list[Any]:
     """Returns the numbers among values, in nested tuples of values and in fields of dataclasses, in their order."""
     if FLOATS.issuperset(map(type, values)):
         return list(values)
     flat: list[Any] = []
     for value in values:
         if isinstance(value, tuple):
-            flat += flattened(value)
+            flat += flatten(value)
         elif (names := field_names(value)) is not None:
-            flat += flattened([getattr(value, name) for name in names])
+            flat += flatten([getattr(value, name) for name in names])
         elif is_number(value):
             flat.append(value)
     return flat
 
 
-def mapped(function: Callable[[Any], Any], value: Any) -> Any:
+def map_nested(function: Callable[[Any], Any], value: Any) -> Any:
     """Applies a function to a value, or to all values in nested tuples."""
-    return tuple(mapped(function, each) for each in value) if isinstance(value, tuple) else function(value)
+    return tuple(map_nested(function, each) for each in value) if isinstance(value, tuple) else function(value)
 
 
 def is_number(value: Any) -> bool:

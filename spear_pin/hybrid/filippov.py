@@ -26,11 +26,11 @@ from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
-from spear_pin.hybrid.hardware import blended
-from spear_pin.hybrid.modes import choose, fitting
+from spear_pin.hybrid.hardware import blend_responses
+from spear_pin.hybrid.modes import choose, find_fitting
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.footing import closed_toes, still
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.hybrid.rules.surface import BEYOND, MOST_AT_ONCE, alternation, begins, chatter, leads_round
 
 
@@ -61,9 +61,9 @@ class Sliding(Flow):
     def _derivative(self, t: float, y: Array) -> Array:
         nv = self._nv
         before, self.shares = self.shares, (math.nan,) * len(self.domain.alternating)
-        self.hold(held_after(self.system, self._kept, y, *self._latches))
+        self.hold(hold_after(self.system, self._kept, y, *self._latches))
         for flow, resets in self._turns:
-            flow.hold(held_after(self.system, self._kept, y, *resets))
+            flow.hold(hold_after(self.system, self._kept, y, *resets))
         slopes = [*(flow(0.0, y) for flow, _ in self._turns), super()._derivative(0.0, y)]
         flows = [*(flow for flow, _ in self._turns), self]
         accelerations = [[flow.toe_acceleration(toe)[-1] for toe in self.domain.alternating] for flow in flows]
@@ -81,7 +81,7 @@ class Sliding(Flow):
         self._applied = mixed(flow._applied for flow in flows)
         driven = [flow.driven for flow in flows if flow.driven is not None]
         if driven:
-            self.driven = blended(weights, driven)
+            self.driven = blend_responses(weights, driven)
         for toe, _ in self._closed:
             self._forces[toe] = tuple(map(mixed, zip(*(flow.force(toe) for flow in flows), strict=True)))
         if self._has_friction:
@@ -110,7 +110,9 @@ def flow_of(system: HybridSystem, domain: Domain, held: Held) -> Flow:
     return Sliding(system, domain, held) if domain.alternating else Flow(system, domain, held)
 
 
-def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, Reset], y: Array) -> Sliding | None:
+def find_sliding(
+    system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, Reset], y: Array
+) -> Sliding | None:
     """Finds the motion on the switching surface, if the phase that `guard` leads to would lead back at once.
 
     Args:
@@ -126,26 +128,26 @@ def sliding(system: HybridSystem, flow: Flow, guard: Guard, came: tuple[Domain, 
     q, v = y[:nq], y[nq : nq + nv]
     if between is None or not still(system.ground.foot(system.robot, q, between.toe)[1][-1] @ v):
         return None
-    follow, left, held = entered(system, flow.held, y, between.touch)
-    again = None if left is None else entered(system, held, y, left)[1]
+    follow, left, held = enter_resets(system, flow.held, y, between.touch)
+    again = None if left is None else enter_resets(system, held, y, left)[1]
     if not leads_round(between, left, again):
         return None
-    return alternating(system, replace(between, follow=follow), flow.held, y)
+    return find_alternating(system, replace(between, follow=follow), flow.held, y)
 
 
-def going_on(system: HybridSystem, flow: Flow, held: Held, y: Array) -> Sliding | None:
+def continue_sliding(system: HybridSystem, flow: Flow, held: Held, y: Array) -> Sliding | None:
     """Finds the motion on the same switching surfaces after an event within the phase, such as slip of another toe."""
     between = flow.domain.crossing or flow.domain.between
-    return None if between is None else alternating(system, between, held, y)
+    return None if between is None else find_alternating(system, between, held, y)
 
 
-def alternating(
+def find_alternating(
     system: HybridSystem, between: Alternation | Crossing, held: Held, y: Array, far: Sequence[float] = BEYOND
 ) -> Sliding | None:
     """Finds the motion between domains, if their laws' shares allow it or, tried in turn, are not `far` beyond."""
     for beyond in far:
         flows = (Sliding(system, chatter(mode, beyond), held) for mode in _modes(system, between, held))
-        result = fitting(system, flows, 0.0, y)
+        result = find_fitting(system, flows, 0.0, y)
         event = Watch(result, 0.0, y).at_once
         result(0.0, y)
         if begins(event, result.shares, beyond):
@@ -166,10 +168,12 @@ def _modes(system: HybridSystem, between: Alternation | Crossing, held: Held) ->
         yield replace(between, surfaces=((replace(alone, airborne=airborne), beside), others))
 
 
-def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[tuple[Reset, ...], Reset | None, Held]:
+def enter_resets(
+    system: HybridSystem, held: Held, y: Array, reset: Reset
+) -> tuple[tuple[Reset, ...], Reset | None, Held]:
     """Returns the resets that follow a reset at once, within the phase and out of it, and the values held then."""
     assert reset.phase is not None
-    held = held_after(system, held, y, reset)
+    held = hold_after(system, held, y, reset)
     follow: list[Reset] = []
     while len(follow) < MOST_AT_ONCE:
         flow = choose(system, reset.phase, held, 0.0, y)
@@ -178,12 +182,12 @@ def entered(system: HybridSystem, held: Held, y: Array, reset: Reset) -> tuple[t
         if then is None or then.phase is not None:
             return tuple(follow), then, held
         follow.append(then)
-        held = held_after(system, held, y, then)
+        held = hold_after(system, held, y, then)
     return tuple(follow), None, held
 
 
-def held_after(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
+def hold_after(system: HybridSystem, held: Held, y: Array, *resets: Reset) -> Held:
     """Returns the values held after resets at a state."""
     nq, nv = system.robot.nq, system.robot.nv
     q, v, clock = y[:nq].tolist(), y[nq : nq + nv].tolist(), Clock(0.0, system.springs, system)
-    return latched(held, resets, q, v, system.law, system.place_of, clock=clock)
+    return latch_values(held, resets, q, v, system.law, system.place_of, clock=clock)

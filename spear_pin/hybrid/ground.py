@@ -16,7 +16,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, brief, require
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dynamics import FLOATS, Operations
-from spear_pin.hybrid.own import asked, is_own, mistake, number
+from spear_pin.hybrid.own import call_function, is_own, mistake, number
 from spear_pin.kinds import typed
 from spear_pin.model.mechanism import Feet, Terms
 from spear_pin.model.robot import Robot
@@ -137,7 +137,7 @@ def _reporting(function: Callable[..., Any]) -> Callable[..., Any]:
         what, plain = f"ground {type(self).__name__}", all(isinstance(each, Real) for each in arguments[:2])
         if not plain:
             return function(self, *arguments, **named)
-        answer = asked(what, function, lambda: function(self, *arguments, **named))
+        answer = call_function(what, function, lambda: function(self, *arguments, **named))
         if function.__name__ != "axes":
             return number(what, function, answer)
         if not isinstance(answer, (tuple, list, np.ndarray)) or len(answer) != 2:
@@ -165,7 +165,7 @@ def as_ground(contact: Contact) -> Ground:
     return contact if isinstance(contact, Ground) else Ground(contact.friction)
 
 
-def given(contact: Contact | None, ground: Ground | None) -> Contact:
+def choose_ground(contact: Contact | None, ground: Ground | None) -> Contact:
     """Returns the ground of a gait from two arguments of which one may be given; else the default.
 
     Raises:

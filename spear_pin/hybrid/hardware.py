@@ -179,7 +179,7 @@ def drive(hardware: Hardware, x: Sequence[float], commands: Sequence[float], rat
     return driven
 
 
-def blended(shares: Sequence[float], each: Sequence[Driven]) -> Driven:
+def blend_responses(shares: Sequence[float], each: Sequence[Driven]) -> Driven:
     """Averages the responses to several sets of commands, each of which acts for its share of the time."""
     parts = [
         [sum(share * x for share, x in zip(shares, values, strict=True)) for values in zip(*columns, strict=True)]

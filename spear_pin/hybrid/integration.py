@@ -65,7 +65,7 @@ class Motion:
     observed: list[tuple[str, float, Array]] = field(default_factory=list)
 
 
-def integrated(
+def integrate_motion(
     flow: Flow,
     watch: Watch,
     t: float,

@@ -143,7 +143,7 @@ class Interval:
         return Interval(math.sqrt(self.low), math.sqrt(self.high))
 
 
-def enclosing(low: Any, high: Any) -> Any:
+def enclose(low: Any, high: Any) -> Any:
     """Makes intervals from the entries of one array to those of another: an array of their shape, or one interval."""
     if np.ndim(low) == 0:
         return Interval(float(low), float(high))

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, UnknownName, listed
+from spear_pin.errors import BadValue, UnknownName, list_names
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.contact import OPEN, PINNED, SLIPS
@@ -22,14 +22,14 @@ from spear_pin.hybrid.rules.footing import (
     UNLOADED,
     closed_toes,
     fitness,
-    footing,
+    is_torn_off,
+    make_footing,
     rate_fits,
     still,
-    torn_off,
 )
 from spear_pin.hybrid.rules.guards import ON_GROUND
-from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.rules.start import STATE_AT_REST, aloft, below_ground, rests, start
+from spear_pin.hybrid.rules.latching import latch_values
+from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, is_aloft, rests, start
 from spear_pin.model.robot_posture import row_along
 
 F = TypeVar("F", bound=Flow)
@@ -43,7 +43,7 @@ def choose(system: HybridSystem, phase: str, held: Held, t: float, y: Array) -> 
     """
     domains = (domain for domain in system.of_phase(phase) if domain.suits(held) and in_place(system, domain, y))
     flows = (Flow(system, domain, held) for domain in domains)
-    return fitting(system, flows, t, y)
+    return find_fitting(system, flows, t, y)
 
 
 def in_place(system: HybridSystem, domain: Domain, y: Array) -> bool:
@@ -53,12 +53,12 @@ def in_place(system: HybridSystem, domain: Domain, y: Array) -> bool:
     for toe, _ in closed_toes(system.robot.toes, domain):
         if toe in domain.bouncing:
             height, jacobian = system.ground.foot(system.robot, q, toe)
-            if aloft(height, float(jacobian[-1] @ v)):
+            if is_aloft(height, float(jacobian[-1] @ v)):
                 return False
     return True
 
 
-def suiting(system: HybridSystem, domains: Iterable[Domain], y: Array) -> Iterator[Domain]:
+def find_suiting(system: HybridSystem, domains: Iterable[Domain], y: Array) -> Iterator[Domain]:
     """Returns the domains that suit the motion of the toes, in order; the forces may not suit them.
 
     Bouncing toes in the air are open in them. Of toes on the ground, those that move along it slip, others rest.
@@ -67,7 +67,7 @@ def suiting(system: HybridSystem, domains: Iterable[Domain], y: Array) -> Iterat
     nq, nv = system.robot.nq, system.robot.nv
     toes, v = system.robot.toes, y[nq : nq + nv]
     feet = [system.ground.foot(system.robot, y[:nq], toe) for toe in toes]
-    up = [aloft(height, float(jacobian[-1] @ v)) for height, jacobian in feet]
+    up = [is_aloft(height, float(jacobian[-1] @ v)) for height, jacobian in feet]
     moving = [not still(float(np.linalg.norm(jacobian[:-1] @ v))) for _, jacobian in feet]
     for domain in domains:
         modes = zip(toes, domain.contacts, up, moving, strict=True)
@@ -78,7 +78,7 @@ def suiting(system: HybridSystem, domains: Iterable[Domain], y: Array) -> Iterat
             yield domain
 
 
-def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
+def find_fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
     """Returns the flow that fits best, by `rules.footing.fitness`."""
     best, found, nq, nv = None, -math.inf, system.robot.nq, system.robot.nv
     for flow in flows:
@@ -87,7 +87,9 @@ def fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -> F:
         if all(rate_fits(rub, rate) for rub, rate in rubs):
             flow(t, y)
             closed = closed_toes(system.robot.toes, flow.domain)
-            feet = [(mode, footing(flow, toe, mode)) for toe, mode in closed if mode != PINNED]  # a pin bears any force
+            feet = [
+                (mode, make_footing(flow, toe, mode)) for toe, mode in closed if mode != PINNED
+            ]  # a pin bears any force
             fits = fitness(feet, [(rub, flow.rubbing(rub)) for rub, _ in rubs])
             if not all(_stays(flow, toe) for toe in flow.domain.bouncing):
                 fits = UNFIT
@@ -104,12 +106,12 @@ def _stays(flow: Flow, toe: str) -> bool:
     mode = flow.domain.contacts[flow.system.robot.toes.index(toe)]
     if mode != OPEN:
         return flow.force(toe)[-1] * (flow.pivot(toe) if mode in SLIPS else 1.0) > UNLOADED
-    if aloft(flow.height(toe), flow.toe_velocity(toe)[-1]):
+    if is_aloft(flow.height(toe), flow.toe_velocity(toe)[-1]):
         return True
     return flow.toe_acceleration(toe)[-1] >= -STARTS_TO_SLIDE
 
 
-def torn(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
+def find_torn(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
     """Returns toes that stuck and bore, and have to leave the ground, by `rules.footing.torn_off`.
 
     Args:
@@ -120,7 +122,7 @@ def torn(before: Flow, after: Flow, t: float, y: Array) -> list[str]:
     """
     before(t, y), after(t, y)
     modes = zip(before.system.robot.toes, before.domain.contacts, after.domain.contacts, strict=True)
-    return [toe for toe, one, other in modes if torn_off(one, before.force(toe)[-1], other, after.force(toe)[-1])]
+    return [toe for toe, one, other in modes if is_torn_off(one, before.force(toe)[-1], other, after.force(toe)[-1])]
 
 
 def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
@@ -145,7 +147,9 @@ def starting_phase(system: HybridSystem, state: Any) -> tuple[str, Held]:
     phase, resets = start(system, standing)
     try:
         clock = Clock(0.0, system.springs, system)
-        held = latched({}, resets, q.tolist(), v.tolist(), system.law, system.place_of, begins=standing, clock=clock)
+        held = latch_values(
+            {}, resets, q.tolist(), v.tolist(), system.law, system.place_of, begins=standing, clock=clock
+        )
         return phase, held
     except ArithmeticError:
         raise BadValue("state", state, "one at which the control law gives numbers") from None
@@ -171,7 +175,7 @@ def _feet(system: HybridSystem, q: Any, v: Any) -> dict[str, tuple[float, Array]
     for toe, (height, _) in feet.items():
         if below_ground(height):
             raise BadValue(f"height of {toe}", height, "at or above the ground")
-    closure, names = system.robot.closure, listed([loop.name for loop in system.robot.loops])
+    closure, names = system.robot.closure, list_names([loop.name for loop in system.robot.loops])
     held = (True, True) if closure is None else closure.holds(np.asarray(q, float), np.asarray(v, float))
     for name, value, holds in zip("qv", (q, v), held, strict=True):
         if not holds:

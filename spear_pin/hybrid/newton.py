@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.per_lane import applied
+from spear_pin.hybrid.per_lane import apply_matrices
 
 T = TypeVar("T")
 Lanes = NDArray[np.int64]
@@ -41,7 +41,7 @@ NO_PROGRESS, TOO_LONG = "no_progress", "too_long"
 NO_WORDS: Words = np.array([""], dtype=object)
 
 
-def ignored(lanes: Lanes, iteration: NDArray[np.int64], norm: Array) -> None:
+def ignore_iterates(lanes: Lanes, iteration: NDArray[np.int64], norm: Array) -> None:
     """Ignores the iterates."""
 
 
@@ -116,7 +116,7 @@ def newton(
     equations: int | None = None,
     longest: float = np.inf,
     shortest: float = SHORTEST,
-    on_iterates: OnIterates = ignored,
+    on_iterates: OnIterates = ignore_iterates,
 ) -> Roots:
     """Finds roots by damped Newton's method, with exact Jacobians where they are known.
 
@@ -241,14 +241,14 @@ def _better(lanes: _Iterates, steps: Array, shares: Array, values: Array, tolera
     smaller = np.abs(values).max(axis=1) < share * lanes.norm  # the first value is
     following = np.full(len(values), np.inf)
     test = lanes.fresh & ~smaller & np.isfinite(values).all(axis=1) & (lanes.norm > NOISE * tolerance)
-    following[test] = np.linalg.norm(applied(np.linalg.pinv(lanes.jacobian[test]), values[test]), axis=1)
+    following[test] = np.linalg.norm(apply_matrices(np.linalg.pinv(lanes.jacobian[test]), values[test]), axis=1)
     nearer: NDArray[np.bool_] = following < share * np.linalg.norm(steps, axis=1) / shares
     return np.asarray(smaller | nearer)
 
 
 def _steps(lanes: _Iterates, longest: float) -> tuple[Array, Array]:
     """Returns the damped steps, (n, k), and what shares they are of the whole ones, (n,)."""
-    whole = -applied(np.linalg.pinv(lanes.jacobian), lanes.residual)
+    whole = -apply_matrices(np.linalg.pinv(lanes.jacobian), lanes.residual)
     shares = lanes.damping * np.minimum(1.0, longest / np.maximum(np.abs(whole).max(axis=1), 1e-300))
     return shares[:, None] * whole, shares
 
@@ -306,7 +306,7 @@ def _with_jacobian(lanes: _Iterates, jacobian: Array) -> _Iterates:
 
 def broyden(jacobian: Array, step: Array, change: Array) -> Array:
     """Updates Jacobians, (n, r, k), by Broyden's method after steps, (n, k), and changes of the residual, (n, r)."""
-    missed = change - applied(jacobian, step)
+    missed = change - apply_matrices(jacobian, step)
     return np.asarray(jacobian + missed[:, :, None] * (step / (step * step).sum(axis=1, keepdims=True))[:, None, :])
 
 
@@ -320,7 +320,7 @@ def stencil(k: int, step: float = STEP) -> Array:
     return step * np.concatenate([np.eye(k), -np.eye(k)])
 
 
-def differentiated(values: Array, step: float = STEP) -> Array:
+def differentiate_stencil(values: Array, step: float = STEP) -> Array:
     """Returns the Jacobians, (n, r, k), from the values on a stencil, (n, 2 k, r)."""
     k = values.shape[1] // 2
     return np.swapaxes(values[:, :k] - values[:, k:], 1, 2) / (2.0 * step)
@@ -330,4 +330,4 @@ def jacobian(evaluate: Evaluate, x: Array, step: float = STEP) -> tuple[Array, s
     """Returns one lane's Jacobian by central differences, (r, k), and why there is none, "" if there is one."""
     offsets = stencil(len(x), step)
     values, why = evaluate(np.zeros(len(offsets), dtype=np.int64), x + offsets)
-    return differentiated(values[None], step)[0], first_words(why[None])[0]
+    return differentiate_stencil(values[None], step)[0], first_words(why[None])[0]

@@ -35,7 +35,7 @@ class Happening(NamedTuple):
     leaves: bool
 
 
-def happening(domain: Domain, event: Guard | Switch, reset: Reset | None, name: str, time: float) -> Happening:
+def make_happening(domain: Domain, event: Guard | Switch, reset: Reset | None, name: str, time: float) -> Happening:
     """Makes a happening of a domain's event, with a name and a time."""
     guarded = isinstance(event, Guard)
     leaves, latches = reset is None or reset.phase is not None, reset is not None and reset.latch is not None
@@ -70,11 +70,11 @@ def order_of(system: HybridSystem, result: Run) -> Order:
             continue
         domain, guard = guards[event.domain, event.name]
         if not guard.observes:
-            found.append(happening(domain, guard, guard.reset, event.name, event.time))
+            found.append(make_happening(domain, guard, guard.reset, event.name, event.time))
     return in_order(found)
 
 
-def said(order: Order) -> str:
+def write_order(order: Order) -> str:
     """Writes an order in a line: domains, and after each its events."""
     words: list[str] = []
     domain = ""
@@ -84,7 +84,7 @@ def said(order: Order) -> str:
     return ", ".join(words)
 
 
-def differing(before: Order, after: Order) -> tuple[Order, Order]:
+def find_differing(before: Order, after: Order) -> tuple[Order, Order]:
     """Returns the parts in which two orders differ, without their common beginning and end."""
     first, shorter = 0, min(len(before), len(after))
     while first < shorter and before[first] == after[first]:

@@ -133,7 +133,7 @@ def number(what: str, function: Any, answer: Any) -> float:
     return found
 
 
-def held(what: str, function: Any, answer: Any) -> Mapping[str, Any]:
+def read_latched(what: str, function: Any, answer: Any) -> Mapping[str, Any]:
     """Returns the answer of a latch as held values.
 
     Raises:
@@ -170,7 +170,7 @@ def _flat(value: Any) -> list[Any]:
     return [each for part in value for each in _flat(part)] if isinstance(value, tuple) else [value]
 
 
-def asked(what: str, function: Any, call: Callable[[], Any]) -> Any:
+def call_function(what: str, function: Any, call: Callable[[], Any]) -> Any:
     """Calls a function with numbers, and returns its answer.
 
     Args:

@@ -60,9 +60,9 @@ def rebuilt(system: HybridSystem, robot: Robot | None = None, **parts: Any) -> H
         parts: other parts by the names of the builder's arguments; a single `spring` takes the first one's place.
 
     Raises:
-        BadValue: its domains were replaced, and not by `changed`, so that they are not defined for other numbers.
+        BadValue: its domains were replaced, and not by `change_system`, so that they are not defined for other numbers.
     """
-    kept = replaced(system)
+    kept = find_replaced(system)
     if isinstance(own := parts.get("spring"), Spring) and system.sprung:
         first, *others = system.springs.items()
         parts["spring"] = dict([(first[0], own), *others])
@@ -70,7 +70,7 @@ def rebuilt(system: HybridSystem, robot: Robot | None = None, **parts: Any) -> H
     return replace(again, **kept) if kept else again  # once made it is checked
 
 
-def changed(system: HybridSystem, change: Change) -> HybridSystem:
+def change_system(system: HybridSystem, change: Change) -> HybridSystem:
     """Changes a system by a function; systems rebuilt from it by `with_parameters`, searches and sweeps change alike.
 
     Use it for changes beyond the numbers of law, springs and ground, such as another guard or dry friction.
@@ -84,15 +84,15 @@ def changed(system: HybridSystem, change: Change) -> HybridSystem:
     before = {name: system.made[name] for name in REPLACED if getattr(system, name) != system.made[name]}
 
     def build_changed(*parts: Any, **named: Any) -> HybridSystem:
-        return changed(build(*parts, **named), change)
+        return change_system(build(*parts, **named), change)
 
     made = {name: before.get(name, getattr(after, name)) for name in REPLACED}
     makers = {"build": build_changed, "builder": system.made["builder"]}
     return replace(after, build=build_changed, changes=(*system.changes, change), made=made | makers)
 
 
-def replaced(system: HybridSystem) -> dict[str, Any]:
-    """Returns the fields of a system that were replaced since it was made, other than by `changed`.
+def find_replaced(system: HybridSystem) -> dict[str, Any]:
+    """Returns the fields of a system that were replaced since it was made, other than by `change_system`.
 
     Raises:
         BadValue: the domains were replaced.
@@ -101,7 +101,7 @@ def replaced(system: HybridSystem) -> dict[str, Any]:
     if "domains" in others:
         names = ", ".join(domain.name for domain in system.domains)
         raise BadValue(
-            "domains", names, "the domains as built; change them by `changed(system, change)`, not by `replace`"
+            "domains", names, "the domains as built; change them by `change_system(system, change)`, not by `replace`"
         )
     return others
 
@@ -276,7 +276,7 @@ def with_hardware(system: HybridSystem, hardware: Hardware | None) -> HybridSyst
     """
     if hardware is None and system.hardware is None:
         return system
-    return changed(system, Fitted(hardware))
+    return change_system(system, Fitted(hardware))
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.hybrid.pull import Pull
 from spear_pin.model.path import Joints, Path
 from spear_pin.model.robot import Robot
-from spear_pin.model.robot_posture import RobotPosture, spanned
+from spear_pin.model.robot_posture import RobotPosture, find_spanned
 
 MEASURED = ("length", "stretch", "pull")
 
@@ -51,13 +51,15 @@ class PathSprings:
 
 def unit_along(path: Path, robot: Robot) -> str:
     """Returns the unit of a path's length on a robot, "rad" or "m"."""
-    return "rad" if path.turns and "rad" in {robot.units[robot.index(name)] for name in spanned(path, robot)} else "m"
+    return (
+        "rad" if path.turns and "rad" in {robot.units[robot.index(name)] for name in find_spanned(path, robot)} else "m"
+    )
 
 
 def mounts_by_path(system: HybridSystem) -> tuple[Mount, ...]:
     """Returns the mounts of all springs; none if each acts on a joint of its own, whose torque tells all."""
     mounts = {mount.name: mount for domain in system.domains for mount in domain.mounts if mount.spring.pulls}
-    joints = [name for mount in mounts.values() for name in spanned(mount.along, system.robot)]
+    joints = [name for mount in mounts.values() for name in find_spanned(mount.along, system.robot)]
     plain = all(isinstance(mount.along, Joints) and mount.along.turns for mount in mounts.values())
     return () if plain and len({*joints}) == len(joints) == len(mounts) else tuple(mounts.values())
 

@@ -17,6 +17,6 @@ def null_spaces(rows: Array) -> Array:
     return np.ascontiguousarray(np.swapaxes(right[:, rank:], 1, 2))
 
 
-def applied(matrices: Any, vectors: Any) -> Array:
+def apply_matrices(matrices: Any, vectors: Any) -> Array:
     """Multiplies each matrix by its vector, and sums in the same order for any number of lanes."""
     return np.asarray((matrices * np.asarray(vectors)[:, None, :]).sum(axis=2))

@@ -11,7 +11,7 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Alternation, Crossing, Domain, Guard, Held
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
-from spear_pin.hybrid.filippov import Sliding, alternating, entered, held_after
+from spear_pin.hybrid.filippov import Sliding, enter_resets, find_alternating, hold_after
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.rules.start import rests
@@ -20,7 +20,7 @@ from spear_pin.hybrid.rules.surface import BEYOND
 BEARS, ALTERNATES, LEAVES = range(3)
 
 
-def resting(system: HybridSystem, flow: Flow, y: Array, tried: Sequence[Domain] = ()) -> Sliding | None:
+def find_resting(system: HybridSystem, flow: Flow, y: Array, tried: Sequence[Domain] = ()) -> Sliding | None:
     """Finds a motion in which toes at rest on the ground alternate, for any sequence of phases.
 
     Each toe's switch acts by itself: a bearing toe keeps it closed, a leaving toe keeps it open, any other toe
@@ -60,9 +60,9 @@ def _motion(system: HybridSystem, flow: Flow, y: Array, kinds: dict[str, int], f
             surface = _surface(system, held, y, toe, bearing - {toe})
             if surface is None:
                 return None
-            held = held_after(system, held, y, *surface.touching)
+            held = hold_after(system, held, y, *surface.touching)
     between = _between(system, held, y, [toe for toe, kind in kinds.items() if kind == ALTERNATES], bearing)
-    found = None if between is None else alternating(system, between, held, y, far)
+    found = None if between is None else find_alternating(system, between, held, y, far)
     if found is None:
         return None
     index = Watch(found, 0.0, y).at_once
@@ -84,7 +84,7 @@ def _between(
     if alone[0] is None or alone[1] is None:
         return None
     beside = [
-        _surface(system, held_after(system, held, y, *surface.touching), y, toe, bearing | {surface.toe})
+        _surface(system, hold_after(system, held, y, *surface.touching), y, toe, bearing | {surface.toe})
         for toe, surface in ((first, alone[1]), (second, alone[0]))
     ]
     if beside[0] is None or beside[1] is None:
@@ -100,7 +100,7 @@ def _surface(system: HybridSystem, held: Held, y: Array, toe: str, bearing: set[
             assert leaves is not None and touches is not None
             if leaves.phase == off and touches.phase == on and touches.impact == (toe,):
                 grounded, airborne = system.of_phase(on)[0], system.of_phase(off)[0]
-                follow = entered(system, held, y, touches)[0]
+                follow = enter_resets(system, held, y, touches)[0]
                 return Alternation(grounded, airborne, touches, leaves, toe, follow)
     return None
 

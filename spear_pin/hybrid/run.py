@@ -19,19 +19,19 @@ from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import GRIPS, SLIPS, Domain, Guard, Held, Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.events import Watch
-from spear_pin.hybrid.filippov import going_on, sliding
+from spear_pin.hybrid.filippov import continue_sliding, find_sliding
 from spear_pin.hybrid.flow_names import IMPACT, booked_flows, flow_names, released_flows
-from spear_pin.hybrid.integration import DUE, KNOT, Motion, accuracy, integrated
-from spear_pin.hybrid.modes import choose, resuming_phase, starting_phase, torn
-from spear_pin.hybrid.resting import resting
+from spear_pin.hybrid.integration import DUE, KNOT, Motion, accuracy, integrate_motion
+from spear_pin.hybrid.modes import choose, find_torn, resuming_phase, starting_phase
+from spear_pin.hybrid.resting import find_resting
 from spear_pin.hybrid.result import Moment, Options, Piece, Run, Segment, State
 from spear_pin.hybrid.rules import cycles as rules
 from spear_pin.hybrid.rules.entry import GLIMPSES, NONE, ahead
-from spear_pin.hybrid.rules.jumping import jumped
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.jumping import apply_jump
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.hybrid.sampled import Loop
 from spear_pin.hybrid.stored import in_inductances, in_mechanism, in_springs
-from spear_pin.hybrid.strikes import Overlap, struck
+from spear_pin.hybrid.strikes import Overlap, strike_toes
 from spear_pin.hybrid.trajectory import Event
 
 NOTHING = 1e-12  # J: energy of a spring that was latched in this instant
@@ -44,7 +44,7 @@ def run(
     options: Options,
     on_cycle: Callable[[int], object] = lambda n: None,
     on_segment: Callable[[Segment], object] | None = None,
-    integrate: Callable[..., Motion] = integrated,
+    integrate: Callable[..., Motion] = integrate_motion,
 ) -> Run:
     """Runs whole cycles from a state (q, v), on the section or in the air, or from a moment of another run.
 
@@ -57,7 +57,7 @@ def run(
         options: options for the computation.
         on_cycle: called with the number of cycles after each cycle.
         on_segment: called with each segment when it is over; without it the result has the motion, if it is kept.
-        integrate: integrates the motion in a domain, as `integrated` does.
+        integrate: integrates the motion in a domain, as `integrate_motion` does.
 
     Raises:
         BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
@@ -240,7 +240,7 @@ class _Runner:
         system, domain = self.system, self.flow.domain
         for flow, names in released_flows(system, domain, reset.release).items():
             work[flow] = -in_springs(system, domain, held, self.y, names)
-        strike = struck(system, domain, reset, q, v, self.overlap, self._now())
+        strike = strike_toes(system, domain, reset, q, v, self.overlap, self._now())
         if strike is not None:
             v, impulse, work[IMPACT] = strike.v, strike.impulse, strike.work
             held = {**held, **strike.rises}
@@ -248,11 +248,13 @@ class _Runner:
         if reset.jump is not None:
             kept = {mount.name for mount in domain.mounts} - {*reset.release}
             was = in_mechanism(system, domain, held, self.y, kept)
-            q, v = map(np.array, jumped(reset, q.tolist(), v.tolist(), held, system.law, system.place_of))
+            q, v = map(np.array, apply_jump(reset, q.tolist(), v.tolist(), held, system.law, system.place_of))
             self.y[: nq + nv] = *q, *v
             work[IMPACT] = work.get(IMPACT, 0.0) + in_mechanism(system, domain, held, self.y, kept) - was
         clock, old = Clock(self.t, system.springs, system), held
-        held = latched(held, [reset], q.tolist(), v.tolist(), system.law, system.place_of, begins=begins, clock=clock)
+        held = latch_values(
+            held, [reset], q.tolist(), v.tolist(), system.law, system.place_of, begins=begins, clock=clock
+        )
         # a clutch that begins or stops slipping loses nothing in that instant
         switched = {edge.mount.name for edge in reset.edges if edge.kind not in (SLIPS, GRIPS)}
         for flow, names in released_flows(system, domain, switched).items():
@@ -266,10 +268,10 @@ class _Runner:
 
     def _choose(self, reset: Reset, phase: str, held: Held) -> None:
         """Continues after an event in the domain that fits, or on switching surfaces if it was on them before."""
-        stays = None if reset.phase is not None else going_on(self.system, self.flow, held, self.y)
+        stays = None if reset.phase is not None else continue_sliding(self.system, self.flow, held, self.y)
         flow = stays or choose(self.system, phase, held, self.t, self.y)
         if reset == Reset():
-            for toe in torn(self.flow, flow, self.t, self.y):
+            for toe in find_torn(self.flow, flow, self.t, self.y):
                 self._record(f"painleve:{toe}", self.t, self.y)
         self._move_to(flow)
 
@@ -292,13 +294,13 @@ class _Runner:
             return None
         found: Flow | None = None
         if guard.reset.phase == self.came[0].phase:
-            found = sliding(self.system, self.flow, guard, self.came, self.y)
+            found = find_sliding(self.system, self.flow, guard, self.came, self.y)
         again = any(reset is guard.reset for reset in self.instant) or self.came[0].crossing is not None
         return self._resting() if found is None and again else found
 
     def _resting(self) -> Flow | None:
         """Finds a motion in which toes at rest alternate, and which has not already ended in this instant."""
-        found = resting(self.system, self.flow, self.y, self.tried)
+        found = find_resting(self.system, self.flow, self.y, self.tried)
         if found is None or self._loses(found.domain):
             return None
         self.tried.append(found.domain)
@@ -377,7 +379,7 @@ class _Runner:
 
     def _too_many(self, now: float) -> str:
         """Returns why the run ends, if this event is one too many in an instant or in a cycle."""
-        self.instant_events = rules.crowded(self.instant_events, now - self.last_event)
+        self.instant_events = rules.count_crowd(self.instant_events, now - self.last_event)
         if not self.instant_events:
             self.instant, self.tried = [], []
         self.cycle_events += 1

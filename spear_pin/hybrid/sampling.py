@@ -15,7 +15,7 @@ from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.filippov import flow_of
 from spear_pin.hybrid.path_springs import PathSampler, PathSprings, engaged_in
 from spear_pin.hybrid.result import Segment
-from spear_pin.model.robot_posture import spanned
+from spear_pin.model.robot_posture import find_spanned
 
 NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "current", "reference")
 
@@ -23,7 +23,7 @@ NUMERIC = ("t", "q", "v", "a", "u", "tau", "friction", "force", "spring", "curre
 def sprung_joints(system: HybridSystem) -> tuple[str, ...]:
     """Returns the names of the coordinates on which springs of a system act, in the order of their mounts."""
     mounts = [mount for domain in system.domains for mount in domain.mounts]
-    return tuple(dict.fromkeys(joint for mount in mounts for joint in spanned(mount.along, system.robot)))
+    return tuple(dict.fromkeys(joint for mount in mounts for joint in find_spanned(mount.along, system.robot)))
 
 
 class Sampler:
@@ -80,7 +80,7 @@ class Sampler:
     def _engaged(self, domain: Domain, held: Held) -> set[str]:
         """Returns the names of the coordinates on which springs are engaged."""
         robot = self._system.robot
-        return {joint for mount in engaged_in(domain, held) for joint in spanned(mount.along, robot)}
+        return {joint for mount in engaged_in(domain, held) for joint in find_spanned(mount.along, robot)}
 
     def _sample_phase(self) -> None:
         moving = [segment for segment in self._phase if segment.pieces]

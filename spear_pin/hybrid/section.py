@@ -31,11 +31,11 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.charts import Chart, Charts, Section
 from spear_pin.hybrid.fields import with_fields
 from spear_pin.hybrid.ground import PLACE, Ground
-from spear_pin.hybrid.per_lane import applied, null_spaces
+from spear_pin.hybrid.per_lane import apply_matrices, null_spaces
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.rules.footing import closed_toes, still
-from spear_pin.hybrid.rules.start import placed as on_the_ground
-from spear_pin.hybrid.symmetry import YAW, Mirror, X, Y, Z, headed, mirror_of
+from spear_pin.hybrid.rules.start import is_placed as on_the_ground
+from spear_pin.hybrid.symmetry import YAW, Mirror, X, Y, Z, head_state, mirror_of
 from spear_pin.hybrid.translation import translations, without
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.mechanism import Mechanism
@@ -132,7 +132,7 @@ class AfterImpact(Section):
 
     def sliding(self, q: Array, v: Array) -> NDArray[np.bool_]:
         """Tells which closed toes slide, (n, k)."""
-        return np.asarray(~still(applied(self.geometry(q)[1][:, :, 0], v)))
+        return np.asarray(~still(apply_matrices(self.geometry(q)[1][:, :, 0], v)))
 
     def displacement(self, begins: tuple[Array, Array], ends: tuple[Array, Array]) -> Array:
         """Returns ends minus begins over (q, v), without translation along the ground, (n, 2 nv)."""
@@ -155,9 +155,9 @@ class AfterImpact(Section):
             if not len(moving):
                 break
             rows = np.concatenate([jacobians[moving, :, 1], closing[moving]], axis=1)
-            q[moving] -= applied(np.linalg.pinv(rows), away[off])
+            q[moving] -= apply_matrices(np.linalg.pinv(rows), away[off])
         rows = np.concatenate([velocity_rows(jacobians[lanes], slides), closing[lanes]], axis=1)
-        v[lanes] -= applied(np.linalg.pinv(rows), applied(rows, v[lanes]))
+        v[lanes] -= apply_matrices(np.linalg.pinv(rows), apply_matrices(rows, v[lanes]))
         return q, v
 
     def charts(self, q: Array, v: Array, slides: NDArray[np.bool_]) -> Charts:
@@ -216,7 +216,7 @@ class BeforeImpact(Section):
         """Returns states relative to the robot's position and heading; those between half strides are mirrored."""
         found = np.empty_like(q), np.empty_like(v)
         for lane, state in enumerate(zip(q, v, strict=True)):
-            own = headed(*state)
+            own = head_state(*state)
             if self.between_halves(own[0]):
                 own = self.mirror(own[0]), self.mirror(own[1])
             found[0][lane], found[1][lane] = own

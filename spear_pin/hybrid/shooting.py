@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.charts import Charts
-from spear_pin.hybrid.newton import Lanes, Roots, Words, differentiated, newton, stencil
+from spear_pin.hybrid.newton import Lanes, Roots, Words, differentiate_stencil, newton, stencil
 from spear_pin.hybrid.orders import Order
 
 SHORTEST_CYCLE = 1e-3  # s: a toe that leaves and returns within this makes no gait, though it is nearly periodic
@@ -107,7 +107,7 @@ class Shooting:
         assert self.slopes is not None
         offsets = stencil(width)
         beside = self.states(np.repeat(lanes, 2 * width), (unknowns[:, None] + offsets).reshape(-1, width))
-        moves = differentiated(np.concatenate(beside, axis=1).reshape(n, 2 * width, -1))
+        moves = differentiate_stencil(np.concatenate(beside, axis=1).reshape(n, 2 * width, -1))
         held = np.broadcast_to(np.eye(width - d, width, d), (n, width - d, width))
         q, v = charts.states(unknowns[:, :d])
         after, ends, measured = self.slopes(lanes, q, v, unknowns[:, d:])

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, listed, require
+from spear_pin.errors import BadValue, list_names, require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.flow_names import booked_flows, electrical_flows, flow_names
 from spear_pin.hybrid.integration import Motion
@@ -74,7 +74,7 @@ def simulate(
     """
     require("samples", samples, lambda n: n >= 1 and n % 1 == 0, "a whole number, at least 1")
     if engine not in (None, *ENGINES):
-        raise BadValue("engine", engine, f"None, or one of {listed(ENGINES)}")
+        raise BadValue("engine", engine, f"None, or one of {list_names(ENGINES)}")
     from tqdm import tqdm
 
     sampler = Sampler(system, int(samples))

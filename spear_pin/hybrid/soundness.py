@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue, UnknownName, listed
+from spear_pin.errors import BadValue, UnknownName, list_names
 from spear_pin.hybrid.contact import CONTACTS, OPEN, PINNED, SIGN
 from spear_pin.hybrid.domain import Domain, Held, Latch, Mount, Reset
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
-from spear_pin.model.robot_posture import spanned
+from spear_pin.model.robot_posture import find_spanned
 from spear_pin.model.round_feet import parts_of
 
 
@@ -106,11 +106,11 @@ def _check_feet(robot: Robot, domain: Domain) -> None:
         flat = f"contacts of domain {domain.name!r}", domain.contacts
         if robot.dimension == 3 or len(closed) > 2:
             most = "one toe of a body in space" if robot.dimension == 3 else "two toes of a body"
-            raise BadValue(*flat, f"at most {most} on the ground, not {listed(closed)}")
+            raise BadValue(*flat, f"at most {most} on the ground, not {list_names(closed)}")
         q = pin.integrate(robot.model, pin.neutral(robot.model), np.linspace(0.3, 0.7, robot.nv))
         if np.linalg.matrix_rank(np.concatenate([robot.toe_jacobian(q, toe) for toe in closed])) < 3:
             raise BadValue(
-                *flat, f"one of {listed(closed)} on the ground, as both bind less than x, z and turn of a body"
+                *flat, f"one of {list_names(closed)} on the ground, as both bind less than x, z and turn of a body"
             )
 
 
@@ -122,7 +122,7 @@ def moves_as_one(robot: Robot, domain: Domain) -> bool:
 
 def _check_path(name: str, path: Path, robot: Robot, domain: Domain) -> None:
     try:
-        spanned(path, robot)
+        find_spanned(path, robot)
     except UnknownName as error:
         raise UnknownName(f"{error.kind} of {name} of domain {domain.name!r}", error.value, error.valid) from None
 

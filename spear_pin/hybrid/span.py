@@ -18,7 +18,7 @@ import pinocchio as pin
 from spear_pin.arrays import Array
 from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.intervals import INTERVALS, Interval, Unsure, bounds, enclosing
+from spear_pin.hybrid.intervals import INTERVALS, Interval, Unsure, bounds, enclose
 
 SHORTEST = 1e-5  # s: a guard that is on the other side of zero for less may pass unseen
 LEAST, MANY = 1e-9, 500  # s, and number of parts of a step up to which this shorter time is resolved
@@ -76,7 +76,7 @@ class Span:
         """Returns all values of a quantity between begin and end, as an interval or an array of intervals."""
         coefficients, (_, error, shape) = self.coefficients(what), self.whole.known(what)
         low, high = coefficients.min(axis=0) - error, coefficients.max(axis=0) + error
-        return enclosing(low.reshape(shape), high.reshape(shape))
+        return enclose(low.reshape(shape), high.reshape(shape))
 
     def value(self, guard: Guard) -> tuple[float, float]:
         """Returns the least and the greatest value that a guard may have.
@@ -175,7 +175,7 @@ class _Dynamics:
         return self._span.enclosure((name, ()))
 
 
-def parted(guard: Guard, step: Step) -> Iterator[tuple[float, float, int]]:
+def split_step(guard: Guard, step: Step) -> Iterator[tuple[float, float, int]]:
     """Yields parts of a step, in order, and the side of zero on which a guard is, or `UNKNOWN` in short parts.
 
     Values within the guard's tolerance of zero are not resolved further.

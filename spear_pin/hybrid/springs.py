@@ -12,7 +12,7 @@ from spear_pin.hybrid.fields import with_fields
 from spear_pin.hybrid.pull import Pull
 from spear_pin.model.path import Path, Posture
 from spear_pin.model.robot import Robot
-from spear_pin.model.robot_posture import spanned
+from spear_pin.model.robot_posture import find_spanned
 from spear_pin.model.scalars import plus
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.spring import Spring
@@ -37,7 +37,7 @@ def springs_with(springs: Springs, values: Mapping[str, Any]) -> Springs:
     return found
 
 
-def numbered(mount: Mount, system: HybridSystem, springs: Mapping[str, Spring]) -> tuple[Spring, Path]:
+def number_spring(mount: Mount, system: HybridSystem, springs: Mapping[str, Spring]) -> tuple[Spring, Path]:
     """Returns a mount's spring and path, with the system's numbers where it shares them, else with its own fixed ones.
 
     Args:
@@ -47,7 +47,7 @@ def numbered(mount: Mount, system: HybridSystem, springs: Mapping[str, Spring]) 
     """
     name, path = spring_of(mount, system), mount.along
     common, numbers = system.springs[name], springs[name]
-    own = {each: getattr(numbers, each) for each in shared(mount.spring, common)}
+    own = {each: getattr(numbers, each) for each in find_shared(mount.spring, common)}
     if shares_path(mount, common):
         assert numbers.path is not None
         path = path.with_numbers(dict(zip(path.numbers, numbers.path.numbers.values(), strict=True)))
@@ -64,7 +64,7 @@ def shares_path(mount: Mount, common: Spring) -> bool:
     return common.path is not None and [*mount.along.numbers.values()] == [*common.path.numbers.values()]
 
 
-def shared(own: Spring, common: Spring) -> list[str]:
+def find_shared(own: Spring, common: Spring) -> list[str]:
     """Returns the names of the numbers that a mount's spring shares with the system's; its other numbers are fixed."""
     return [name for name in OF_SPRINGS if getattr(own, name) == getattr(common, name)]
 
@@ -85,7 +85,7 @@ def rest_length(mount: Mount, spring: Spring, path: Path, robot: Robot, held: He
     clutch = spring.clutch
     if mount.tooth is not None and clutch is not None:
         return clutch.tooth + clutch.pitch * held[mount.tooth]
-    latched, names = held[mount.rest], spanned(mount.along, robot)
+    latched, names = held[mount.rest], find_spanned(mount.along, robot)
     values = dict(zip(names, latched if isinstance(latched, tuple) else (latched,), strict=True))
     some = next(iter(values.values()))
     zero = some - some  # of the same kind
@@ -103,7 +103,7 @@ def rest_length(mount: Mount, spring: Spring, path: Path, robot: Robot, held: He
 
 def values_along(path: Path, robot: Robot, q: Sequence[Any]) -> Any:
     """Returns what a latch holds for a spring that rests at a configuration, see `Mount.rest`."""
-    values = tuple(q[robot.index(name)] for name in spanned(path, robot))
+    values = tuple(q[robot.index(name)] for name in find_spanned(path, robot))
     return values if len(values) > 1 else values[0]
 
 

@@ -10,7 +10,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Held, Mount
 from spear_pin.hybrid.dynamics import FLOATS
-from spear_pin.hybrid.own import asked, is_own, number
+from spear_pin.hybrid.own import call_function, is_own, number
 from spear_pin.hybrid.springs import rest_length
 from spear_pin.model.robot_posture import RobotPosture
 
@@ -41,7 +41,7 @@ def _energy(mount: Mount, length: float, rest: float, held: Held) -> float:
     if not is_own(type(spring)):
         return float(mount.energy(length, rest, held))
     what = f"spring of {mount.name!r}"
-    return number(what, spring.energy, asked(what, spring.energy, lambda: mount.energy(length, rest, held)))
+    return number(what, spring.energy, call_function(what, spring.energy, lambda: mount.energy(length, rest, held)))
 
 
 def in_mechanism(

@@ -21,14 +21,14 @@ from spear_pin.hybrid.rules.impact import (
     Impact,
     JointImpact,
     caught,
+    find_struck_toes,
     joint_impact,
-    landed,
+    land_toes,
     plastic_impact,
-    struck_toes,
 )
 from spear_pin.hybrid.rules.sliding_impact import sliding_impact
 from spear_pin.hybrid.rules.spatial_impact import spatial_impact
-from spear_pin.model.feet import leading
+from spear_pin.model.feet import find_leading
 from spear_pin.model.path import Joints
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import row_along
@@ -90,7 +90,7 @@ class Overlap:
                 self.recent[toe] = now, own
 
 
-def struck(
+def strike_toes(
     system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array, overlap: Overlap, now: float
 ) -> Strike | None:
     """Computes the effect of an event on the velocity, in the plane or in space; returns None if it has none.
@@ -105,14 +105,14 @@ def struck(
         now: time of the event, in s.
     """
     if reset.stop:
-        return stopped(system, domain, reset, q, v)
+        return stop_toes(system, domain, reset, q, v)
     if not (reset.impact or reset.grips):
         return None
     if pins(system, domain, reset):
-        return pinned(system, struck_toes(system, domain, reset), q, v)
+        return pin_toes(system, find_struck_toes(system, domain, reset), q, v)
     if system.robot.dimension == 3:
-        return struck_in_space(system, domain, reset, q, v, overlap, now)
-    return struck_by(system, struck_toes(system, domain, reset), reset, q, v)
+        return strike_in_space(system, domain, reset, q, v, overlap, now)
+    return strike_by_rule(system, find_struck_toes(system, domain, reset), reset, q, v)
 
 
 def pins(system: HybridSystem, domain: Domain, reset: Reset) -> bool:
@@ -134,7 +134,7 @@ class Yielding(NamedTuple):
     v: Array
 
 
-def yielding(robot: Robot, q: Array, v: Array, grips: Sequence[Joints] = ()) -> Yielding:
+def make_yielding(robot: Robot, q: Array, v: Array, grips: Sequence[Joints] = ()) -> Yielding:
     """Returns a robot as an impact finds it, with paths that brakes have brought to rest.
 
     No impulse can open a loop, or move such a path; those on the pins of loops do no work.
@@ -147,10 +147,10 @@ def yielding(robot: Robot, q: Array, v: Array, grips: Sequence[Joints] = ()) -> 
     return Yielding(basis, own, np.linalg.solve(own, basis.T @ mass_matrix @ v) if grips else basis.T @ v)
 
 
-def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Strike:
+def pin_toes(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Strike:
     """Computes the effect of an impact that pins toes, all that are on the ground afterwards, by `caught`."""
     robot = system.robot
-    own = yielding(robot, q, v)
+    own = make_yielding(robot, q, v)
     jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in toes]) @ own.basis
     impact = caught(own.mass_matrix, jacobian, own.v)
     impulse = np.zeros((len(robot.toes), robot.dimension))
@@ -158,21 +158,21 @@ def pinned(system: HybridSystem, toes: Sequence[str], q: Array, v: Array) -> Str
     return Strike(own.basis @ impact.v, impulse, -impact.loss, {})
 
 
-def struck_in_space(
+def strike_in_space(
     system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array, overlap: Overlap, now: float
 ) -> Strike:
     """Computes the effect of an impact in space on the toes that touch the ground in that instant, by the system's law.
 
     By Keller's law an impact of one toe is separate, whatever impulse the toe has received before. For the arguments
-    see `struck`.
+    see `strike_toes`.
     """
     robot = system.robot
     feet = {toe: system.ground.foot(robot, q, toe) for toe in robot.toes}
     normal = {toe: (height, float(jacobian[-1] @ v)) for toe, (height, jacobian) in feet.items()}
-    toes, striking = struck_toes_in_space(system, domain, reset, normal)
+    toes, striking = find_struck_toes_in_space(system, domain, reset, normal)
     jacobian = np.concatenate([feet[toe][1] for toe in toes])
     mass_matrix, earlier = robot.mass_matrix(q), v
-    v, stopping = landed(mass_matrix, jacobian, v, [toe in reset.impact for toe in toes])
+    v, stopping = land_toes(mass_matrix, jacobian, v, [toe in reset.impact for toe in toes])
     if system.impact_law == KELLER and len(toes) == 1:
         impact = sliding_impact(mass_matrix, jacobian, v, system.contact.friction)
     else:
@@ -188,7 +188,7 @@ def struck_in_space(
     return Strike(impact.v, impulse, work, noted)
 
 
-def struck_toes_in_space(
+def find_struck_toes_in_space(
     system: HybridSystem, domain: Domain, reset: Reset, normal: Mapping[str, tuple[float, float]]
 ) -> tuple[list[str], set[str]]:
     """Returns the toes that take part in an impact in space, and those among them that were in the air.
@@ -205,7 +205,7 @@ def struck_toes_in_space(
     return [toe for toe in system.robot.toes if toe in grounded | striking], striking
 
 
-def stopped(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array) -> Strike:
+def stop_toes(system: HybridSystem, domain: Domain, reset: Reset, q: Array, v: Array) -> Strike:
     """Computes the effect of stopping toes in space whose sliding has almost ended; it reports no impulse.
 
     Other toes that slide as slowly stop with them, and sticking toes keep sticking.
@@ -228,13 +228,13 @@ def comes_to_rest(robot: Robot, domain: Domain, reset: Reset, toe: str, speed: A
     return toe in reset.stop or sticks or math.hypot(*speed[:2]) <= 2.0 * SLOW
 
 
-def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Array, v: Array) -> Strike:
+def strike_by_rule(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Array, v: Array) -> Strike:
     """Computes the effect of an impact in the plane on all toes that take part, by `plastic_impact` or `joint_impact`.
 
-    For the other arguments see `struck`.
+    For the other arguments see `strike_toes`.
     """
     robot = system.robot
-    basis, mass_matrix, before = yielding(robot, q, v, reset.grips)
+    basis, mass_matrix, before = make_yielding(robot, q, v, reset.grips)
     braked = -0.5 * float((v - basis @ before) @ robot.mass_matrix(q) @ (v + basis @ before)) if reset.grips else 0.0
     toes = [robot.toes.index(toe) for toe in struck]
     impulse = np.zeros((len(robot.toes), 2))
@@ -242,10 +242,10 @@ def struck_by(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Arra
         return Strike(basis @ before, impulse, braked, {})
     jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in struck]) @ basis
     stay = [toe in reset.impact or bool(reset.grips) for toe in struck]
-    v, impulse[toes, 1] = landed(mass_matrix, jacobian, before, stay)
+    v, impulse[toes, 1] = land_toes(mass_matrix, jacobian, before, stay)
     found = mass_matrix, jacobian, v, system.contact.friction
     impact: Impact | JointImpact = (
-        plastic_impact(*found) if len(struck) == 1 else joint_impact(*found, leading(robot.feet, struck))
+        plastic_impact(*found) if len(struck) == 1 else joint_impact(*found, find_leading(robot.feet, struck))
     )
     work = 0.5 * float(impulse[toes, 1] @ (jacobian @ (before + v))[1::2]) - impact.loss
     impulse[toes] += impact.impulse

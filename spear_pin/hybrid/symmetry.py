@@ -23,7 +23,7 @@ ODD = (Y, YAW, ROLL)
 ALIKE = 1e-6  # rad: largest difference between the zeros of corresponding joints
 
 
-def turned(q: Array, v: Array, yaw: float, place: Sequence[float] = (0.0, 0.0)) -> State:
+def turn_state(q: Array, v: Array, yaw: float, place: Sequence[float] = (0.0, 0.0)) -> State:
     """Turns a state about z by an angle, in rad, and then moves it by a vector (x, y), in m."""
     q, v = np.array(q, dtype=float), np.array(v, dtype=float)
     c, s = math.cos(yaw), math.sin(yaw)
@@ -33,9 +33,9 @@ def turned(q: Array, v: Array, yaw: float, place: Sequence[float] = (0.0, 0.0)) 
     return q, v
 
 
-def headed(q: Array, v: Array) -> State:
+def head_state(q: Array, v: Array) -> State:
     """Moves and turns a state so that x = y = yaw = 0."""
-    q, v = turned(q, v, -float(q[YAW]))
+    q, v = turn_state(q, v, -float(q[YAW]))
     q[:2] = 0.0
     return q, v
 
@@ -75,10 +75,10 @@ class Mirror:
 def asymmetry(robot: Robot, state: State) -> float:
     """Returns the largest difference between a state and its mirror image, in SI units."""
     mirror = mirror_of(robot)
-    return max(float(np.abs(mirror(part) - part).max()) for part in headed(*state))
+    return max(float(np.abs(mirror(part) - part).max()) for part in head_state(*state))
 
 
-def lopsided(robot: Robot) -> float:
+def measure_asymmetry(robot: Robot) -> float:
     """Measures how far a robot on a chain is from its mirror image.
 
     Returns the largest difference of its masses, of D_ij over √(D_ii D_jj), and of its feet's positions, in m, in a
@@ -86,8 +86,8 @@ def lopsided(robot: Robot) -> float:
 
     Example:
         >>> from spear_pin import load
-        >>> from spear_pin.hybrid.symmetry import lopsided
-        >>> lopsided(load("q_spear_full", base="chain")) < 1e-12
+        >>> from spear_pin.hybrid.symmetry import measure_asymmetry
+        >>> measure_asymmetry(load("q_spear_full", base="chain")) < 1e-12
         True
     """
     mirror, q = mirror_of(robot), np.sin(np.arange(1.0, robot.nv + 1.0)) / 2.0
@@ -100,7 +100,7 @@ def lopsided(robot: Robot) -> float:
     return max(float(masses.max()), float(np.abs(off).max()))
 
 
-def evened(robot: Robot) -> Robot:
+def even_out(robot: Robot) -> Robot:
     """Returns a robot whose bodies average their inertia with that of their partner's mirror image.
 
     Its left and right are alike if the joints and feet of the given robot, which is left unchanged, are.
@@ -113,9 +113,9 @@ def evened(robot: Robot) -> Robot:
 
     Example:
         >>> from spear_pin import load
-        >>> from spear_pin.hybrid.symmetry import evened
+        >>> from spear_pin.hybrid.symmetry import even_out
         >>> robot = load("q_spear_full", base="chain")
-        >>> abs(evened(robot).mass - robot.mass) < 1e-12
+        >>> abs(even_out(robot).mass - robot.mass) < 1e-12
         True
     """
     mirror, model, across = mirror_of(robot), robot.model.copy(), np.diag(ACROSS)

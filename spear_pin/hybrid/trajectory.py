@@ -20,7 +20,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.mover import mover
 from spear_pin.model.robot import Robot
 from spear_pin.printable import printable
-from spear_pin.showing import Player, Shown, playing, plotted
+from spear_pin.showing import Player, Shown, play_page, plot_columns
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -306,7 +306,7 @@ class Trajectory(Shown):
                 raise BadValue(
                     "trajectory.robot", self.robot, f"a robot that can be loaded ({error}); or give it: play(robot)"
                 ) from None
-        return playing(robot, self, title, int(height))
+        return play_page(robot, self, title, int(height))
 
     @typed
     def plot(self, *columns: str, cycles: int | None = 3) -> Figure:
@@ -323,7 +323,7 @@ class Trajectory(Shown):
             UnknownName: there is no such column.
             BadValue: the number of cycles is not positive.
         """
-        return plotted(self, columns, cycles)
+        return plot_columns(self, columns, cycles)
 
 
 PLAIN = ("robot", "coordinates", "actuated", "toes", "spring_joints", "cycles", "reason", "message", "evaluations")

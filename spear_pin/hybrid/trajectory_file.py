@@ -17,7 +17,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from spear_pin.errors import BadFile, BadValue, UnknownName, listed
+from spear_pin.errors import BadFile, BadValue, UnknownName, list_names
 from spear_pin.files import atomic, check_keys, parse_json, regular
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.path_springs import MEASURED, PathSprings
@@ -303,7 +303,7 @@ def _check_meta(meta: Any) -> None:
         raise ValueError("there are no coordinates")
     for name in ("actuated", "spring_joints"):
         if not set(meta[name]) <= set(meta["coordinates"]):
-            raise BadValue(name, meta[name], f"some of {listed(meta['coordinates'], 8)}")
+            raise BadValue(name, meta[name], f"some of {list_names(meta['coordinates'], 8)}")
     springs = meta.get("springs", {})
     if not isinstance(springs, dict) or not all(isinstance(table, dict) for table in springs.values()):
         raise BadValue("springs", springs, "a table of each by name")

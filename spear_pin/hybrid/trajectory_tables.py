@@ -18,9 +18,9 @@ from spear_pin.hybrid.column_names import (
     QUANTITIES,
     TIME,
     UNSAID,
-    arranged,
     heading,
     lengths,
+    sort_columns,
     unit,
     unit_of,
 )
@@ -66,7 +66,7 @@ def directions(trajectory: Trajectory) -> str:
     return "xyz" if trajectory.force.shape[2] == 3 else "xz"
 
 
-def chosen(names: list[str], asked: tuple[str, ...]) -> list[str]:
+def choose_columns(names: list[str], asked: tuple[str, ...]) -> list[str]:
     """Returns the names of the requested columns; a beginning such as "q" or "force_z" stands for all of a kind.
 
     Raises:
@@ -170,13 +170,13 @@ def _table(trajectory: Trajectory) -> Any:
     import pandas
 
     names, numbers = columns(trajectory)
-    words = pandas.DataFrame({"domain": trajectory.domain, "phase": trajectory.phase} | engaged(trajectory))
+    words = pandas.DataFrame({"domain": trajectory.domain, "phase": trajectory.phase} | find_engaged(trajectory))
     made = pandas.concat([pandas.DataFrame(numbers, columns=names), words], axis=1)
     made[CYCLE] = trajectory.cycle
-    return made[arranged(made.columns)]
+    return made[sort_columns(made.columns)]
 
 
-def engaged(trajectory: Any) -> dict[str, Array]:
+def find_engaged(trajectory: Any) -> dict[str, Array]:
     """Returns whether springs are engaged, by the names of the columns, (n,) each; of joints, then of paths."""
     joints, springs = tuple(trajectory.spring_joints), paths_of(trajectory)
     there = np.asarray(trajectory.engaged, dtype=bool).reshape(-1, len(joints)) if joints else np.empty((0, 0), bool)

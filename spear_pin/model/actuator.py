@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from spear_pin.errors import BadValue, require
 from spear_pin.model.bridge import Battery
-from spear_pin.model.motor import Gearbox, Motor, geared_constant, passed_on_creeping
+from spear_pin.model.motor import Gearbox, Motor, find_passed_on_creeping, gear_constant
 
 CREEP = 0.05  # rad/s at the joint
 FOLD = 0.1  # share of the continuous current's square over which the limit falls from peak to continuous
@@ -106,7 +106,7 @@ class Actuator:
     @cached_property
     def constant(self) -> float:
         """N kt, in N·m/A or V·s/rad at the joint."""
-        return geared_constant(self.motor, self.gearbox)
+        return gear_constant(self.motor, self.gearbox)
 
     @cached_property
     def _resistance(self) -> float:
@@ -141,7 +141,7 @@ class Actuator:
 
         It changes from one to the other within about `CREEP`. There gears would stick; in this model the joint creeps.
         """
-        return self.constant * current * passed_on_creeping(self.gearbox.efficiency, current, speed, CREEP)
+        return self.constant * current * find_passed_on_creeping(self.gearbox.efficiency, current, speed, CREEP)
 
     def power(self, current: float, speed: float, current_slope: float = 0.0) -> Power:
         """Returns the power balance: battery = joule + gearbox + joint + stored."""

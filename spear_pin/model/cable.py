@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
-from spear_pin.model.path import Path, Point, Posture, Slope, unchecked, weighted
+from spear_pin.model.path import Path, Point, Posture, Slope, replace_unchecked, weigh
 from spear_pin.model.scalars import dot, plus
 from spear_pin.model.vectors import Vector, subtract
 
@@ -46,7 +46,7 @@ class Anchor:
     def seen(self, posture: Posture) -> Point:
         """Returns the point in the world."""
         x, y, z = self.at
-        return posture.point(self.body, (weighted(self.side, x), y, z))
+        return posture.point(self.body, (weigh(self.side, x), y, z))
 
 
 class Cabled(Path):
@@ -90,14 +90,14 @@ class Cabled(Path):
     def with_numbers(self, numbers: Mapping[str, Any]) -> Self:
         """Returns the path between other points."""
         moved = {
-            name: unchecked(anchor, at=tuple(numbers.get(f"{name}_{axis}", own) for axis, own in _axes(anchor)))
+            name: replace_unchecked(anchor, at=tuple(numbers.get(f"{name}_{axis}", own) for axis, own in _axes(anchor)))
             for name, anchor in self.anchors().items()
         }
-        return unchecked(self, **moved)
+        return replace_unchecked(self, **moved)
 
     def on(self, names: Mapping[str, str], side: float = 1.0) -> Self:
         """Returns the path between points of other bodies."""
-        return unchecked(
+        return replace_unchecked(
             self,
             **{
                 name: replace(each, body=names.get(each.body, each.body), side=side * each.side)
@@ -215,7 +215,7 @@ class Over(Cabled):
 
     def with_numbers(self, numbers: Mapping[str, Any]) -> Self:
         """Returns the path over another pulley."""
-        return unchecked(super().with_numbers(numbers), radius=numbers.get("radius", self.radius))
+        return replace_unchecked(super().with_numbers(numbers), radius=numbers.get("radius", self.radius))
 
     def check(self, postures: Sequence[Posture]) -> None:
         """Checks that the ends keep their distances from the centre, and are outside the pulley."""
@@ -250,7 +250,7 @@ class Over(Cabled):
 
     def on(self, names: Mapping[str, str], side: float = 1.0) -> Self:
         """Returns the path over a pulley of another body."""
-        return unchecked(super().on(names, side), side=side * self.side)
+        return replace_unchecked(super().on(names, side), side=side * self.side)
 
     def _arms(self, posture: Posture) -> list[tuple[tuple[Any, Any], dict[int, tuple[Any, Any]]]]:
         """Returns both points as seen from the centre, in the plane, with their columns."""

@@ -48,8 +48,8 @@ Entry = Mapping[str, Quantity]
 
 
 @typed
-def scaled(motor: Motor, power: float) -> Motor:
-    """Scales a motor to another power, as an assumption where its numbers are not known: `sized`, r times the power.
+def scale_motor(motor: Motor, power: float) -> Motor:
+    """Scales a motor to another power, an assumption where its numbers are not known: `size_motor`, r times the power.
 
     Args:
         motor: a motor with a known `rated_power`.
@@ -57,11 +57,11 @@ def scaled(motor: Motor, power: float) -> Motor:
     """
     require("power", power, lambda p: p > 0, "a number > 0, in W")
     name = f"{motor.name} scaled to {power:g} W (assumption)"
-    return replace(sized(motor, power / motor.known("rated_power")), name=name)
+    return replace(size_motor(motor, power / motor.known("rated_power")), name=name)
 
 
 @typed
-def sized(motor: Motor, size: float) -> Motor:
+def size_motor(motor: Motor, size: float) -> Motor:
     """Returns a motor of another size, an assumption: a manufacturer's larger motor will differ.
 
     Its electrical numbers and its rotor are those of r equal motors on one shaft and one supply, where the size r need
@@ -163,7 +163,7 @@ def _entries(kind: str) -> dict[str, Entry]:
 
 def _assumed(base: str, power: float) -> Entry:
     """Returns an entry for a scaled motor."""
-    larger, source = scaled(motor(base), power), f"{base} scaled to {power:g} W"
+    larger, source = scale_motor(motor(base), power), f"{base} scaled to {power:g} W"
     return {field: Quantity(getattr(larger, field), UNITS[field], source, "assumption") for field in MOTORS[base]}
 
 

@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, listed
+from spear_pin.errors import BadValue, list_names
 from spear_pin.model.directions import WORLD_ALIGNED
 from spear_pin.model.elements import MAX_NUMBER
 
@@ -25,7 +25,7 @@ def vector_of(name: str, value: ArrayLike, length: int, coordinates: Sequence[st
     Raises:
         BadValue: they are of another shape, no numbers, not finite, or far too large.
     """
-    expected = f"{length} numbers ({listed(coordinates, 8)})"
+    expected = f"{length} numbers ({list_names(coordinates, 8)})"
     try:
         given = np.asarray(value)
     except (TypeError, ValueError):

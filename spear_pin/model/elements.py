@@ -91,7 +91,7 @@ def fault(path: Path, element: Any, problem: str) -> BadFile:
     return BadFile(element.get(SOURCE, path), problem, element.sourceline)
 
 
-def called(element: Any) -> str:
+def name_element(element: Any) -> str:
     """Returns an element's name for errors: its own name, or that of the body on which it is."""
     names = (each.get("name") for each in (element, *element.iterancestors()))
     name = next((name for name in names if name), None)
@@ -121,7 +121,7 @@ def numbers(path: Path, element: Any, attribute: str, count: int) -> list[float]
     """Returns an attribute of `count` numbers."""
     values = [parse_number(path, element, part) for part in (element.get(attribute) or "").split()]
     if len(values) != count:
-        what = f"{attribute} of {called(element)} is {_said(path, element, attribute)!r}"
+        what = f"{attribute} of {name_element(element)} is {_said(path, element, attribute)!r}"
         raise fault(path, element, f"{what}; expected {count} number{'s' * (count > 1)}")
     return values
 
@@ -145,14 +145,14 @@ def parse_number(path: Path, element: Any, text: str | None) -> float:
     value = _value(text)
     if not abs(value) <= MAX_NUMBER:
         had = "no value" if text is None else f"the value {text!r}"
-        raise fault(path, element, f"{called(element)} has {had}; expected a finite number")
+        raise fault(path, element, f"{name_element(element)} has {had}; expected a finite number")
     return value
 
 
 def _said(path: Path, element: Any, attribute: str, default: str | None = None) -> str:
     text = element.get(attribute, default)
     if text is None:
-        raise fault(path, element, f"{called(element)} has no {attribute}; expected a number")
+        raise fault(path, element, f"{name_element(element)} has no {attribute}; expected a number")
     return str(text)
 
 

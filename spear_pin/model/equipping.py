@@ -16,7 +16,7 @@ from spear_pin.model.clutch import CHOICES, OF_CLUTCHES, Clutch
 from spear_pin.model.fitting import drivable, hold
 from spear_pin.model.frames import joint_id
 from spear_pin.model.gears import Gear
-from spear_pin.model.legs import Leg, find_legs, named_leg
+from spear_pin.model.legs import Leg, find_legs, find_named_leg
 from spear_pin.model.loop_data import loop_of
 from spear_pin.model.loops import Loop
 from spear_pin.model.motor import Gearbox
@@ -25,14 +25,14 @@ from spear_pin.model.path_data import keys_of, path_of
 from spear_pin.model.reach import Reach
 from spear_pin.model.robot import Robot
 from spear_pin.model.settings import Settings
-from spear_pin.model.sidecar import JOINTS, ROLES, Sidecar, blaming
+from spear_pin.model.sidecar import JOINTS, ROLES, Sidecar, blame_file
 from spear_pin.model.spring import Spring
 from spear_pin.model.tree import Tree
 
 SAME = 1e-6  # relative difference up to which two numbers agree
 
 
-def equipped(
+def check_equipment(
     said: Sidecar, model: pin.Model, known: Mapping[str, Gear], name: str, toes: Sequence[str]
 ) -> tuple[Settings | None, Any, Mapping[str, Gear]]:
     """Checks the contents of a TOML file against the robot.
@@ -55,14 +55,14 @@ def equipped(
         return None, None, known
     path = said.path or Path(str(said.source))
     loops = _loops(said, path, model)
-    with blaming(path, "locked"):
+    with blame_file(path, "locked"):
         held = hold(model, said.locked or ())
-    with blaming(path, "toes"):
+    with blame_file(path, "toes"):
         own = Robot(held, name=name, toes=toes, actuated=(), source=str(said.source))
     given, legs = _legs(said, path, own)
     pairs = tuple(tuple(pair) for pair in said.pairs)
-    with blaming(path, "pairs"):
-        if pairs and len({named_leg(held, legs, leg).hip for pair in pairs for leg in pair}) != 4:
+    with blame_file(path, "pairs"):
+        if pairs and len({find_named_leg(held, legs, leg).hip for pair in pairs for leg in pair}) != 4:
             raise BadValue("pairs", said.pairs, "four different legs")
     gears = _gears(said, path, model, legs)
     drives = {joint: _geared(path, known.get(joint, Gear()), joint, *table) for joint, table in gears.items()}
@@ -90,7 +90,7 @@ def _loops(said: Sidecar, path: Path, model: pin.Model) -> tuple[Loop, ...]:
     """Returns the loops, whose ends become frames of the model."""
     found = []
     for name, table in said.loops.items():
-        with blaming(path, f"loops.{name}"):
+        with blame_file(path, f"loops.{name}"):
             found.append(loop_of(name, table, model))
     if found and said.legs:
         raise BadFile(
@@ -105,7 +105,7 @@ def _reach(said: Sidecar, path: Path, model: pin.Model) -> Reach | None:
     """Returns the angles of hip and knee of a leg with loops, if the file gives them."""
     if not said.reach:
         return None
-    with blaming(path, "reach"):
+    with blame_file(path, "reach"):
         tables = keys_of("reach", said.reach, ("knee",), ("hip",))
         for joint, weight in (pair for table in tables.values() for pair in table.items()):
             if joint not in drivable(model):
@@ -121,7 +121,7 @@ def _radii(said: Sidecar, path: Path, robot: Robot) -> dict[str, float]:
     """Returns the radii of round feet."""
     found = {}
     for toe, table in said.feet.items():
-        with blaming(path, f"feet.{toe}"):
+        with blame_file(path, f"feet.{toe}"):
             robot.toe_id(toe)
             if not table.get("radius", 0.0) > 0.0:
                 raise BadValue("radius", table.get("radius"), "a number > 0, in m")
@@ -140,7 +140,7 @@ def _arcs(said: Sidecar, path: Path, robot: Robot) -> dict[str, tuple[float, flo
     found = {}
     for toe, table in said.feet.items():
         ends = [float(table[key]) for key in ("from", "to") if key in table]
-        with blaming(path, f"feet.{toe}"):
+        with blame_file(path, f"feet.{toe}"):
             if ends and not (len(ends) == 2 and -math.pi < ends[0] < ends[1] < math.pi):
                 expected = "two pitches of the foot between -π and π, in rad, the lesser first"
                 raise BadValue("from and to", ends, expected)
@@ -160,7 +160,7 @@ def _post(said: Sidecar, path: Path, model: pin.Model) -> tuple[float, float] | 
     """Returns the position of the joint that the file puts on a post."""
     if said.post is None:
         return None
-    with blaming(path, "post"):
+    with blame_file(path, "post"):
         tree, joint = Tree(model), joint_id(model, said.post)
         if tree.chain(joint) != [joint] or not tree.yaws(joint):
             raise BadValue("joint", said.post, "a joint on the world, which turns about a vertical axis")
@@ -179,7 +179,7 @@ def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...]
             raise BadFile(path, f"legs.{name} is empty; expected side, or {', '.join(JOINTS)}")
     given, legs = [], []
     for name, table in explicit.items():
-        with blaming(path, f"legs.{name}"):
+        with blame_file(path, f"legs.{name}"):
             if table["toe"] not in robot.toes:
                 raise UnknownName("toe", table["toe"], robot.toes)
             given.append(NamedLeg(name, **table))
@@ -189,7 +189,7 @@ def _legs(said: Sidecar, path: Path, robot: Robot) -> tuple[tuple[NamedLeg, ...]
             path, f"legs has the hips {', '.join(leg.hip for leg in legs)}; expected another hip for each leg"
         )
     if not explicit and not said.loops:
-        with blaming(path, "legs"):
+        with blame_file(path, "legs"):
             legs = list(find_legs(robot, sides={name: table["side"] for name, table in said.legs.items()}))
     for leg in legs:
         _check_side(path, robot, leg, said.legs.get(leg.name, {}).get("side"))
@@ -212,7 +212,7 @@ def _springs(said: Sidecar, path: Path, legs: Sequence[Leg]) -> dict[str, Spring
     knees = [leg.knee for leg in legs]
     springs: dict[str, Spring] = {}
     for name in sorted(said.springs, key=lambda name: name != "knee"):
-        with blaming(path, f"springs.{name}"):
+        with blame_file(path, f"springs.{name}"):
             along, others = path_of(said.springs[name])
         if along is not None and name in ("knee", *knees):
             raise BadFile(path, f"springs.{name} has a path; expected a name of its own for a spring on a path")
@@ -224,7 +224,7 @@ def _springs(said: Sidecar, path: Path, legs: Sequence[Leg]) -> dict[str, Spring
             unit = "N·m/rad" if along is None else "N/m"
             expected = f"a number > 0, in {unit}, or a table, or a damping alone"
             raise BadFile(path, f"springs.{name} has no stiffness; expected {expected}")
-        with blaming(path, f"springs.{name}"):
+        with blame_file(path, f"springs.{name}"):
             clutch = table.pop("clutch", None)
             if clutch is not None:
                 clutch = Clutch(**keys_of("clutch", clutch, (), (*OF_CLUTCHES, *CHOICES)))
@@ -262,7 +262,7 @@ def _geared(path: Path, known: Gear, joint: str, key: str, table: Mapping[str, A
             path, f"{where} has no ratio, nor has the robot's file for {joint!r}; give one, such as ratio = 9"
         )
     given = known.ratio if own.ratio is None else own.ratio
-    with blaming(path, where):
+    with blame_file(path, where):
         gearbox = Gearbox(1.0 if given is None else given, table.get("efficiency", 1.0))
     if known.ratio is not None and not math.isclose(known.ratio, gearbox.ratio, rel_tol=SAME):
         has = f"{known.ratio:.12g}, which the robot's file has for {joint!r}"

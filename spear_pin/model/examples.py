@@ -39,7 +39,7 @@ def example_robots() -> dict[str, Path]:
     return {path.stem if count[path.stem] == 1 else _of_folder(path): path for path in paths}
 
 
-def beginning_with(name: str) -> list[str]:
+def find_beginning_with(name: str) -> list[str]:
     """Returns the robots whose names begin with this, up to an underscore: "anymal_b" matches "anymal_b_simple"."""
     return [each for each in example_robots() if each.startswith(f"{name}_")]
 

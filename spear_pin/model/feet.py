@@ -33,6 +33,6 @@ def feet_of(model: pin.Model, ids: Mapping[str, int]) -> dict[str, tuple[str, ..
     return found
 
 
-def leading(feet: Mapping[str, tuple[str, ...]], toes: Sequence[str]) -> list[int]:
+def find_leading(feet: Mapping[str, tuple[str, ...]], toes: Sequence[str]) -> list[int]:
     """Returns for each of some toes the index among them of the first one on its body."""
     return [next(i for i, other in enumerate(toes) if other in feet[toe]) for toe in toes]

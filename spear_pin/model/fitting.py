@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadFile, BadValue, UnknownName, listed
+from spear_pin.errors import BadFile, BadValue, UnknownName, list_names
 from spear_pin.model.frames import joint_id
 
 LINK = " (link)"  # after a link's name while joints are held
@@ -62,7 +62,7 @@ def with_motors(
     for joint in wanted:
         if joint not in valid and joint not in locked:
             if joint in list(model.names)[1:]:
-                raise BadValue("motors", joint, f"joints of one degree of freedom: {listed(valid) or 'none'}")
+                raise BadValue("motors", joint, f"joints of one degree of freedom: {list_names(valid) or 'none'}")
             raise UnknownName("joint", joint, valid)
     actuated = tuple(joint for joint in valid if joint in wanted)
     for joint in actuated:

@@ -11,7 +11,7 @@ import numpy as np
 from lxml import etree
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadFile, listed
+from spear_pin.errors import BadFile, list_names
 from spear_pin.model.elements import child, number
 from spear_pin.model.origins import copy_origin
 
@@ -107,5 +107,5 @@ def notes_on(faults: Mapping[str, Fault], what: str, repair: bool) -> list[str]:
     if not faults:
         return []
     (name, fault), *others = faults.items()
-    rest = f", and so have {listed([repr(each) for each, _ in others])}" if others else ""
+    rest = f", and so have {list_names([repr(each) for each, _ in others])}" if others else ""
     return [f"{what} {name!r} has an inertia {fault.problem}, {fault.by}{rest} (repair=True mends it)"]

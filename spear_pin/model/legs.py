@@ -224,7 +224,7 @@ def leg_name(toe: str) -> str:
     return re.sub(r"(?i)toe|foot", "", toe).strip("_-. ") or "leg"
 
 
-def named_leg(model: pin.Model, legs: Sequence[Leg], leg: str | Leg) -> Leg:
+def find_named_leg(model: pin.Model, legs: Sequence[Leg], leg: str | Leg) -> Leg:
     """Returns the leg with a name; a leg is returned as it is.
 
     Args:
@@ -270,7 +270,7 @@ def in_convention(leg: Leg) -> Leg:
     return leg
 
 
-def sided(leg: Leg) -> Leg:
+def check_side(leg: Leg) -> Leg:
     """Returns the leg if it is known to which side its knee flexes.
 
     Raises:

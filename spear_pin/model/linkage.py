@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
-from spear_pin.model.path import Path, Posture, Slope, unchecked
+from spear_pin.model.path import Path, Posture, Slope, replace_unchecked
 
 FINE = 1000  # number of angles at which a range is searched for the beginning of the spring
 
@@ -178,11 +178,11 @@ class Linkage(Path):
 
     def with_numbers(self, numbers: Mapping[str, Any]) -> Self:
         """Returns the path of another linkage."""
-        return unchecked(self, **numbers)
+        return replace_unchecked(self, **numbers)
 
     def on(self, names: Mapping[str, str], side: float = 1.0) -> Self:
         """Returns the path of the same linkage on another joint."""
-        return unchecked(self, joint=names.get(self.joint, self.joint), turned=side * self.turned)
+        return replace_unchecked(self, joint=names.get(self.joint, self.joint), turned=side * self.turned)
 
     @property
     def turns(self) -> bool:

@@ -11,20 +11,20 @@ from typing import Literal, NamedTuple
 
 import pinocchio as pin
 
-from spear_pin.errors import BadFile, BadValue, RobotWarning, SpearError, UnknownName, listed
+from spear_pin.errors import BadFile, BadValue, RobotWarning, SpearError, UnknownName, list_names
 from spear_pin.kinds import typed
 from spear_pin.model.chain import BASES, ONE_OF, on_chain
 from spear_pin.model.draft import Draft, of_mjcf, of_model, of_urdf
 from spear_pin.model.elements import parse
-from spear_pin.model.equipping import equipped
-from spear_pin.model.examples import PACKAGE, beginning_with, example_robots
+from spear_pin.model.equipping import check_equipment
+from spear_pin.model.examples import PACKAGE, example_robots, find_beginning_with
 from spear_pin.model.fitting import check_floating, drivable, hold, with_inertia, with_motors
 from spear_pin.model.gears import set_gears
 from spear_pin.model.limits import order_limits
 from spear_pin.model.loop_data import check_loops
 from spear_pin.model.mjcf_reading import mjcf_of
 from spear_pin.model.robot import Robot
-from spear_pin.model.sidecar import NAMING, SUFFIX, Sidecar, blaming, read
+from spear_pin.model.sidecar import NAMING, SUFFIX, Sidecar, blame_file, read
 from spear_pin.model.urdf import Base, urdf_of
 
 
@@ -197,7 +197,7 @@ def _looped(draft: Draft, said: Sidecar, asked: _Asked) -> tuple[Robot, list[str
         reason = error.problem if isinstance(error, BadFile) else str(error)
     robot, notes = _made(draft, said, asked)
     lost = [f"<{'joint' if 'joints' in table else 'connect'}> {name!r}" for name, table in draft.loops.items()]
-    return robot, [*notes, f"not taken over: {listed(lost)} in <equality>: {reason}"]
+    return robot, [*notes, f"not taken over: {list_names(lost)} in <equality>: {reason}"]
 
 
 def _made(draft: Draft, said: Sidecar, asked: _Asked) -> tuple[Robot, list[str]]:
@@ -206,7 +206,7 @@ def _made(draft: Draft, said: Sidecar, asked: _Asked) -> tuple[Robot, list[str]]
     shipped = ROBOTS[str(said.source)].toes if str(said.source) in ROBOTS else ()
     own_toes = shipped if said.own_toes is None else said.own_toes
     notes = [*draft.notes, *order_limits(draft.model)]
-    settings, driven, gears = equipped(said, draft.model, draft.gears, draft.name, own_toes)
+    settings, driven, gears = check_equipment(said, draft.model, draft.gears, draft.name, own_toes)
     notes += set_gears(draft.model, gears)
     locked = _names(said.locked or ()) if asked.locked is None else asked.locked
     model = hold(draft.model, locked)
@@ -238,7 +238,7 @@ def _made(draft: Draft, said: Sidecar, asked: _Asked) -> tuple[Robot, list[str]]
         known = known if {*known} & {*robot.closure.tied} or asked.motors in (None, "all") else asked.motors
         own = tuple(name for name in robot.closure.tied if name in known)
         robot = robot.with_model(model, settings=replace(settings, independent=own))
-    with blaming(said.path, "loops"):
+    with blame_file(said.path, "loops"):
         check_loops(robot)
     return robot, notes
 
@@ -291,7 +291,7 @@ def full_name(source: str | Path) -> str:
     name = str(source)
     if name in ROBOTS or name in (examples := example_robots()) or {"/", "\\", "."} & set(name):
         return name
-    meant = beginning_with(name)
+    meant = find_beginning_with(name)
     if len(meant) == 1:
         return meant[0]
     extra = "" if examples or meant else f", or with the extra 'robots' one of {PACKAGE}"

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, UnknownName, listed
+from spear_pin.errors import BadValue, UnknownName, list_names
 from spear_pin.model.cable import Anchor
 from spear_pin.model.frames import POINT, frame_id
 from spear_pin.model.loops import DEPENDENT, Loop
@@ -112,12 +112,12 @@ def check_loops(robot: Robot) -> None:
     count, own = len(tied) - closure.size, [name for name in tied if name in robot.independent]
     if count < 1:
         raise BadValue(
-            "loops", names, f"loops that leave a joint of {listed(tied)} free to move: these make them rigid"
+            "loops", names, f"loops that leave a joint of {list_names(tied)} free to move: these make them rigid"
         )
     if len(own) != count:
         some = str([*tied[:count]]).replace("'", '"')
-        expected = f"{count} of {listed(tied)}, which determine the others: name them, as independent = {some}"
+        expected = f"{count} of {list_names(tied)}, which determine the others: name them, as independent = {some}"
         raise BadValue("independent", own, expected)
     free = [name not in robot.independent for name in robot.coordinates]
     if all(np.linalg.svd(closure.at(q)[1][:, free], compute_uv=False)[-1] <= DEPENDENT for q in found):
-        raise BadValue("independent", own, f"joints that determine the others of {listed(tied)}")
+        raise BadValue("independent", own, f"joints that determine the others of {list_names(tied)}")

@@ -23,9 +23,9 @@ from spear_pin.model.chain import CHAIN
 from spear_pin.model.document import document
 from spear_pin.model.inertial import fault_of
 from spear_pin.model.mjcf_adding import UNTOUCHED, add, numbers, place
-from spear_pin.model.mjcf_loops import add_loops, left_out
+from spear_pin.model.mjcf_loops import add_loops, list_left_out_loops
 from spear_pin.model.mjcf_springs import add_springs, springs_of
-from spear_pin.model.postures import checked, home
+from spear_pin.model.postures import check_configuration, home
 from spear_pin.model.robot import Robot
 from spear_pin.model.round_feet import refuse_ends
 from spear_pin.model.spring import Spring
@@ -111,12 +111,12 @@ def to_mjcf(
     _add_toes(robot, elements)
     _add_motors(robot, root)
     add_springs(robot, springs_of(robot) if springs is None else springs, root, elements)
-    for line in left_out(robot):
+    for line in list_left_out_loops(robot):
         world.addprevious(etree.Comment(f" {line.replace('-', '_')} "))
     add_loops(robot, root, elements)
     keys = add(root, "keyframe")
     for name, q in {"home": home(robot), **(postures or {})}.items():
-        add(keys, "key", name=name, qpos=qpos(robot, checked(robot, name, q)))
+        add(keys, "key", name=name, qpos=qpos(robot, check_configuration(robot, name, q)))
     return str(etree.tostring(root, encoding="unicode", pretty_print=True))
 
 

@@ -89,7 +89,7 @@ def _belt(writing: Writing, element: Any, said: dict[str, str]) -> dict[str, Any
     return {"joints": {joints[0]: 1.0, joints[1]: -slope}}
 
 
-def left_out(robot: Robot) -> list[str]:
+def list_left_out_loops(robot: Robot) -> list[str]:
     """Returns a line for each loop that a file for MuJoCo has not."""
     return [
         f"loop {printable(loop.name)}: MuJoCo ties two joints, not {len(loop.joints)}"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-from spear_pin.model.elements import called
+from spear_pin.model.elements import name_element
 from spear_pin.model.inertial import fault_of, nearest
 from spear_pin.model.mjcf_writing import PLACE, TURNS, Writing
 
@@ -106,7 +106,7 @@ def _possible(writing: Writing, inertial: Any, name: str, moments: tuple[float, 
 
 
 def _add_geom(writing: Writing, geom: Any, to: Any) -> None:
-    said, name = writing.defaults.of(geom), called(geom)
+    said, name = writing.defaults.of(geom), name_element(geom)
     kind = said.get("type", "mesh" if "mesh" in said else "sphere")
     if kind not in (*SIZES, *MASSLESS):
         valid = ", ".join((*SIZES, *MASSLESS))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from spear_pin.model.elements import called, parse_limit
+from spear_pin.model.elements import name_element, parse_limit
 from spear_pin.model.mjcf_sections import section
 from spear_pin.model.mjcf_writing import Writing
 
@@ -71,7 +71,7 @@ def read_drives(writing: Writing) -> Drives:
         square = 1.0 if gear is None else gear * gear
         movable = writing.joints.get(joint or "") in MOVABLE
         if joint is not None and movable:
-            own = writing.read_rubbing(element, said, called(element))
+            own = writing.read_rubbing(element, said, name_element(element))
             writing.rubbing[joint] = writing.rubbing[joint].joined(own, square)
             if any(writing.values(element, said.get("damping", "0"))[1:]):
                 damped.append(("damping that is not viscous", joint))
@@ -104,7 +104,7 @@ def is_limited(writing: Writing, element: Any, said: Mapping[str, str], name: st
     limited, text = said.get(LIMITED[name], "auto"), said.get(name, "")
     silent = limited == "auto" and not writing.autolimits
     if silent and any(parse_limit(writing.path, element, part) for part in text.split()):
-        problem = f'{called(element)} has the {name} {text!r}, and no {LIMITED[name]} beside autolimits="false"'
+        problem = f'{name_element(element)} has the {name} {text!r}, and no {LIMITED[name]} beside autolimits="false"'
         raise writing.fault(element, f'{problem}; expected {LIMITED[name]}="true" or "false"')
     return name in said and not silent and limited in ("true", "auto")
 
@@ -113,7 +113,7 @@ def ends_of(writing: Writing, element: Any, said: Mapping[str, str], name: str) 
     """Returns the ends of a range, infinite where they mean that there is no limit."""
     ends = [parse_limit(writing.path, element, part) for part in said[name].split()]
     if len(ends) != 2:
-        raise writing.fault(element, f"{name} of {called(element)} is {said[name]!r}; expected 2 numbers")
+        raise writing.fault(element, f"{name} of {name_element(element)} is {said[name]!r}; expected 2 numbers")
     return ends[0], ends[1]
 
 

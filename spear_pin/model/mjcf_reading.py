@@ -17,7 +17,7 @@ import numpy as np
 from lxml import etree
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import called, fault
+from spear_pin.model.elements import fault, name_element
 from spear_pin.model.inertial import notes_on
 from spear_pin.model.mjcf_keyframes import places_of, read_keyframes
 from spear_pin.model.mjcf_loops import read_loops
@@ -247,7 +247,7 @@ def _add_joint(writing: Writing, joint: Any, body: Any, owner: str) -> None:
     said = writing.defaults.of(joint) if joint.tag == "joint" else {"type": "free"}
     kind = said.get("type", "hinge")
     if kind not in JOINT_TYPES:
-        raise writing.fault(joint, f"{called(joint)} has the type {kind!r}; valid: {', '.join(JOINT_TYPES)}")
+        raise writing.fault(joint, f"{name_element(joint)} has the type {kind!r}; valid: {', '.join(JOINT_TYPES)}")
     name = joint.get("name") or writing.name(BASE if kind == "free" else f"{owner}_joint", joint=True)
     writing.joints[name], writing.elements[name] = kind, joint
     writing.rubbing[name] = writing.read_rubbing(joint, said, f"joint {name!r}")

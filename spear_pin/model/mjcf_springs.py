@@ -16,7 +16,7 @@ from spear_pin.model.mjcf_adding import UNTOUCHED, add, place
 from spear_pin.model.path import Joints
 from spear_pin.model.postures import home
 from spear_pin.model.robot import Robot
-from spear_pin.model.robot_posture import WORLD, RobotPosture, carried
+from spear_pin.model.robot_posture import WORLD, RobotPosture, find_carrier
 from spear_pin.model.spring import Spring
 from spear_pin.printable import printable
 
@@ -41,7 +41,7 @@ def springs_of(robot: Robot) -> dict[str, Spring]:
     return found
 
 
-def left_out(robot: Robot, springs: Mapping[str, Spring]) -> list[str]:
+def list_left_out_springs(robot: Robot, springs: Mapping[str, Spring]) -> list[str]:
     """Returns a line for each spring of which a file for MuJoCo has not all."""
     reasons = {name: _reason(robot, spring) or UNDAMPED * bool(spring.damping) for name, spring in springs.items()}
     return [f"spring {printable(name)}: {reason}" for name, reason in reasons.items() if reason]
@@ -56,7 +56,7 @@ def add_springs(robot: Robot, springs: Mapping[str, Spring], root: Any, elements
         root: the file's root.
         elements: its bodies by their joints, the world's first.
     """
-    for line in left_out(robot, springs):
+    for line in list_left_out_springs(robot, springs):
         elements[0].addprevious(etree.Comment(f" {line.replace('-', '_')} "))
     said = [(printable(name), spring) for name, spring in springs.items() if spring.pulls]
     written = {name: spring for name, spring in said if not _reason(robot, spring)}
@@ -94,7 +94,7 @@ def _reason(robot: Robot, spring: Spring) -> str:
 def _add_course(robot: Robot, name: str, path: Cabled, tendon: Any, elements: list[Any]) -> None:
     """Adds the points of a spring's tendon, and its pulley."""
     for end, anchor in path.anchors().items():
-        joint, at = carried(robot, anchor)
+        joint, at = find_carrier(robot, anchor)
         if isinstance(path, Over) and end == "centre":
             _add_pulley(robot, name, path, tendon, elements[joint])
             continue
@@ -105,7 +105,7 @@ def _add_course(robot: Robot, name: str, path: Cabled, tendon: Any, elements: li
 
 def _add_pulley(robot: Robot, name: str, path: Over, tendon: Any, body: Any) -> None:
     """Adds a pulley to a body and to a tendon, and a point beside it on the tendon's side."""
-    joint, centre = carried(robot, path.centre)
+    joint, centre = find_carrier(robot, path.centre)
     data = robot.model.createData()
     pin.forwardKinematics(robot.model, data, home(robot))
     axis = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), data.oMi[joint].rotation[1])
@@ -125,7 +125,7 @@ def _beside(robot: Robot, path: Over) -> Array | None:
     None if there is no such angle within the limits of the joint, or none of the ends turns with the pulley.
     """
     model, posture = robot.model, RobotPosture(robot, None)
-    (start, _), (joint, _), (end, _) = (carried(robot, each) for each in path.anchors().values())
+    (start, _), (joint, _), (end, _) = (find_carrier(robot, each) for each in path.anchors().values())
     indices = path.indices(posture)
     if joint not in (start, end) or len(indices) != 1:
         return None

@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.errors import BadFile
-from spear_pin.model.elements import called, fault, parse_number
+from spear_pin.model.elements import fault, name_element, parse_number
 from spear_pin.model.inertial import Fault
 from spear_pin.model.mjcf_rotations import rotation
 from spear_pin.model.mjcf_sections import Defaults
@@ -111,7 +111,7 @@ class Writing:
         """
         turns = [each for each in TURNS if each in element.attrib]
         if len(turns) > 1:
-            raise self.fault(element, f"{called(element)} has {' and '.join(turns)}; one of them is valid")
+            raise self.fault(element, f"{name_element(element)} has {' and '.join(turns)}; one of them is valid")
         for attribute in attributes:
             if attribute in said:
                 numbers = self.counted(element, said, attribute)
@@ -129,7 +129,9 @@ class Writing:
         directed = np.cross(numbers[:3], numbers[3:]) if two else numbers[: 4 if notation == "quat" else 3]
         if np.linalg.norm(directed) < SHORTEST:
             text, expected = " ".join(f"{number:g}" for number in numbers), "two directions" if two else "one"
-            raise self.fault(element, f"{notation} of {called(element)} is {text!r}, no direction; expected {expected}")
+            raise self.fault(
+                element, f"{notation} of {name_element(element)} is {text!r}, no direction; expected {expected}"
+            )
 
     def _quaternion(self, notation: str, values: Sequence[float]) -> tuple[float, ...]:
         """Returns (w, x, y, z) of a rotation; Pinocchio reads Euler sequences in capitals and long axes differently."""
@@ -144,7 +146,7 @@ class Writing:
         """Returns the numbers of an attribute, as many as it has to have."""
         numbers = self.values(element, said[attribute])
         if len(numbers) != COUNTS.get(attribute, len(numbers)):
-            what = f"{attribute} of {called(element)} is {said[attribute]!r}"
+            what = f"{attribute} of {name_element(element)} is {said[attribute]!r}"
             raise self.fault(element, f"{what}; expected {COUNTS[attribute]} numbers")
         return numbers
 

@@ -12,7 +12,7 @@ from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
 from spear_pin.model.cut import AHEAD, UP, Amount, Assembly, Cut, Limb, Source, Turn, products
 from spear_pin.model.fitting import hold
-from spear_pin.model.legs import Leg, lacking_legs, named_leg, sided, simple
+from spear_pin.model.legs import Leg, check_side, find_named_leg, lacking_legs, simple
 from spear_pin.model.robot import Robot
 from spear_pin.model.round_feet import refuse_ends
 from spear_pin.model.settings import Settings
@@ -50,7 +50,7 @@ def monopod(robot: Robot, leg: str | Leg, body: str | float = SHARE, locked: Ite
     refuse_ends(robot, "a leg that is cut out")
     if isinstance(leg, str) and not robot.legs:
         raise BadValue("robot", robot, lacking_legs(robot))
-    of = sided(simple(named_leg(robot.model, robot.legs, leg)))
+    of = check_side(simple(find_named_leg(robot.model, robot.legs, leg)))
     source = Source(robot)
     mass, mirrored = _body(source, of, body), of.bends < 0
     limb = source.limb(of, mirrored)

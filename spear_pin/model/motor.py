@@ -128,16 +128,16 @@ class Gearbox:
                 require(f"Gearbox.{name}", value, lambda x: x > 0, f"a number > 0, in {UNITS[name]}, or None")
 
 
-def geared_constant(motor: Motor, gearbox: Gearbox) -> float:
+def gear_constant(motor: Motor, gearbox: Gearbox) -> float:
     """Returns N kt of a motor behind gears, in N·m/A or V·s/rad at the joint."""
     return gearbox.ratio * motor.known("torque_constant")
 
 
-def passed_on(efficiency: float, effort: ArrayLike, speed: ArrayLike) -> Array:
+def find_passed_on(efficiency: float, effort: ArrayLike, speed: ArrayLike) -> Array:
     """Returns the share of a motor's torque that reaches the joint: η when driving, 1/η when braking.
 
     At rest gears stick and pass on any share between these. A joint at rest counts as driven, η, as this torque remains
-    to set it in motion; `passed_on_creeping` is smooth at rest.
+    to set it in motion; `find_passed_on_creeping` is smooth at rest.
 
     Args:
         efficiency: η.
@@ -147,11 +147,11 @@ def passed_on(efficiency: float, effort: ArrayLike, speed: ArrayLike) -> Array:
     return efficiency ** np.where(np.copysign(1.0, effort) * speed < 0.0, -1.0, 1.0)
 
 
-def passed_on_creeping(efficiency: float, effort: float, speed: float, creep: float) -> float:
+def find_passed_on_creeping(efficiency: float, effort: float, speed: float, creep: float) -> float:
     """Returns the share at an instant, smooth at rest: η^tanh(along / creep), which is 1 at rest.
 
     Any other value at rest would make gears give power on one side. Above 20 times the creep, the width of the
-    transition in rad/s, the share is that of `passed_on`, which has the same arguments.
+    transition in rad/s, the share is that of `find_passed_on`, which has the same arguments.
     """
     share: float = efficiency ** math.tanh(math.copysign(1.0, effort) * speed / creep)
     return share
@@ -181,7 +181,8 @@ class Drive:
 
     Torques are those of u in (3.16): N kt i less the losses of the gears. The rotor's inertia stands in D(q),
     as N² J, so the torque that accelerates the rotor is part of u already. Driving (torque along speed, or at
-    rest), u = N η kt i; braking, the gears help and u = N kt i / η: `passed_on`. Voltages are steady, R i + kt N ω.
+    rest), u = N η kt i; braking, the gears help and u = N kt i / η: `find_passed_on`. Voltages are steady,
+    R i + kt N ω.
 
     Attributes:
         motor: the motor; most methods need its `torque_constant` and `resistance`.
@@ -204,7 +205,7 @@ class Drive:
     @property
     def constant(self) -> float:
         """N kt, in N·m/A or V·s/rad at the joint."""
-        return geared_constant(self.motor, self.gearbox)
+        return gear_constant(self.motor, self.gearbox)
 
     @property
     def reflected_inertia(self) -> float:
@@ -239,7 +240,7 @@ class Drive:
     def torque(self, current: ArrayLike, speed: ArrayLike) -> Array:
         """Returns the joint torque for a motor current, in N·m; inverts `current`."""
         amperes, rate = _arrays(current=current, speed=speed)
-        return np.asarray(self.constant * amperes * passed_on(self.gearbox.efficiency, amperes, rate))[()]
+        return np.asarray(self.constant * amperes * find_passed_on(self.gearbox.efficiency, amperes, rate))[()]
 
     def current(self, torque: ArrayLike, speed: ArrayLike) -> Array:
         """Returns the motor current, in A: u / (N η kt) when driving, u η / (N kt) when braking.
@@ -252,7 +253,7 @@ class Drive:
             BadValue: shapes do not fit or a number is not finite (as in every method).
         """
         effort, rate = _arrays(torque=torque, speed=speed)
-        return np.asarray(effort / (self.constant * passed_on(self.gearbox.efficiency, effort, rate)))[()]
+        return np.asarray(effort / (self.constant * find_passed_on(self.gearbox.efficiency, effort, rate)))[()]
 
     def voltage(self, torque: ArrayLike, speed: ArrayLike) -> Array:
         """Returns the voltage at the terminals, R i + kt N ω, in V."""

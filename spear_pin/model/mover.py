@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from spear_pin.errors import BadValue, listed
+from spear_pin.errors import BadValue, list_names
 from spear_pin.model.loading import load
-from spear_pin.model.origin import moved, robot_of
+from spear_pin.model.origin import move_origin, robot_of
 from spear_pin.model.robot import Robot
 
 
@@ -34,10 +34,10 @@ def mover(
         ValueError: `said` is no origin.
     """
     if said is not None and (elsewhere is None or "cut" in said):
-        return robot_of(moved(said, elsewhere))
+        return robot_of(move_origin(said, elsewhere))
     whole, wanted = load(source if elsewhere is None else elsewhere), tuple(coordinates)
     if not set(wanted) <= set(whole.coordinates):
-        raise BadValue(name, whole.source, f"a robot with {listed(wanted)}, as the trajectory has")
+        raise BadValue(name, whole.source, f"a robot with {list_names(wanted)}, as the trajectory has")
     joints = list(zip(whole.model.names, whole.model.joints, strict=True))[1:]
     locked = [joint for joint, kind in joints if whole.coordinates[kind.idx_v] not in wanted]
     return load(whole.source, toes=tuple(toes), locked=locked)

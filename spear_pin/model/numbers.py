@@ -90,7 +90,7 @@ def _of_body(body: pin.Inertia, turn: Any, planar: bool) -> dict[str, float]:
     return values | {f"inertia_{axis}{axis}": tensor[k, k] for k, axis in enumerate(AXES)}
 
 
-def changed(robot: Robot, values: Mapping[str, float]) -> Robot:
+def change_bodies(robot: Robot, values: Mapping[str, float]) -> Robot:
     """Returns a robot with other numbers of its bodies, which `variants.vary` has checked.
 
     Raises:

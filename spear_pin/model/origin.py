@@ -69,7 +69,7 @@ def robot_of(said: Mapping[str, Any]) -> Robot:
     return robot
 
 
-def moved(said: Mapping[str, Any], source: str | None) -> Mapping[str, Any]:
+def move_origin(said: Mapping[str, Any], source: str | None) -> Mapping[str, Any]:
     """Returns an origin with another source for its file, or for the robot from which it was cut.
 
     Args:
@@ -81,7 +81,7 @@ def moved(said: Mapping[str, Any], source: str | None) -> Mapping[str, Any]:
     if "cut" not in said:
         return {**said, "source": source}
     whole = said["cut"]["of"]
-    elsewhere = moved(whole, source)
+    elsewhere = move_origin(whole, source)
     name = str(said["source"]).replace(repr(whole["source"]), repr(elsewhere["source"]))
     return {**said, "source": name, "cut": {**said["cut"], "of": elsewhere}}
 

@@ -167,12 +167,12 @@ class Joints(Path):
 
     def length(self, posture: Posture) -> Any:
         """Returns Σ c q, times the side."""
-        first, *others = [weighted(weight, posture.angle(joint)) for joint, weight in self.weights]
-        return weighted(self.side, sum(others, first))
+        first, *others = [weigh(weight, posture.angle(joint)) for joint, weight in self.weights]
+        return weigh(self.side, sum(others, first))
 
     def slope(self, posture: Posture) -> Slope:
         """Returns the weights, times the side."""
-        return Slope({posture.index(joint): weighted(self.side, weight) for joint, weight in self.weights})
+        return Slope({posture.index(joint): weigh(self.side, weight) for joint, weight in self.weights})
 
     def indices(self, posture: Posture) -> list[int]:
         """Returns those of its joints."""
@@ -190,12 +190,12 @@ class Joints(Path):
 
     def with_numbers(self, numbers: Mapping[str, Any]) -> Self:
         """Returns the path with other weights."""
-        return unchecked(self, weights=tuple((joint, numbers.get(joint, own)) for joint, own in self.weights))
+        return replace_unchecked(self, weights=tuple((joint, numbers.get(joint, own)) for joint, own in self.weights))
 
     def on(self, names: Mapping[str, str], side: float = 1.0) -> Self:
         """Returns the path on other joints."""
         weights = tuple((names.get(joint, joint), weight) for joint, weight in self.weights)
-        return unchecked(self, weights=weights, side=side * self.side)
+        return replace_unchecked(self, weights=weights, side=side * self.side)
 
     @property
     def turns(self) -> bool:
@@ -234,7 +234,7 @@ class Sum(Path):
 
     def length(self, posture: Posture) -> Any:
         """Returns Σ w s."""
-        first, *others = [weighted(weight, path.length(posture)) for weight, path in self.parts]
+        first, *others = [weigh(weight, path.length(posture)) for weight, path in self.parts]
         return sum(others, first)
 
     def slope(self, posture: Posture) -> Slope:
@@ -271,11 +271,11 @@ class Sum(Path):
         for k, (weight, path) in enumerate(self.parts, 1):
             own = {name: numbers[f"{name}_{k}"] for name in path.numbers if f"{name}_{k}" in numbers}
             parts.append((numbers.get(f"weight_{k}", weight), path.with_numbers(own)))
-        return unchecked(self, parts=tuple(parts))
+        return replace_unchecked(self, parts=tuple(parts))
 
     def on(self, names: Mapping[str, str], side: float = 1.0) -> Self:
         """Returns the sum of the paths on other joints and frames."""
-        return unchecked(self, parts=tuple((weight, path.on(names, side)) for weight, path in self.parts))
+        return replace_unchecked(self, parts=tuple((weight, path.on(names, side)) for weight, path in self.parts))
 
     @property
     def members(self) -> tuple[Path, ...]:
@@ -293,12 +293,12 @@ class Sum(Path):
         return tuple(frame for _, path in self.parts for frame in path.frames)
 
 
-def weighted(weight: Any, value: Any) -> Any:
+def weigh(weight: Any, value: Any) -> Any:
     """Returns the product, or the value itself if the weight is the number 1."""
     return value if isinstance(weight, float) and weight == 1.0 else weight * value
 
 
-def unchecked(instance: D, **values: Any) -> D:
+def replace_unchecked(instance: D, **values: Any) -> D:
     """Returns a dataclass with other values, which need not be numbers."""
     other = object.__new__(type(instance))
     for name, value in (vars(instance) | values).items():

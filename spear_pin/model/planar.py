@@ -23,7 +23,7 @@ from spear_pin.model.mechanism import Feet, Mechanism, Terms
 from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
 from spear_pin.model.round_feet import ANYWHERE, Parts, end_of
-from spear_pin.model.scalars import dot, negated, plus, vanishes
+from spear_pin.model.scalars import dot, negate, plus, vanishes
 from spear_pin.model.vectors import matrix_of, rotate
 
 Vector = tuple[Any, Any]
@@ -194,7 +194,7 @@ class Planar(Mechanism):
                 (at, here, slow), (to, there, fast) = (self._moving(joints, *self.frames[end]) for end in loop.ends)
                 gaps += [b - a for a, b in zip(at, to, strict=True)]
                 rows += [
-                    [plus(b, negated(a)) for a, b in zip(*pair, strict=True)] for pair in zip(here, there, strict=True)
+                    [plus(b, negate(a)) for a, b in zip(*pair, strict=True)] for pair in zip(here, there, strict=True)
                 ]
                 drifts += [b - a for a, b in zip(slow, fast, strict=True)]
             else:

@@ -20,10 +20,10 @@ def home(robot: Robot) -> Array:
     """
     q = pin.neutral(robot.model)
     whole = q if robot.closure is None else robot.closure.closed(q)
-    return grounded(robot, whole if np.isfinite(whole).all() else q)
+    return put_on_ground(robot, whole if np.isfinite(whole).all() else q)
 
 
-def grounded(robot: Robot, q: Array) -> Array:
+def put_on_ground(robot: Robot, q: Array) -> Array:
     """Lifts or lowers a configuration, (nq,), until its lowest toe is at height zero.
 
     It stays unchanged if the robot has no toes, or no coordinate that moves them all straight up. A robot that goes
@@ -51,7 +51,7 @@ def _tilted(robot: Robot, q: Array) -> Array:
     return q
 
 
-def checked(robot: Robot, name: str, q: ArrayLike) -> Array:
+def check_configuration(robot: Robot, name: str, q: ArrayLike) -> Array:
     """Returns a configuration, (nq,), as float64.
 
     Raises:

@@ -14,7 +14,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, UnknownName, listed
+from spear_pin.errors import BadValue, UnknownName, list_names
 from spear_pin.model.coordinates import CONFIGURATION, VELOCITY, is_planar, parts_of, vector_of
 from spear_pin.model.cut import Cut
 from spear_pin.model.directions import WORLD_ALIGNED, Axes, Directions, Round
@@ -355,7 +355,9 @@ class Robot(Shown):
         free = [i for i, name in enumerate(self.coordinates) if name not in self.independent]
         found = self.closure.closed(near, free)
         if not np.isfinite(found).all():
-            raise BadValue("q", q, f"a configuration near one that closes {listed([loop.name for loop in self.loops])}")
+            raise BadValue(
+                "q", q, f"a configuration near one that closes {list_names([loop.name for loop in self.loops])}"
+            )
         return found
 
     def loop_gap(self, q: ArrayLike) -> Array:

@@ -73,7 +73,7 @@ class RobotPosture:
         return self._frames[frame]
 
 
-def carried(robot: Robot, anchor: Anchor) -> tuple[int, Array]:
+def find_carrier(robot: Robot, anchor: Anchor) -> tuple[int, Array]:
     """Returns the joint that carries an anchor, 0 for the world, and its place in the joint's frame, (3,), in m.
 
     Raises:
@@ -98,7 +98,7 @@ def row_along(path: Joints, robot: Robot) -> Array:
 
 
 @lru_cache(maxsize=256)
-def spanned(path: Path, robot: Robot) -> tuple[str, ...]:
+def find_spanned(path: Path, robot: Robot) -> tuple[str, ...]:
     """Returns the names of the coordinates on which a path's length depends, in their order; checks the path.
 
     Raises:

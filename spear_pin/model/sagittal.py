@@ -15,7 +15,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.kinds import typed
 from spear_pin.model.cut import AHEAD, PITCH, UP, Amount, Assembly, Cut, Limb, Source, Turn, flat, products
-from spear_pin.model.legs import Leg, lacking_toe, named_leg, simple
+from spear_pin.model.legs import Leg, find_named_leg, lacking_toe, simple
 from spear_pin.model.robot import Robot
 
 ENDS = ("posterior", "anterior")
@@ -170,7 +170,7 @@ def _given(source: Source, pairs: Sequence[Sequence[str | Leg]]) -> list[Pair]:
     """
     if not all(isinstance(pair, Sequence) and not isinstance(pair, str) and len(pair) == 2 for pair in pairs):
         raise BadValue("pairs", pairs, PAIRS)
-    legs = [[named_leg(source.model, source.robot.legs, leg) for leg in pair] for pair in pairs]
+    legs = [[find_named_leg(source.model, source.robot.legs, leg) for leg in pair] for pair in pairs]
     if len(legs) != 2 or len({leg.hip for pair in legs for leg in pair}) != 4:
         raise BadValue("pairs", pairs, PAIRS)
     return _paired(source, [(left, right) for left, right in legs])

@@ -35,7 +35,7 @@ def dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     return total
 
 
-def negated(value: Any) -> Any:
+def negate(value: Any) -> Any:
     """Returns the negative; the number zero stays zero."""
     return 0.0 if vanishes(value) else -value
 

@@ -59,12 +59,12 @@ def scale_of(robot: Robot, length: float | None = None) -> Scale:
         BadValue: the robot has no legs of hip and knee in the plane.
     """
     if length is not None:
-        return _relative(_sizes(robot, length), shipped("spear_ii"))
+        return _relative(_sizes(robot, length), load_shipped("spear_ii"))
     if robot.loops:
         raise BadValue("robot", robot, WITHOUT_LOOPS)
     if not robot.planar or not robot.legs:
         raise BadValue("robot", robot, "a planar robot with legs, as monopod(...) or sagittal(...) makes it")
-    return _relative(_size(robot), shipped("spear_ii" if len(robot.legs) == 1 else "q_spear"))
+    return _relative(_size(robot), load_shipped("spear_ii" if len(robot.legs) == 1 else "q_spear"))
 
 
 def scale_in_space(robot: Robot) -> Scale:
@@ -78,7 +78,7 @@ def scale_in_space(robot: Robot) -> Scale:
     """
     if not robot.legs:
         raise BadValue("robot", robot, "one with legs of hip and knee")
-    return _relative(_size(robot), shipped("q_spear_full", "chain"))
+    return _relative(_size(robot), load_shipped("q_spear_full", "chain"))
 
 
 def touchdown_inertia(robot: Robot, knee: float) -> Array:
@@ -112,7 +112,7 @@ def only_leg(robot: Robot) -> Leg:
 
 
 @cache
-def shipped(name: str, base: Literal["chain"] | None = None) -> Robot:
+def load_shipped(name: str, base: Literal["chain"] | None = None) -> Robot:
     """Returns a robot that comes with the package, which is loaded once."""
     from spear_pin.model.loading import load
 

@@ -180,7 +180,7 @@ def _check(path: Path, table: Mapping[str, Any], kinds: Mapping[str, Kind], pref
 
 
 @contextmanager
-def blaming(path: Path | None, key: str) -> Iterator[None]:
+def blame_file(path: Path | None, key: str) -> Iterator[None]:
     """Adds the file and the key to errors about invalid values."""
     try:
         yield

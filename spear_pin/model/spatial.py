@@ -23,7 +23,7 @@ from spear_pin.model.mechanism import NO_FORCES, Feet, Mechanism, Terms, Toe
 from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
 from spear_pin.model.round_feet import ANYWHERE, Parts
-from spear_pin.model.scalars import dot, negated, plus, times, vanishes
+from spear_pin.model.scalars import dot, negate, plus, times, vanishes
 from spear_pin.model.vectors import (
     UPRIGHT,
     ZERO,
@@ -288,7 +288,7 @@ def _hung(above: _Composite, load: _Composite, joint: _Joint) -> _Composite:
 
     def entry(i: int, j: int) -> Any:
         shift = plus(plus(times(arm[i], moment[j]), times(moment[i], arm[j])), times(mass, times(arm[i], arm[j])))
-        value = plus(plus(above.inertia[i][j], inertia[i][j]), negated(shift))
+        value = plus(plus(above.inertia[i][j], inertia[i][j]), negate(shift))
         return plus(value, along) if i == j else value
 
     rows = tuple(tuple(entry(i, j) for j in range(3)) for i in range(3))

@@ -72,7 +72,7 @@ def numbers_of_springs(springs: Springs) -> dict[str, Any]:
     return {name: place.value(springs[place.spring]) for name, place in places.items()}
 
 
-def said(name: str, spring: Spring) -> str:
+def describe_spring(name: str, spring: Spring) -> str:
     """Returns a spring in words, with its switch where that is not ideal."""
     law = "by a table" if spring.table else f"{spring.stiffness:.4g} {spring.units['stiffness']}"
     words = [f"{law} in the {name}" if spring.path is None else f"{law}, {name}"]

@@ -12,7 +12,7 @@ from spear_pin.errors import BadValue
 from spear_pin.kinds import typed
 from spear_pin.model.document import document
 from spear_pin.model.legs import leg_name
-from spear_pin.model.postures import checked, home
+from spear_pin.model.postures import check_configuration, home
 from spear_pin.model.robot import Robot
 from spear_pin.printable import printable
 
@@ -83,7 +83,7 @@ def _hip_link(robot: Robot, parents: Mapping[str, Any], toe: str) -> str | None:
 
 
 def _add_posture(robot: Robot, root: Any, name: str, q: ArrayLike) -> None:
-    values = checked(robot, name, q)
+    values = check_configuration(robot, name, q)
     state = etree.SubElement(root, "group_state", name=name, group=EVERYTHING)
     for joint, kind in list(zip(robot.model.names, robot.model.joints, strict=True))[1:]:
         numbers = " ".join(repr(float(value)) for value in values[kind.idx_q : kind.idx_q + kind.nq])

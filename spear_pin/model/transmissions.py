@@ -9,7 +9,7 @@ from typing import Any
 
 from lxml import etree
 
-from spear_pin.errors import listed
+from spear_pin.errors import list_names
 from spear_pin.model.elements import fault, parse_number
 from spear_pin.model.gears import Gear
 
@@ -79,7 +79,7 @@ def _misfit(element: Any, kinds: Mapping[str, str]) -> str | None:
             return f"it has {len(element.findall(tag)) or 'no'} <{tag}>, and one is supported"
     joint = element.find("joint").get("name")
     if kinds.get(joint, "fixed") == "fixed":
-        movable = listed([name for name, kind in kinds.items() if kind != "fixed"])
+        movable = list_names([name for name, kind in kinds.items() if kind != "fixed"])
         state = "is fixed" if joint in kinds else "is not there"
         return f"it drives the joint {joint!r}, which {state}; valid: {movable or 'none'}"
     return None

@@ -12,7 +12,7 @@ from typing import Any
 
 from lxml import etree
 
-from spear_pin.errors import listed
+from spear_pin.errors import list_names
 
 NAMED, LONG = (4, 2, 1), 600  # how many owners are named, the fewer the longer the line would be, in characters
 NAMES = ("name", "reference")  # attributes that tell which element it is
@@ -98,7 +98,7 @@ def _plain(text: str) -> str:
 
 
 def _part(where: str, lost: str, of: str, owners: list[str], most: int) -> str:
-    names = f" {of}{listed([repr(owner) for owner in owners], most)}" if owners else ""
+    names = f" {of}{list_names([repr(owner) for owner in owners], most)}" if owners else ""
     inside = f" in {where}" if where else ""
     return f"{lost}{inside}{names}" if of else f"{lost}{names}{inside}"
 

@@ -16,17 +16,17 @@ from typing import Any, Literal
 import numpy as np
 import pinocchio as pin
 
-from spear_pin.errors import BadValue, RobotWarning, UnknownName, listed
+from spear_pin.errors import BadValue, RobotWarning, UnknownName, list_names
 from spear_pin.kinds import typed
 from spear_pin.model.catalogue import mass_law, motor
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.elements import MAX_NUMBER
 from spear_pin.model.fitting import hold
 from spear_pin.model.motor import Motor
-from spear_pin.model.numbers import body_numbers, changed
+from spear_pin.model.numbers import body_numbers, change_bodies
 from spear_pin.model.recut import LIKE, recut
 from spear_pin.model.robot import Robot
-from spear_pin.model.scale import shipped
+from spear_pin.model.scale import load_shipped
 
 FULL = ("q_spear_full",)
 QUADRUPEDS = ("q_spear", *FULL)
@@ -176,7 +176,7 @@ def vary(robot: Robot, **values: float) -> Robot:
     varied = {**robot.varied, **{name: float(value) for name, value in values.items()}}
     bodies = {name: value for name, value in varied.items() if name not in valid}
     base = _with_parameters(robot, own, bodies.keys() - values) if own else robot.base
-    found = changed(robot.with_model(base), bodies) if bodies else robot
+    found = change_bodies(robot.with_model(base), bodies) if bodies else robot
     return found.with_model(found.model if bodies else base, varied=varied, base=base)
 
 
@@ -188,7 +188,7 @@ def _with_parameters(robot: Robot, values: Mapping[str, float], keep: Set[str]) 
     old, new = (body_numbers(robot.with_model(model)) for model in (robot.base, base)) if keep else ({}, {})
     for name in sorted(keep):
         if old[name] != new.get(name):
-            raise BadValue(name, robot.varied[name], f"a value given again, as {listed([*values])} sets it, too")
+            raise BadValue(name, robot.varied[name], f"a value given again, as {list_names([*values])} sets it, too")
     return base
 
 
@@ -214,7 +214,7 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
     cut = robot.cut
     base: Literal["chain"] | None = "chain" if robot.coordinates[: len(CHAIN)] == CHAIN else None
     if cut is None:
-        model = shipped(str(robot.source), base).model.copy()
+        model = load_shipped(str(robot.source), base).model.copy()
     else:
         model = recut(cut.kind, cut.robot, cut.legs, cut.body).model
     motors = None if cut is None else {joint: len(turns) for joint, turns in cut.angles.items()}

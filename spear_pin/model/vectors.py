@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from spear_pin.model.scalars import dot, negated, plus, times
+from spear_pin.model.scalars import dot, negate, plus, times
 
 Vector = tuple[Any, ...]
 Rows = tuple[Vector, ...]
@@ -43,7 +43,7 @@ def scale(factor: Any, vector: Vector) -> Vector:
 
 def cross(a: Vector, b: Vector) -> Vector:
     """Returns the cross product."""
-    return tuple(plus(times(a[i], b[j]), negated(times(a[j], b[i]))) for i, j in ((1, 2), (2, 0), (0, 1)))
+    return tuple(plus(times(a[i], b[j]), negate(times(a[j], b[i]))) for i, j in ((1, 2), (2, 0), (0, 1)))
 
 
 def rotate(rows: Rows, vector: Vector) -> Vector:

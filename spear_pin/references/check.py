@@ -55,7 +55,7 @@ class Difference:
         )
 
 
-def named(events: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
+def name_events(events: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
     """Returns events by names such as "touchdown of toe 2"."""
     found: dict[str, Mapping[str, Any]] = {}
     counts: Counter[str] = Counter()
@@ -77,7 +77,7 @@ def compare(reference: Mapping[str, Any], events: Sequence[Mapping[str, Any]]) -
         every number that the answer has, and the names of events that it lacks, or that are not in the reference.
     """
     bounds, coordinates = reference["answer"]["bounds"], reference["robot"]["coordinates"]
-    right, given = named(reference["answer"]["events"]), named(events)
+    right, given = name_events(reference["answer"]["events"]), name_events(events)
     places = {"time_s": [""], "energy_J": ["kinetic", "potential"], "position": coordinates, "velocity": coordinates}
     found = []
     for name in right.keys() & given.keys():

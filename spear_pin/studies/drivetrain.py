@@ -176,7 +176,7 @@ def knee_drives(
                 failure = error
                 continue
             found.append((inertia, gait))
-            return judged(name, drive, gait)
+            return judge_drive(name, drive, gait)
         return KneeDrive(name, drive, inertia, reason=str(failure))
 
     return (solved(name, drive) for name, drive in drives)
@@ -193,7 +193,7 @@ def knee_inertia(robot: Robot, law: HoppingLaw) -> float:
 
 
 @typed
-def judged(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
+def judge_drive(motor: str, drive: Drive, gait: Gait) -> KneeDrive:
     """Returns the figures of a hop with a drive, and the reasons against it.
 
     Args:

@@ -216,7 +216,7 @@ def costs(system: HybridSystem, trajectory: Trajectory, drives: Sequence[Drive] 
     return Costs(energy, robot.mass, robot.weight, distance or 0.0, _rise(sampled))
 
 
-def computed_points(name: str, of: Costs) -> tuple[CostPoint, ...]:
+def compute_points(name: str, of: Costs) -> tuple[CostPoint, ...]:
     """Returns points of a gait to compare with `PUBLISHED`: positive mechanical work, electricity without return."""
     kinds: dict[str, Kind] = {"mechanical_positive": "mechanical", "electrical_0": "electrical"}
     found = of.of_transport

@@ -19,7 +19,7 @@ from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
 from spear_pin.model.actuator import Actuator, Thermal
 from spear_pin.model.bridge import Battery
-from spear_pin.model.catalogue import gearbox, motor, sized
+from spear_pin.model.catalogue import gearbox, motor, size_motor
 from spear_pin.model.motor import Gearbox, Motor
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import motor_size
@@ -70,7 +70,7 @@ class Rig:
                 raise BadValue("robot.actuated", joint, expected)
             machine, efficiency = parts[joint]
             if (size := motor_size(robot, joint)) != 1.0:
-                machine = sized(machine, size)
+                machine = size_motor(machine, size)
             actuators.append(Actuator(machine, Gearbox(robot.gear_ratio(joint), efficiency), *shared))
         return Hardware(tuple(actuators), self.sensing)
 

@@ -16,7 +16,7 @@ from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.rules.surface import CHATTER
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.kinds import typed
-from spear_pin.model.springs import said
+from spear_pin.model.springs import describe_spring
 
 
 @typed
@@ -51,7 +51,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
         "knee_touchdown": law.knee_touchdown,
         "frequency": law.frequency,
         "stiffness": gait.system.spring.stiffness,
-        "springs": {name: said(name, spring) for name, spring in gait.system.springs.items()},
+        "springs": {name: describe_spring(name, spring) for name, spring in gait.system.springs.items()},
         "friction": gait.system.contact.friction,
         "slope": gait.system.ground.slope,
         "flight_time": gait.durations["flight"],

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from spear_pin.errors import BadValue, NoGait, SpearError
-from spear_pin.gaits.diagnosis import Reached, explained
+from spear_pin.gaits.diagnosis import Reached, explain_failure
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.proportions import proportions
@@ -23,7 +23,7 @@ from spear_pin.model.recut import recut
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
-from spear_pin.studies.joint_limits import exceeded
+from spear_pin.studies.joint_limits import list_exceeded
 
 FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 LONGER = (1.0, 1.15, 1.3)  # in turn: flights that end as the square wave turns back leave a gap before the next
@@ -77,12 +77,12 @@ def hop_of(
     """
     check_wanted(system, {"flight_time": flight_time})
     first = _anywhere(system, flight_time)
-    why = exceeded(first) if within_limits else ""
+    why = list_exceeded(first) if within_limits else ""
     near = first
     for share in SHORTER if why else ():
         with suppress(SpearError):
             near = _beside(near, share * flight_time)
-            if not exceeded(near):
+            if not list_exceeded(near):
                 on_attempt(first.durations["flight"], why)
                 return near
     return first
@@ -151,7 +151,7 @@ def _in_place(system: HybridSystem, flight_time: float) -> Gait:
     near = _nearest(known, flight_time)
     asked, reached = {"flight_time": flight_time}, Reached(0.0, near.system, near.state)
     failure = NoGait(failures[0].reason, min(error.residual for error in failures))
-    raise explained(failure, system, ["stance_torque"], asked, reached)
+    raise explain_failure(failure, system, ["stance_torque"], asked, reached)
 
 
 def _nearest(gaits: Sequence[Gait], flight_time: float) -> Gait:

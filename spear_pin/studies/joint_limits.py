@@ -69,7 +69,7 @@ def excesses(robot: Robot, trajectory: Trajectory) -> tuple[Excess, ...]:
     return tuple(found)
 
 
-def exceeded(gait: Gait) -> str:
+def list_exceeded(gait: Gait) -> str:
     """Lists limits that a cycle of a gait exceeds, in words; an optimiser keeps them at its nodes, but not between."""
     run = simulate(gait.system, gait.state, 1, progress=False)
     return "; ".join(map(str, excesses(gait.system.robot, run)))

@@ -18,7 +18,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.identification.records import Calibration
 from spear_pin.studies.identification.trials import Trial
-from spear_pin.studies.push_test import RATE, PassiveKnee, equilibrium, pushed_angle
+from spear_pin.studies.push_test import RATE, PassiveKnee, equilibrium, find_pushed_angle
 from spear_pin.studies.push_test.motion import move
 from spear_pin.studies.tables.readings import SYNTHETIC
 
@@ -107,7 +107,7 @@ def synthesize(
     require("repeats", repeats, lambda n: 1 <= n <= most and n % 1 == 0, f"a whole number >= 1, at most {most}")
     require("seed", seed, lambda n: n >= 0 and n % 1 == 0, "a whole number >= 0")
     rng = np.random.default_rng(int(seed))
-    pushed, level = pushed_angle(leg, knee, depth), equilibrium(leg, knee)
+    pushed, level = find_pushed_angle(leg, knee, depth), equilibrium(leg, knee)
     t = np.arange(round((1.0 + cycle * int(repeats)) * rate)) / rate
     angle = np.full(t.size, level)
     let_go = 1.0 + cycle * np.arange(int(repeats)) + PUSH + HOLD + rng.uniform(0, 1, int(repeats)) / rate
@@ -142,7 +142,7 @@ def synthetic_trial(
 ) -> Trial:
     """Simulates one release with white noise on the angle, in rad, let go at time zero."""
     t = np.arange(-round(hold * rate), round(duration * rate) + 1) / rate
-    initial = pushed_angle(leg, knee, depth)
+    initial = find_pushed_angle(leg, knee, depth)
     angle = np.full(t.size, initial)
     angle[t >= 0] = move(leg, knee, initial, t[t >= 0]).angle
     return Trial(t, angle + noise * rng.normal(size=t.size), 0.0, synthetic=True)

@@ -10,7 +10,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
-from spear_pin.studies.identification import cut, identify, read_record
+from spear_pin.studies.identification import cut_releases, identify, read_record
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import PassiveKnee, spear_ii
 from tests.cases.case import Case
@@ -39,7 +39,7 @@ def identified(head: str, times: Times, angles: Angles = lambda angle: angle, ma
         path = folder / "log.csv"
         path.write_text("\n".join([head, *rows, ""]), encoding="utf-8")
         try:
-            trials, _ = cut(read_record(path))
+            trials, _ = cut_releases(read_record(path))
         except SpearError as error:
             return str(error)
         found = identify(spear_ii(), trials)

@@ -6,12 +6,12 @@ import time
 import pytest
 
 from spear_pin.cli import _parser, output
-from spear_pin.cli.durations import LASTING, expected, usual
+from spear_pin.cli.durations import LASTING, tell_duration, usual
 from tests.cli.calls import run
 
 
 def asked(*words):
-    return expected(_parser().parse_args(words))
+    return tell_duration(_parser().parse_args(words))
 
 
 def test_the_rows_are_of_commands_and_of_their_options():

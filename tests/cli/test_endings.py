@@ -7,7 +7,7 @@ import pytest
 
 import spear_pin
 from spear_pin import Gait
-from spear_pin.cli.endings import ended, lost, notes_of
+from spear_pin.cli.endings import lost, notes_of, show_ending
 from spear_pin.errors import SpearError
 from spear_pin.hybrid.reasons import REASONS
 from tests.cli.calls import refused, run
@@ -31,7 +31,7 @@ def motion(reason, cycles):
 def test_said(reason, cycles, of, said):
     found = lost(motion(reason, cycles), "stride", of)
     assert (found is None) == (said is None) and (found or "").startswith(said or "")
-    assert [name for name, _ in ended(found)] == ["the motion"] * (said is not None)
+    assert [name for name, _ in show_ending(found)] == ["the motion"] * (said is not None)
     notes = notes_of({"lost": found, "implausible": ("torque of the knee",)})
     assert notes == [*([f"the motion {found}"] if found else []), "torque of the knee"]
 

@@ -12,7 +12,7 @@ from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.request import Request
 from spear_pin.model.catalogue import motor
 from spear_pin.model.mjcf import to_mjcf
-from spear_pin.model.origin import moved, origin, robot_of
+from spear_pin.model.origin import move_origin, origin, robot_of
 from spear_pin.model.pinned import pin_toe
 from spear_pin.model.srdf import to_srdf
 from spear_pin.studies.hop_of_another import scaled_hopping
@@ -180,10 +180,10 @@ class TestExport:
     def test_a_file_that_moved(self, dog, leg, tmp_path):
         elsewhere = tmp_path / "elsewhere.urdf"
         elsewhere.write_bytes(dog.read_bytes())
-        robot = robot_of(moved(origin(leg), str(elsewhere)))
+        robot = robot_of(move_origin(origin(leg), str(elsewhere)))
         assert robot.model == leg.model and robot.cut.source == str(elsewhere)
-        assert moved(origin(leg), None) == origin(leg)
-        assert moved(origin(load("spear_ii")), "q_spear")["source"] == "q_spear"
+        assert move_origin(origin(leg), None) == origin(leg)
+        assert move_origin(origin(load("spear_ii")), "q_spear")["source"] == "q_spear"
 
     def test_is_drawn_from_where_it_is_now(self, capsys, dog, leg, tmp_path, monkeypatch):
         gone = tmp_path / "gone.urdf"

@@ -10,7 +10,7 @@ from spear_pin import Gait, Ground, HoppingLaw, Spring, Trajectory, find_gait, l
 from spear_pin.cli import _parser
 from spear_pin.cli.output import IN_PYTHON
 from spear_pin.cli.python_lines import Code, Program
-from spear_pin.cli.request import requested
+from spear_pin.cli.request import make_request
 from spear_pin.model.catalogue import motor
 from tests.cli.calls import printed, run
 
@@ -163,7 +163,7 @@ def test_a_push(capsys, tmp_path):
 )
 def test_a_request(options):
     program, space = Program(), {}
-    robot, request = requested(_parser().parse_args(["search", *options]), program)
+    robot, request = make_request(_parser().parse_args(["search", *options]), program)
     exec(str(program), space)
     assert space["request"] == request
     assert space["robot"].varied == robot.varied and str(space["robot"]) == str(robot)

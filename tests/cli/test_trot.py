@@ -9,7 +9,7 @@ import pytest
 from spear_pin import Gait, Trajectory, simulate
 from spear_pin.cli.durations import usual
 from spear_pin.gaits import feedback
-from spear_pin.gaits.parity import merged
+from spear_pin.gaits.parity import merge_multipliers
 from spear_pin.hybrid.event_feedback import feedback_of
 from tests.cli.calls import printed, refused, rows, run
 from tests.gaits.feeding import idle
@@ -17,7 +17,7 @@ from tests.solve.kept import FOLDER
 
 
 def unregulated(gait, inputs=None):
-    of = merged({None: gait.multipliers})
+    of = merge_multipliers({None: gait.multipliers})
     return feedback.Regulated(idle(gait), of, of)
 
 

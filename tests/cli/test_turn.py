@@ -62,7 +62,7 @@ def test_a_motion_that_is_lost_is_one_line(capsys, tmp_path, monkeypatch):
         asked.append((gait.system.law.adduction_stiffness, np.degrees(turn)))
         raise NoGait("the turn was lost in stride 7: it fell", 0.3)
 
-    monkeypatch.setattr(turning, "turning", lost)
+    monkeypatch.setattr(turning, "find_turn", lost)
     said = refused(capsys, "turn", "--rate", 20, "--out", tmp_path)
     assert "lost in stride 7" in said and list(tmp_path.iterdir()) == []
     refused(capsys, "turn", "--angle", -3, "--out", tmp_path)

@@ -10,7 +10,7 @@ from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.model.cable import Anchor, Between, Over
 from spear_pin.model.linkage import Linkage
 from spear_pin.model.mjcf import to_mjcf
-from spear_pin.model.mjcf_springs import left_out, springs_of
+from spear_pin.model.mjcf_springs import list_left_out_springs, springs_of
 from spear_pin.model.monopod import monopod
 from spear_pin.model.path import Joints, Sum
 from spear_pin.model.robot_posture import RobotPosture
@@ -46,7 +46,7 @@ def test_a_tendon_has_the_length_and_the_force_of_the_spring(name):
     import mujoco
 
     robot, spring = load("spear_ii"), SPRINGS[name]
-    assert not left_out(robot, {name: spring})
+    assert not list_left_out_springs(robot, {name: spring})
     model = mujoco.MjModel.from_xml_string(to_mjcf(robot, springs={name: spring}))
     data, rng, pulled = mujoco.MjData(model), np.random.default_rng(1), 0
     for knee in np.linspace(-0.2, 2.8, 40):  # within the joint's limits
@@ -68,7 +68,7 @@ def test_a_tendon_has_the_length_and_the_force_of_the_spring(name):
 def test_what_mjcf_cannot_say_is_said(name):
     spring, reason = OTHERS[name]
     robot = load("spear_ii")
-    (line,) = left_out(robot, {name: spring})
+    (line,) = list_left_out_springs(robot, {name: spring})
     assert line.startswith(f"spring {name}: ") and reason in line
     text = to_mjcf(robot, springs={name: spring})
     assert f"spring {name}: " in text and ("<tendon" in text) == (name == "damped")
@@ -85,7 +85,7 @@ def test_a_pulley_that_turns_too_far():
     robot = load("q_spear")
     thigh, shank = (Anchor(f"posterior_{each.body}", each.at) for each in (AHEAD, BELOW))
     wide = Spring(100.0, damping=0.0, rest=0.3, path=Over(thigh, replace(shank, at=(0, 0, 0)), shank, 0.03, -1.0))
-    assert "turns too far" in left_out(robot, {"wide": wide})[0]
+    assert "turns too far" in list_left_out_springs(robot, {"wide": wide})[0]
 
 
 @pytest.mark.extra("mujoco")

@@ -7,7 +7,7 @@ import pytest
 from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, monopod
 from spear_pin.errors import NoGait
 from spear_pin.gaits import attempts
-from spear_pin.gaits.diagnosis import Reached, diagnosis, explained
+from spear_pin.gaits.diagnosis import Reached, diagnosis, explain_failure
 from spear_pin.model.loading import ROBOTS
 from tests.model.legged import quadruped
 
@@ -86,8 +86,8 @@ def test_where_a_continuation_ended(leg):
 
 def test_other_systems_keep_their_failure(leg):
     failure = NoGait("nothing", 0.1)
-    assert explained(failure, replace(hop(leg), kind="running"), [], {}) is failure
-    again = explained(failure, hop(leg, {"frequency": 8.0}), [], {})
+    assert explain_failure(failure, replace(hop(leg), kind="running"), [], {}) is failure
+    again = explain_failure(failure, hop(leg, {"frequency": 8.0}), [], {})
     assert (again.reason, again.residual) == ("nothing", 0.1) and again.cause and again.remedy
 
 
@@ -97,7 +97,7 @@ def test_a_law_of_ones_own_keeps_its_failure(leg):
     stance = next(domain for domain in system.domains if domain.phase == "stance")
     own = replace(stance, law=lambda t, q, v, held, p, dyn, ops: (0.0, 5.0))
     domains = tuple(own if domain is stance else domain for domain in system.domains)
-    assert explained(failure, replace(system, domains=domains), [], {}) is failure
+    assert explain_failure(failure, replace(system, domains=domains), [], {}) is failure
 
 
 @pytest.mark.slow

@@ -12,8 +12,8 @@ from spear_pin import Gait, find_gait, load
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits import feedback
 from spear_pin.gaits.bounding_law import INPUTS
-from spear_pin.gaits.feedback import regulate, regulated, speed_regulated, without_feedback
-from spear_pin.gaits.linear import linearized
+from spear_pin.gaits.feedback import add_feedback, regulate, speed_regulated, without_feedback
+from spear_pin.gaits.linear import linearize
 from spear_pin.gaits.parity import ALONG, LATERAL
 from spear_pin.gaits.round_hopping import round_hopping
 from spear_pin.gaits.series_hopping import series_hopping
@@ -44,13 +44,13 @@ def gait() -> Gait:
 
 @pytest.fixture(scope="module")
 def derivatives(gait: Gait) -> tuple[np.ndarray, np.ndarray]:
-    return linearized(gait, INPUTS, rtol=1e-9)
+    return linearize(gait, INPUTS, rtol=1e-9)
 
 
 @pytest.mark.slow
 def test_the_solved_gait_is_what_is_found(gait: Gait, stabilised: Gait) -> None:
-    """The file is that of `regulated(Gait.load("long_stride"), rtol=1e-9)`, which differences round a little."""
-    found = regulated(gait, rtol=1e-9)
+    """The file is that of `add_feedback(Gait.load("long_stride"), rtol=1e-9)`, which differences round a little."""
+    found = add_feedback(gait, rtol=1e-9)
     ours, kept = feedback_of(found.system), feedback_of(stabilised.system)
     assert np.array(ours.gains) == pytest.approx(np.array(kept.gains), rel=1e-3, abs=1e-3)
     assert ours.nominal == pytest.approx(kept.nominal, abs=1e-12)
@@ -70,7 +70,7 @@ def test_the_long_stride_becomes_stable(gait: Gait, stabilised: Gait) -> None:
 def test_every_shipped_gait_becomes_stable(name: str) -> None:
     found = Gait.load(name)
     assert abs(found.multipliers[0]) > 1.0
-    assert abs(regulated(found, rtol=1e-9).multipliers[0]) <= RADIUS[name]
+    assert abs(add_feedback(found, rtol=1e-9).multipliers[0]) <= RADIUS[name]
 
 
 @pytest.mark.slow
@@ -105,7 +105,7 @@ def test_a_saved_gait_keeps_its_feedback(stabilised: Gait, tmp_path) -> None:
 
 
 def test_speed_feedback_adds_to_both_hips_and_nothing_on_the_orbit(gait: Gait, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(feedback, "linearized", lambda *_: (np.eye(1), np.empty((1, 0))))  # which takes long
+    monkeypatch.setattr(feedback, "linearize", lambda *_: (np.eye(1), np.empty((1, 0))))  # which takes long
     law = (quick := speed_regulated(gait, gain=20.0)).system.law
     assert law.speed_gain == (20.0, 20.0)
     assert law.speed_nominal[0] == gait.state[1][0]
@@ -126,16 +126,16 @@ def test_the_gain_of_speed_feedback_that_is_found_beats_those_beside_it(gait: Ga
 
 def test_what_cannot_be_asked_for(gait: Gait, stabilised: Gait) -> None:
     with pytest.raises(UnknownName, match="stiffness"):
-        regulated(gait, ("posterior_hip_torque", "stiffness"))
+        add_feedback(gait, ("posterior_hip_torque", "stiffness"))
     for inputs in ((), 2 * ("posterior_hip_torque",)):
         with pytest.raises(BadValue, match="inputs"):
-            regulated(gait, inputs)
+            add_feedback(gait, inputs)
     for weight in (0.0, -1.0, math.nan):
         with pytest.raises(BadValue, match="weight"):
-            regulated(gait, weight=weight)
+            add_feedback(gait, weight=weight)
     with pytest.raises(BadValue, match="heading"):
-        regulated(gait, heading=1.0)
-    for build in (regulated, speed_regulated):
+        add_feedback(gait, heading=1.0)
+    for build in (add_feedback, speed_regulated):
         with pytest.raises(BadValue, match="event feedback"):
             build(stabilised)
 
@@ -163,7 +163,7 @@ class TestAnyGait:
         assert np.abs(displacement(gait.system, gait.state, once.state)).max() < 1e-8
 
     def test_a_hop_that_drifts_away_comes_back(self, free_hop: Gait) -> None:
-        held = regulated(free_hop)
+        held = add_feedback(free_hop)
         assert abs(free_hop.multipliers[0]) > 1.0 > 0.5 > abs(held.multipliers[0])
         local = chart(held.system, held.state)
         xi = np.array([0.01, -0.01, 0.02, 0.02])
@@ -173,12 +173,12 @@ class TestAnyGait:
         assert np.abs(local.coordinates(state)).max() < 0.01 * np.abs(xi).max()
 
     def test_what_a_law_does_not_list_is_named(self, hop: Gait) -> None:
-        found = regulated(hop, ("knee_gain", "frequency"))
+        found = add_feedback(hop, ("knee_gain", "frequency"))
         assert feedback_of(found.system).limits == pytest.approx((0.5 * 63.25, 0.5 * 2.56))
 
     def test_what_grows_and_is_not_reached(self, free_hop: Gait) -> None:
         with pytest.raises(BadValue, match="numbers on which the next state depends"):
-            regulated(free_hop.with_law(speed=1.0), ("speed",))  # with no gain of its own
+            add_feedback(free_hop.with_law(speed=1.0), ("speed",))  # with no gain of its own
 
 
 @pytest.mark.slow
@@ -237,7 +237,7 @@ class TestInSpace:
         A, B = np.zeros((33, 32)), np.zeros((33, 2))
         A[i, i], A[j, j] = 1.5, 1.4
         B[[i, j]] = np.array([[1.0, 0.9], [0.9, 1.0]]) / [0.05, 50.0]
-        monkeypatch.setattr(feedback, "linearized", lambda *_: (A, B))
+        monkeypatch.setattr(feedback, "linearize", lambda *_: (A, B))
         found = regulate(gait, names)
         gains = np.array(feedback_of(found.gait.system).gains) @ scipy.linalg.block_diag(local.q_basis, local.v_basis)
         wanted = np.linalg.eigvals(A[:32] + B[:32] @ gains)
@@ -251,24 +251,24 @@ class TestRefusedInSpace:
         law = in_space().system.law
         gait = in_space().with_law(plane=replace(law.plane, speed_gain=(5.0, 0.0)))
         with pytest.raises(BadValue, match="without_feedback"):
-            regulated(gait)
+            add_feedback(gait)
         assert without_feedback(gait).system.law == law
 
     def test_inputs_that_are_none(self):
         with pytest.raises(UnknownName, match="input"):
-            regulated(in_space(), ("hip_torque",))
+            add_feedback(in_space(), ("hip_torque",))
 
     @pytest.mark.parametrize("inputs", [(), 2 * ("posterior_adduction",)])
     def test_no_inputs_and_one_twice(self, inputs):
         with pytest.raises(BadValue, match="inputs"):
-            regulated(in_space(), inputs)
+            add_feedback(in_space(), inputs)
 
     def test_weights(self):
         with pytest.raises(BadValue, match="weight"):
-            regulated(in_space(), weight=0.0)
+            add_feedback(in_space(), weight=0.0)
         with pytest.raises(BadValue, match="heading"):
-            regulated(in_space(), heading=-1.0)
+            add_feedback(in_space(), heading=-1.0)
 
     def test_feedback_twice(self):
         with pytest.raises(BadValue, match="without"):
-            regulated(idle(in_space()))
+            add_feedback(idle(in_space()))

@@ -11,7 +11,7 @@ from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping, load, monopod,
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.gaits.gait import springs_data, springs_of
 from spear_pin.hybrid.dry_friction import with_dry_friction
-from spear_pin.hybrid.parameters import changed, limits, parameter, with_hardware, with_numbers, with_parameters
+from spear_pin.hybrid.parameters import change_system, limits, parameter, with_hardware, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.studies.hardware import Rig
@@ -74,7 +74,7 @@ class TestSaveAndLoad:
             (lambda system: hopping(heavier(system.robot), system.law), "another model than its file"),
             (lambda system: with_dry_friction(system, {"boom_z": 1.0}), "dry friction of joints"),
             (lambda system: hopping(on_rotary_boom(system.robot), system.law), "a robot with added inertia"),
-            (lambda system: changed(system, lambda built: built), "a change of its own"),
+            (lambda system: change_system(system, lambda built: built), "a change of its own"),
             (lambda system: replace(system, cyclic=("boom_z",)), "another cyclic"),
         ],
     )

@@ -15,7 +15,7 @@ from spear_pin.hybrid.domain import Mount
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.path import Joints
-from spear_pin.model.springs import said
+from spear_pin.model.springs import describe_spring
 from tests.gaits.bounding_gaits import gait as bound
 from tests.hybrid.lanes import assert_agree, compiles
 from tests.slow import slow_but
@@ -166,7 +166,7 @@ class TestWords:
             (tmp_path / f"{file}.toml").write_text(text)
         spring = load(tmp_path / "good.toml").settings.springs["knee"]
         assert spring == Spring(50.0, damping=0.0, hysteresis=2.5)
-        assert said("knee", spring) == "50 N·m/rad in the knee; hysteresis of 2.5 N·m"
+        assert describe_spring("knee", spring) == "50 N·m/rad in the knee; hysteresis of 2.5 N·m"
         with pytest.raises(BadFile, match=r"springs.knee.hysteresis is 'wide'; expected a number, in N·m"):
             load(tmp_path / "bad.toml")
 

@@ -4,15 +4,15 @@ import pytest
 
 from spear_pin import Gait, HoppingLaw, hopping, load, monopod
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.inputs import ANGLE, Input, inputs_of, listed
+from spear_pin.gaits.inputs import ANGLE, Input, inputs_of, list_inputs
 from spear_pin.model.scale import scale_of
 
 
 def test_as_listed():
     system = Gait.load("trot").system
     assert inputs_of(system, ("posterior_squeeze", "anterior_leg_touchdown")) == [Input(10.0, 30.0, True), ANGLE]
-    assert listed(system.law)["anterior_spread"] == Input(0.05, 0.3)
-    assert listed(object()) == {}
+    assert list_inputs(system.law)["anterior_spread"] == Input(0.05, 0.3)
+    assert list_inputs(object()) == {}
 
 
 @pytest.mark.extra("example-robot-data")

@@ -3,7 +3,7 @@
 import pytest
 
 from spear_pin.errors import NoGait
-from spear_pin.gaits.leading import led
+from spear_pin.gaits.leading import lead_along
 
 
 def asked_of(steps, *, gap=(2.0, 2.0), **given):
@@ -16,7 +16,7 @@ def asked_of(steps, *, gap=(2.0, 2.0), **given):
             raise NoGait("there is none", share)
         return [*near, share]
 
-    return asked, led(solve, [0.0], **steps, **given)
+    return asked, lead_along(solve, [0.0], **steps, **given)
 
 
 def test_steps_double_up_to_the_longest_and_end_at_the_end():
@@ -48,4 +48,4 @@ def test_other_exceptions_are_not_swallowed():
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        led(solve, 0, first=0.5, shortest=0.1)
+        lead_along(solve, 0, first=0.5, shortest=0.1)

@@ -9,7 +9,7 @@ from spear_pin import Gait
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_law import INPUTS
 from spear_pin.gaits.inputs import inputs_of
-from spear_pin.gaits.linear import linear, linearized
+from spear_pin.gaits.linear import linear, linearize
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, eigenvalues, return_map
 from spear_pin.hybrid.symmetry import YAW
@@ -31,7 +31,7 @@ def test_derivatives_against_differences_extrapolated_to_no_step(name: str) -> N
     In the one events meet, so that it is differenced; in the other none do.
     """
     gait = Gait.load(name)
-    A, B = linearized(gait, INPUTS, rtol=1e-9)
+    A, B = linearize(gait, INPUTS, rtol=1e-9)
     local = chart(gait.system, gait.state)
     n, scales = local.dimension, np.array([each.one for each in inputs_of(gait.system, INPUTS)])
     nominal = np.array([parameter(gait.system, name) for name in INPUTS])
@@ -76,7 +76,7 @@ class TestInSpace:
         wide, narrow = (
             (after(h) - after(-h)) / (2.0 * h) for h in (2e-4, 1e-4)
         )  # errors fall by two, as another foot lands first
-        whole = linearized(gait(), (name,))
+        whole = linearize(gait(), (name,))
         moved = whole[1][:-1, 0]
         assert np.abs(moved[local.even]).max() < 1e-9 * np.abs(moved).max()  # the mean of both sides
         found = linear(gait(), (name,), lateral=True, heading=True, whole=whole).B[:, 0]

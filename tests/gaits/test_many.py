@@ -100,7 +100,7 @@ class TestExactJacobians:
     def test_find_the_gaits_of_differences(self, hop, lanes, monkeypatch):
         differenced = find_many(hop.system, *self.ASKED, guess=hop.state)
         before = sum(lanes)
-        monkeypatch.setattr(lane_cycles, "unrolled", lambda system: False)
+        monkeypatch.setattr(lane_cycles, "is_unrolled", lambda system: False)
         exact = find_many(hop.system, *self.ASKED, guess=hop.state)
         assert sum(lanes) - before < 0.5 * before and exact.converged.all()
         np.testing.assert_allclose(exact.v, differenced.v, rtol=0, atol=1e-9)
@@ -113,7 +113,7 @@ class TestExactJacobians:
         def refused(system, state):
             raise NotDifferentiable("an event has none")
 
-        monkeypatch.setattr(lane_cycles, "unrolled", lambda system: False)
+        monkeypatch.setattr(lane_cycles, "is_unrolled", lambda system: False)
         monkeypatch.setattr(lane_cycles, "tangent_cycles", lambda *given: None)
         monkeypatch.setattr(lane_cycles, "exact_jacobian", refused)
         found = find_many(hop.system, *self.ASKED, guess=hop.state)

@@ -14,7 +14,7 @@ from spear_pin import Gait, load, simulate
 from spear_pin.errors import BadValue, Infeasible, MissingExtra, UnknownName
 from spear_pin.gaits import library
 from spear_pin.gaits.bounding_law import PAIR
-from spear_pin.gaits.collocation import Programme, Solution, hermite_simpson, node_name, quadrature, resampled
+from spear_pin.gaits.collocation import Programme, Solution, hermite_simpson, node_name, quadrature, resample
 from spear_pin.gaits.footfalls.in_plane import in_plane, read
 from spear_pin.gaits.footfalls.obstacles import remedy
 from spear_pin.gaits.footfalls.programme import transcribe
@@ -59,7 +59,7 @@ def coarse(q_spear):
 
 def warm(robot, request, intervals, solution):
     """A programme of which the solution of another one is the guess."""
-    return transcribe(in_plane(robot, request, intervals), resampled(solution)).programme
+    return transcribe(in_plane(robot, request, intervals), resample(solution)).programme
 
 
 def effort(gait):
@@ -147,7 +147,7 @@ class TestTranscription:
 
     def test_nothing_is_in_the_way_of_what_is_feasible(self, coarse):
         transcription, solution, _ = coarse
-        relaxed, margins = transcription.programme.relaxed(resampled(solution))
+        relaxed, margins = transcription.programme.relaxed(resample(solution))
         loosened = relaxed.solve(iterations=300)
         assert loosened.success
         assert {margin.unit for margin in margins.values()} >= {"m", "m/s", "N", "s"}
@@ -168,7 +168,7 @@ class TestTranscription:
         assert max(abs(found.values[name][0]) for name in hips) == pytest.approx(most, rel=1e-6)
 
     def test_largest_torque(self, q_spear, coarse):
-        transcription = transcribe(in_plane(q_spear, Request(objective="peak"), COARSE), resampled(coarse[1]))
+        transcription = transcribe(in_plane(q_spear, Request(objective="peak"), COARSE), resample(coarse[1]))
         found = transcription.programme.solve()
         assert found.success and max(found.violations.values()) < 1e-6
         hips = [f"{leg} hip" for leg in ("posterior", "anterior")]
@@ -207,7 +207,7 @@ class TestCollocation:
         programme.objective = x
         solution = programme.solve(iterations=100)
         assert not solution.success
-        relaxed, margins = programme.relaxed(resampled(solution))
+        relaxed, margins = programme.relaxed(resample(solution))
         loosened = relaxed.solve()
         assert loosened.success and list(margins) == ["far"] and margins["far"].unit == "m"
         assert loosened.values[margins["far"].unknown][0] * margins["far"].scale == pytest.approx(2.0, abs=1e-4)
@@ -221,7 +221,7 @@ class TestResampled:
 
     @pytest.fixture
     def guess(self):
-        return resampled(Solution(self.VALUES, 0.0, {}, True, "", 0))
+        return resample(Solution(self.VALUES, 0.0, {}, True, "", 0))
 
     def test_between_nodes(self, guess):
         np.testing.assert_allclose(guess(node_name("flight", 0.25, "q")), [0.25, 0.125])

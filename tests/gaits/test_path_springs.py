@@ -12,7 +12,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.hopping import flight_law
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.dual import ARRAYS
-from spear_pin.hybrid.parameters import changed, number, rebuilt, unit, with_numbers
+from spear_pin.hybrid.parameters import change_system, number, rebuilt, unit, with_numbers
 from spear_pin.model.cable import Anchor, Between
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.path import Joints
@@ -64,7 +64,7 @@ def unaware(system):
 
 def hop(name, **options):
     system = hopping(LEG, LAW, SPRINGS[name])
-    system = changed(system, unaware) if name == "hip" else system
+    system = change_system(system, unaware) if name == "hip" else system
     return find_gait(system, **FLIGHT, **options)
 
 

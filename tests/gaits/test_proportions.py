@@ -8,8 +8,8 @@ import pytest
 from spear_pin import HoppingLaw, load
 from spear_pin.errors import BadValue
 from spear_pin.gaits.proportions import proportions
-from spear_pin.gaits.reaching import posed
-from spear_pin.model.scale import shipped
+from spear_pin.gaits.reaching import pose_leg
+from spear_pin.model.scale import load_shipped
 
 CRANK, ROD, BELOW = 0.07, 0.15, 0.04  # m: of the crank hopper, and its toe below the foot
 
@@ -33,26 +33,26 @@ def found(robot):
 
 
 def test_it_lands_folded_by_spear_ii_s_share(robot, found):
-    like = shipped("spear_ii").legs[0]
+    like = load_shipped("spear_ii").legs[0]
     whole = like.thigh + like.shank
     longest = found.scale.length * whole
     assert longest == pytest.approx(depth(-1.4), rel=4e-3)  # at the crank's limit
     assert depth(found.knee) / longest == pytest.approx(like.length(1.0) / whole, rel=1e-9)
     levers = slope(depth, found.knee) / slope(like.length, 1.0)
-    assert found.torque == pytest.approx(robot.mass / shipped("spear_ii").mass * levers, rel=1e-6)
+    assert found.torque == pytest.approx(robot.mass / load_shipped("spear_ii").mass * levers, rel=1e-6)
     assert found.scale.time == pytest.approx(math.sqrt(found.scale.length))
 
 
 def test_its_inertia_is_that_of_its_energy(robot, found):
     knee, h = found.knee, 1e-5
-    before, after = (posed(robot, 0.0, knee + step) for step in (-h, h))
+    before, after = (pose_leg(robot, 0.0, knee + step) for step in (-h, h))
     v = (after - before) / (2.0 * h)  # for 1 rad/s of the crank
     hip, crank = found.inertia
-    assert crank == pytest.approx(v @ robot.mass_matrix(posed(robot, 0.0, knee)) @ v, rel=1e-6) and hip == 0.0
+    assert crank == pytest.approx(v @ robot.mass_matrix(pose_leg(robot, 0.0, knee)) @ v, rel=1e-6) and hip == 0.0
 
 
 def test_gains_oscillate_as_often_as_spear_ii_s(robot, found):
-    law, like = HoppingLaw.scaled(robot), proportions(shipped("spear_ii"), 1.0)
+    law, like = HoppingLaw.scaled(robot), proportions(load_shipped("spear_ii"), 1.0)
     rates = [math.sqrt(each.knee_gain / of.inertia[1]) for each, of in ((law, found), (HoppingLaw(), like))]
     assert rates[0] * found.scale.time == pytest.approx(rates[1])
     assert (law.hip_gain, law.hip_touchdown) == (0.0, 0.0)
@@ -64,6 +64,6 @@ def test_a_knee_that_does_not_fold_the_leg_is_told(robot):
 
 
 def test_of_spear_ii_itself():
-    hip, knee, scale, torque, inertia = proportions(shipped("spear_ii"), 1.0)
+    hip, knee, scale, torque, inertia = proportions(load_shipped("spear_ii"), 1.0)
     assert (knee, torque) == (1.0, pytest.approx(1.0)) and scale == pytest.approx((1.0, 1.0, 1.0))
-    assert hip == pytest.approx(shipped("spear_ii").legs[0].lean(1.0)) and np.all(inertia > 0.0)
+    assert hip == pytest.approx(load_shipped("spear_ii").legs[0].lean(1.0)) and np.all(inertia > 0.0)

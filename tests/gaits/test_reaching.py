@@ -8,7 +8,7 @@ import pytest
 from spear_pin import HoppingLaw, Spring, find_gait, hopping, load, simulate
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.gaits.many import find_many
-from spear_pin.gaits.reaching import landing, posed
+from spear_pin.gaits.reaching import find_landing_velocity, pose_leg
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
@@ -145,8 +145,8 @@ def test_torques_on_hip_and_knee_do_the_work_of_the_motors(systems, name):
 @pytest.mark.parametrize("name", NAMES)
 def test_a_guess_hangs_below_its_motors_with_its_toe_at_rest(systems, name):
     robot = systems[name].robot
-    q = posed(robot, 0.0, 1.2 if name == "five_bar" else -0.3)
-    v = landing(robot, q, 0.5)
+    q = pose_leg(robot, 0.0, 1.2 if name == "five_bar" else -0.3)
+    v = find_landing_velocity(robot, q, 0.5)
     assert robot.toe_position(q, "toe")[1] < -0.15
     assert np.abs(robot.toe_jacobian(q, "toe") @ v).max() < 1e-12 and v[0] == pytest.approx(-0.5)
     assert np.abs(robot.loop_gap(q)).max() < 1e-12 and np.abs(robot.loop_jacobian(q) @ v).max() < 1e-12
@@ -195,13 +195,13 @@ def test_a_guess_keeps_the_limits_of_the_joints(tmp_path):
     upward = FIVE_BAR.replace(front, front.replace('lower="-10"', 'lower="0.5"'))
     assert upward != FIVE_BAR
     leg = load(write(tmp_path, "five_bar", upward, FIVE_BAR_LOOP), base="fixed")
-    assert 0.5 <= posed(leg, 0.0, 1.2)[leg.index("front_knee")] <= 10.0
+    assert 0.5 <= pose_leg(leg, 0.0, 1.2)[leg.index("front_knee")] <= 10.0
 
 
 def test_passive_joints_are_within_one_turn(systems):
     robot = systems["five_bar"].robot
     for knee in (0.3, 0.6, 1.2, 2.0):
-        assert np.abs(posed(robot, 0.1, knee)[1:]).max() < np.pi
+        assert np.abs(pose_leg(robot, 0.1, knee)[1:]).max() < np.pi
 
 
 @pytest.mark.extra("heyoka")

@@ -13,7 +13,7 @@ from spear_pin.hybrid.parameters import number, unit, with_numbers
 from spear_pin.model.clutch import CONDITIONS as NAMES
 from spear_pin.model.clutch import Clutch
 from spear_pin.model.path import Joints
-from spear_pin.model.springs import said
+from spear_pin.model.springs import describe_spring
 
 LEG = load("spear_ii", locked=["boom_x"])
 LAW = HoppingLaw(stance_torque=7.8261879, hold_extension=True)
@@ -169,7 +169,7 @@ def test_a_switch_that_only_releases_early():
 def test_numbers_have_units_and_are_kept_in_a_file(tmp_path):
     gait = found(Spring(clutch=FORCES))
     assert [unit(gait.system, name) for name in ("on_force", "off_force")] == ["N", "N"]
-    assert "engages loaded at 5 N; releases unloaded at 0.5 N" in said("knee", gait.system.spring)
+    assert "engages loaded at 5 N; releases unloaded at 0.5 N" in describe_spring("knee", gait.system.spring)
     assert Gait.load(gait.save(tmp_path / "loaded.json")).system.springs == gait.system.springs
 
 

@@ -18,7 +18,7 @@ from spear_pin.hybrid.periodic import chart, differentiate_return_map, eigenvalu
 from spear_pin.hybrid.result import Moment, Options
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.shooting import Shooting
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.record import Recorder
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -124,7 +124,7 @@ class TestGaits:
         found = find_gait(hop.system, guess=hop.state).multipliers
         y = np.concatenate(hop.state)
         system, recorder = hop.system, Recorder(hop.system)
-        whole = differentiated(system, recorder, y, np.eye(len(y)), np.zeros((len(recorder.numbers), len(y))))
+        whole = differentiate_cycle(system, recorder, y, np.eye(len(y)), np.zeros((len(recorder.numbers), len(y))))
         off_section = np.linalg.eigvals(whole.dy)
         for value in found:
             assert np.abs(off_section - value).min() < 1e-9

@@ -18,12 +18,12 @@ from spear_pin.gaits.virtual_constraints import (
     Leaning,
     Outputs,
     bezier,
-    desired,
     errors,
+    evaluate_desired,
     progress,
     resume,
     value,
-    zeroing,
+    zero_outputs,
 )
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK
@@ -75,7 +75,7 @@ def flow_of(phase, evolution):
 
     def law(t, q, v, held, p, dyn, ops):
         others = given_torques(phase)
-        torques = zeroing(OUTPUTS[phase], evolution, q, v, EPSILON, others, dyn)
+        torques = zero_outputs(OUTPUTS[phase], evolution, q, v, EPSILON, others, dyn)
         chosen = dict([*others, *zip(OUTPUTS[phase].motors, torques, strict=True)])
         return [chosen[column] for column in range(4)]
 
@@ -119,7 +119,7 @@ class TestDesired:
     """Beyond the end the polynomial goes on along its tangent."""
 
     def at(self, alpha, s, past):
-        return desired(Evolution((tuple(alpha),), 1.0, 2.0, past), s)[0]
+        return evaluate_desired(Evolution((tuple(alpha),), 1.0, 2.0, past), s)[0]
 
     @often
     @given(alpha=coefficients, s=st.floats(1.0, 3.0))
@@ -291,7 +291,7 @@ class TestOnSymbols:
         origin, span, past, epsilon, push = sp.symbols("origin span past epsilon push", real=True)
         evolution = Evolution(alpha, origin, span, past)
         dyn = self.dyn((free, gains), lambda a, b: sp.Matrix(a).LUsolve(sp.Matrix(b)))
-        torques = list(zeroing(self.OUTPUTS, evolution, q, v, epsilon, [(1, push)], dyn))
+        torques = list(zero_outputs(self.OUTPUTS, evolution, q, v, epsilon, [(1, push)], dyn))
         assert not any(sp.sympify(torque).has(sp.Piecewise, sp.nan) for torque in torques)
         symbols = [*q, *v, *free, *(g for row in gains for g in row), *alpha[0], *alpha[1]]
         symbols += [origin, span, past, epsilon, push]
@@ -306,7 +306,7 @@ class TestOnSymbols:
             response = at(free), at(gains)
             held = Evolution(at(alpha), x[origin], x[span], x[past])
             dyn = self.dyn(response, np.linalg.solve)
-            expected = zeroing(self.OUTPUTS, held, at(q), at(v), x[epsilon], [(1, x[push])], dyn)
+            expected = zero_outputs(self.OUTPUTS, held, at(q), at(v), x[epsilon], [(1, x[push])], dyn)
             np.testing.assert_allclose(compiled(*x.values()), expected, rtol=1e-9)
 
     def test_resume_and_errors(self):
@@ -321,6 +321,6 @@ class TestOnSymbols:
         import casadi
 
         s, alpha = casadi.SX.sym("s"), (0.3, -1.0, 2.0, 0.1)
-        ((value, slope, curvature),) = desired(Evolution((alpha,), 0.0, 1.0), s)
+        ((value, slope, curvature),) = evaluate_desired(Evolution((alpha,), 0.0, 1.0), s)
         for missed in (casadi.gradient(value, s) - slope, casadi.gradient(slope, s) - curvature):
             assert float(casadi.Function("f", [s], [missed])(0.3)) == pytest.approx(0.0, abs=1e-13)

@@ -11,7 +11,7 @@ import numpy as np
 from spear_pin import Ground, HoppingLaw, Spring, hopping, load
 from spear_pin.hybrid.automaton import Guard, Reset
 from spear_pin.hybrid.dynamics import FLOATS
-from spear_pin.hybrid.parameters import changed
+from spear_pin.hybrid.parameters import change_system
 
 LAW = HoppingLaw(hip_touchdown=0.5, stance_torque=8.0)
 
@@ -47,7 +47,7 @@ def law(function, phase="stance"):
         domains = [replace(each, law=function) if each.phase == phase else each for each in system.domains]
         return replace(system, domains=tuple(domains))
 
-    return lambda: changed(plain(), with_law)
+    return lambda: change_system(plain(), with_law)
 
 
 def guard(value, phase="flight"):
@@ -60,7 +60,7 @@ def guard(value, phase="flight"):
         ]
         return replace(system, domains=tuple(domains))
 
-    return lambda: changed(plain(), with_guard)
+    return lambda: change_system(plain(), with_guard)
 
 
 def latch(function):
@@ -83,7 +83,7 @@ def latch(function):
             domains.append(replace(domain, guards=tuple(guards)))
         return replace(system, domains=tuple(domains))
 
-    return lambda: changed(plain(), with_latch)
+    return lambda: change_system(plain(), with_latch)
 
 
 def jump(function):
@@ -96,7 +96,7 @@ def jump(function):
         domains = [replace(each, guards=tuple(map(jumping, each.guards))) for each in system.domains]
         return replace(system, domains=tuple(domains))
 
-    return lambda: changed(plain(), with_jump)
+    return lambda: change_system(plain(), with_jump)
 
 
 def ground(function):

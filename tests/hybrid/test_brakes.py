@@ -9,7 +9,7 @@ from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.brakes import Brake, with_brakes
 from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.strikes import Overlap, struck
+from spear_pin.hybrid.strikes import Overlap, strike_toes
 from spear_pin.model.path import Joints
 from tests.lagrangian import monopod
 
@@ -26,7 +26,7 @@ def braked(force=200.0, path=None, system=HOP):
 
 def closed(reset, q, v):
     """Velocity and work of an impact."""
-    strike = struck(HOP, HOP.of_phase(AIR)[0], reset, q, v, Overlap(0.0), 0.0)
+    strike = strike_toes(HOP, HOP.of_phase(AIR)[0], reset, q, v, Overlap(0.0), 0.0)
     return strike.v, strike.work
 
 

@@ -10,7 +10,7 @@ from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
 from spear_pin.hybrid.domain import Alternation
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.filippov import Sliding, Unloaded
-from spear_pin.hybrid.modes import choose, fitting
+from spear_pin.hybrid.modes import choose, find_fitting
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.surface import CHATTER, chatter
 from spear_pin.hybrid.run import run
@@ -147,8 +147,8 @@ class TestModes:
             FakeFlow(double[SLIP_FORWARD, SLIP_BACKWARD], {POSTERIOR: (0.0, (-20.0, 25.0), -215.0), ANTERIOR: pulled}),
             FakeFlow(double[SLIP_BACKWARD, SLIP_BACKWARD], {POSTERIOR: (0.0, (480.0, 600.0), -25.0), ANTERIOR: pulled}),
         ]
-        assert fitting(system, iter(flows), 0.0, None) is flows[2]
-        assert fitting(system, iter(flows[:2]), 0.0, None) is flows[0], "where nothing fits, the first one pulled"
+        assert find_fitting(system, iter(flows), 0.0, None) is flows[2]
+        assert find_fitting(system, iter(flows[:2]), 0.0, None) is flows[0], "where nothing fits, the first one pulled"
 
     def test_sticking_first(self):
         system = standing(Contact())

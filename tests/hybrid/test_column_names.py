@@ -3,7 +3,16 @@
 import pytest
 
 from spear_pin import load, sagittal
-from spear_pin.hybrid.column_names import PAIRED, arranged, heading, of_a_pair, parted, quantity, read_heading, unit
+from spear_pin.hybrid.column_names import (
+    PAIRED,
+    heading,
+    of_a_pair,
+    quantity,
+    read_heading,
+    sort_columns,
+    split_column_name,
+    unit,
+)
 
 
 @pytest.mark.parametrize(
@@ -17,7 +26,7 @@ from spear_pin.hybrid.column_names import PAIRED, arranged, heading, of_a_pair, 
     ],
 )
 def test_parts(name, parts):
-    assert parted(name) == parts
+    assert split_column_name(name) == parts
 
 
 @pytest.mark.parametrize(
@@ -57,6 +66,6 @@ def test_the_names_are_those_of_a_plane():
 
 
 def test_order():
-    assert arranged(["engaged_knee", "q_knee", "cycle", "domain", "u_knee", "t"]) == [
+    assert sort_columns(["engaged_knee", "q_knee", "cycle", "domain", "u_knee", "t"]) == [
         *("t", "domain", "cycle", "q_knee", "u_knee", "engaged_knee")
     ]

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from spear_pin import Contact
 from spear_pin.errors import BadValue
-from spear_pin.hybrid.contact import constrained, imposed
+from spear_pin.hybrid.contact import impose_rows, solve_constrained
 from tests.hybrid.impacts import impacts, many, rod
 
 
@@ -24,7 +24,7 @@ class TestConstrained:
         drift = rng.normal(size=len(A))
         if abs(np.linalg.det(A @ np.linalg.solve(D, G))) < 1e-2:
             return
-        a, multiplier, schur = constrained(D, force, A, G, drift)
+        a, multiplier, schur = solve_constrained(D, force, A, G, drift)
         np.testing.assert_allclose(D @ a, force + G @ multiplier, rtol=0, atol=1e-9)
         np.testing.assert_allclose(A @ a + drift, 0.0, rtol=0, atol=1e-9)
         np.testing.assert_allclose(schur, A @ np.linalg.inv(D) @ G, rtol=0, atol=1e-9)
@@ -34,7 +34,7 @@ class TestConstrained:
         """The pivot (1 + 3 cos² - 3 μ sin cos) / m of a rod pushed ahead vanishes there, for no lower friction."""
         D, J = rod(math.atan(2.0))
         forward, backward = (
-            float(constrained(D, np.zeros(3), J[1:], (J[1] - friction * s * J[0])[:, None], np.zeros(1))[2][0, 0])
+            float(solve_constrained(D, np.zeros(3), J[1:], (J[1] - friction * s * J[0])[:, None], np.zeros(1))[2][0, 0])
             for s in (1.0, -1.0)
         )
         pushed, pulled = sorted([forward, backward])
@@ -46,7 +46,7 @@ class TestConstrained:
     def test_pivot_of_the_rod(self, angle, side):
         D, J = rod(angle)
         friction, sine, cosine = 1.7, math.sin(angle), math.cos(angle)
-        pivot = constrained(D, np.zeros(3), J[1:], (J[1] - friction * side * J[0])[:, None], np.zeros(1))[2][0, 0]
+        pivot = solve_constrained(D, np.zeros(3), J[1:], (J[1] - friction * side * J[0])[:, None], np.zeros(1))[2][0, 0]
         # the toe lies behind the centre, so that sliding forward drags the rod along
         expected = (1 + 3 * cosine**2 + 3 * friction * side * sine * cosine) / D[0, 0]
         assert pivot == pytest.approx(expected, rel=1e-12)
@@ -71,7 +71,7 @@ def test_forces_that_impose_accelerations(m):
     J, drift = rng.normal(size=(m, nv)), rng.normal(size=m)
     rows, wanted = rng.normal(size=(3, nv)), rng.normal(size=3)
     applied = force.copy()
-    applied[driven] += imposed(D, force, J, drift, rows, wanted.tolist(), driven)
-    a = constrained(D, applied, J, J.T, drift)[0] if m else np.linalg.solve(D, applied)
+    applied[driven] += impose_rows(D, force, J, drift, rows, wanted.tolist(), driven)
+    a = solve_constrained(D, applied, J, J.T, drift)[0] if m else np.linalg.solve(D, applied)
     np.testing.assert_allclose(rows @ a, wanted, rtol=0, atol=1e-11)
     np.testing.assert_allclose(J @ a + drift, 0.0, atol=1e-11)

@@ -9,12 +9,12 @@ import pytest
 
 from spear_pin import Gait, HoppingLaw, Spring, find_gait, hopping, load
 from spear_pin.errors import BadFile, BadValue, UnknownName
-from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.feedback import add_feedback
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
-from spear_pin.hybrid.fields import ADDED, adjusted, value_in
+from spear_pin.hybrid.fields import ADDED, adjust_law, value_in
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import numbers_of_law, parameter, with_parameters
 from spear_pin.hybrid.periodic import (
@@ -28,9 +28,9 @@ from spear_pin.hybrid.periodic import (
 from spear_pin.hybrid.result import Moment, Options, Segment
 from spear_pin.hybrid.rules import surface
 from spear_pin.hybrid.rules.cycles import RETOUCH
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.hybrid.run import run
-from spear_pin.hybrid.symmetry import headed, mirror_of
+from spear_pin.hybrid.symmetry import head_state, mirror_of
 from tests.gaits.feeding import fed, idle
 from tests.solve.gaits import solo12_trot_steady
 
@@ -105,10 +105,10 @@ class TestWhatIsAdded:
 
     def test_is_found_in_parts_of_a_law(self):
         law = Gait.load("turn_9").system.law
-        found = adjusted(law, {ADDED + "posterior_hip_torque": 3.0, ADDED + "posterior_spread": 0.1, "past": 1.0})
+        found = adjust_law(law, {ADDED + "posterior_hip_torque": 3.0, ADDED + "posterior_spread": 0.1, "past": 1.0})
         assert found.plane.posterior_hip_torque == law.plane.posterior_hip_torque + 3.0
         assert found.posterior_spread == law.posterior_spread + 0.1 and found.plane.epsilon == law.plane.epsilon
-        assert adjusted(law, {"past": 1.0}) is law
+        assert adjust_law(law, {"past": 1.0}) is law
         assert value_in(law, "virtual_stiffness") == law.plane.virtual_stiffness
 
     def test_nothing_before_the_first_section(self, hop, held):
@@ -148,13 +148,13 @@ class TestEngines:
         trot = Gait.load("trot")
         gains = 5.0 * np.random.default_rng(8).normal(size=(10, 36))
         gains[:, :2] = gains[:, 3] = 0.0
-        names, nominal = tuple(trot.system.law.inputs), np.concatenate(headed(*trot.state))
+        names, nominal = tuple(trot.system.law.inputs), np.concatenate(head_state(*trot.state))
         system = fed(trot, names, gains, nominal, limits=10 * (0.2,)).system
         state = chart(system, trot.state).state(1e-3 * np.random.default_rng(9).normal(size=32))
         first = return_map(system, state, 1e-11)
         whole = run(system, state, 2, Options(rtol=1e-11))
         mirror = mirror_of(system.robot)
-        again = return_map(system, tuple(mirror(part) for part in headed(*first.state)), 1e-11)
+        again = return_map(system, tuple(mirror(part) for part in head_state(*first.state)), 1e-11)
         np.testing.assert_allclose(displacement(system, again.state, whole.state), 0.0, rtol=0, atol=1e-7)
         assert abs(displacement(system, first.state, state)).max() > 1e-4
 
@@ -178,11 +178,11 @@ class TestWhen:
     def test_by_the_heading_in_space(self):
         """A state moved and turned has the same deviation; the yaw counts from the heading to which it steers."""
         gait = Gait.load("turn_9")
-        nominal = np.concatenate(headed(*gait.state))
+        nominal = np.concatenate(head_state(*gait.state))
         row = np.random.default_rng(3).normal(size=36)
         system = fed(gait, ("posterior_spread",), [row], nominal, heading=0.2).system
         adjust = system.landing[1].adjust
-        q, v = headed(*gait.state)
+        q, v = head_state(*gait.state)
         q[[2, 7]] += 0.01, 0.02
         v[[0, 9]] += 0.03, 0.04
         by = row[[2, 7, 18, 27]] @ [0.01, 0.02, 0.03, 0.04]
@@ -219,7 +219,7 @@ class TestWhereNoCycleBegins:
     """Motion on a switching surface and re-touches use the reset of the section, and adjust nothing."""
 
     def test_the_orbit_stays_as_it_is(self, chattering):
-        held = regulated(chattering, ("knee_touchdown", "stance_torque"))
+        held = add_feedback(chattering, ("knee_touchdown", "stance_torque"))
         once = return_map(held.system, chattering.state, 1e-11)
         assert "chatter" in " ".join(event.domain for event in once.events)
         assert np.abs(displacement(chattering.system, chattering.state, once.state)).max() < 1e-8
@@ -252,7 +252,7 @@ class TestWhereNoCycleBegins:
         """There a latch calls others, with the law as it is."""
         law, seen = hop.system.law, []
         one = Reset(latch=lambda q, v, held, p: seen.append(p.stance_torque) or {})
-        latched({ADDED + "stance_torque": 1.0}, [surface._after([one], one)], [0.0], [0.0], law)
+        latch_values({ADDED + "stance_torque": 1.0}, [surface._after([one], one)], [0.0], [0.0], law)
         assert seen == 2 * [law.stance_torque + 1.0]
 
 
@@ -339,7 +339,7 @@ def test_a_law_of_ones_own(tmp_path):
     """A biped whose automaton the package does not know."""
     example = runpy.run_path(str(Path(__file__).parents[2] / "examples" / "biped.py"))
     gait = find_gait(example["running"](load("biped")))
-    held = regulated(gait, ("thrust", "set_back"))
+    held = add_feedback(gait, ("thrust", "set_back"))
     assert np.abs(eigenvalues(differentiate_return_map(held.system, gait.state)))[:3] == pytest.approx(
         np.abs(held.multipliers[:3]), abs=1e-6
     )

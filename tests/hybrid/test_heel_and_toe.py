@@ -12,7 +12,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.contact import OPEN, STICK
 from spear_pin.hybrid.domain import Domain, Guard, Mount, Reset
-from spear_pin.hybrid.dry_friction import left_free
+from spear_pin.hybrid.dry_friction import count_free
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
@@ -139,7 +139,7 @@ class TestFlat:
         system = standing(wheeled(tmp_path), spinning(0.0))
         names = [each.name for each in system.of_phase("flat")]
         assert names == ["flat", "flat heel slip+ toe slip+", "flat heel slip- toe slip-"]
-        assert [left_free(each, system.robot) for each in system.domains[:4]] == [1, 2, 2, 4]
+        assert [count_free(each, system.robot) for each in system.domains[:4]] == [1, 2, 2, 4]
 
 
 def test_a_foot_tips_over_its_toe_at_the_instant_of_the_closed_form(tmp_path):

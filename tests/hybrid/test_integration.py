@@ -9,7 +9,7 @@ import scipy
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.hardware import HARDWARE_TOLERANCE
-from spear_pin.hybrid.integration import DUE, Accuracy, accuracy, integrated
+from spear_pin.hybrid.integration import DUE, Accuracy, accuracy, integrate_motion
 from spear_pin.hybrid.modes import choose, starting_phase
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
@@ -27,7 +27,7 @@ def begun(hop):
 
 def test_by_another_method(begun):
     flow, y = begun
-    motion = integrated(flow, Watch(flow, 0.0, y), 0.0, y, 0.02, FINE, keep=True, most=1_000_000)
+    motion = integrate_motion(flow, Watch(flow, 0.0, y), 0.0, y, 0.02, FINE, keep=True, most=1_000_000)
     assert (motion.why, motion.event, motion.t) == (DUE, None, 0.02)
     expected = scipy.integrate.solve_ivp(flow, (0.0, 0.02), y, method="Radau", rtol=1e-11, atol=1e-13)
     np.testing.assert_allclose(motion.y[:6], expected.y[:6, -1], rtol=0, atol=1e-8)
@@ -41,7 +41,7 @@ def test_ends_on_a_guard(hop):
     t, robot = flight.pieces[0].begin, hop.system.robot
     y = flight.pieces[0].state(np.array([t]))[:, 0]
     flow = choose(hop.system, "flight", flight.held, t, y)
-    motion = integrated(flow, Watch(flow, t, y), t, y, 1.0, FINE, keep=True, most=1_000_000)
+    motion = integrate_motion(flow, Watch(flow, t, y), t, y, 1.0, FINE, keep=True, most=1_000_000)
     assert motion.why == "" and motion.event in flow.domain.guards and motion.event.name == "touchdown"
     assert robot.toe_position(motion.y[:3], "toe")[-1] == pytest.approx(0.0, abs=1e-12)
     times = np.linspace(motion.pieces[0].begin, motion.pieces[0].end, 5)[1:]
@@ -56,7 +56,7 @@ def test_ends_on_a_guard(hop):
 def test_too_many_evaluations(begun):
     flow, y = begun
     most = flow.evaluations + 30
-    motion = integrated(flow, Watch(flow, 0.0, y), 0.0, y, 1.0, FINE, keep=False, most=most)
+    motion = integrate_motion(flow, Watch(flow, 0.0, y), 0.0, y, 1.0, FINE, keep=False, most=most)
     assert motion.why == "evaluation_cap" and motion.event is None and most < flow.evaluations < most + 30
 
 

@@ -15,7 +15,7 @@ from spear_pin.hybrid.domain import Guard, Reset
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.lanes import runner
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
-from spear_pin.hybrid.parameters import changed, with_parameters
+from spear_pin.hybrid.parameters import change_system, with_parameters
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
@@ -216,7 +216,7 @@ class TestLanes:
             ]
             return replace(domain, guards=tuple(guards))
 
-        system = changed(hop.system, lambda built: replace(built, domains=tuple(map(overflows, built.domains))))
+        system = change_system(hop.system, lambda built: replace(built, domains=tuple(map(overflows, built.domains))))
         q, v = (np.repeat(part[None], 2, axis=0) for part in hop.state)
         found = simulate_many(system, q, v, parameters={"stance_torque": torques})
         assert found.reason.tolist() == ["not_finite", "complete"]
@@ -296,11 +296,11 @@ class TestLanes:
         """Robots and springs that differ in numbers only."""
         q, v = around(hop, 0.005, 4)
         simulate_many(hop.system, q, v)
-        before = taylor.compiled.cache_info().misses
+        before = taylor.compile_domain.cache_info().misses
         geared = hopping(vary(hop.system.robot, knee_ratio=18.0), hop.system.law)
         for other in (geared, with_parameters(hop.system, {"stiffness": 50.0, "damping": 1.2})):
             found = simulate_many(other, q, v)
-            assert taylor.compiled.cache_info().misses == before
+            assert taylor.compile_domain.cache_info().misses == before
             assert_agree(other, q, v, found)
 
     def test_below_ground(self, hop):

@@ -11,10 +11,10 @@ from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR
-from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.fields import flatten
 from spear_pin.hybrid.lanes import lone_runner
-from spear_pin.hybrid.lanes.groups import Group, spread
-from spear_pin.hybrid.lanes.modes import sinking
+from spear_pin.hybrid.lanes.groups import Group, spread_held
+from spear_pin.hybrid.lanes.modes import find_sinking
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart
@@ -118,13 +118,13 @@ def test_a_bouncing_toe_that_does_not_rise_is_left_to_the_reference_engine(off, 
     height = off - feet[1][0]
     q, v = q + np.linalg.pinv(jacobian)[:, 5] * height, v + np.linalg.pinv(jacobian) @ (speed - jacobian @ v)
     numbers = Numbers(system, {}, Code(1e-12))
-    parameters = np.array([*numbers.constants(0), *flattened(arc.held.values())])
+    parameters = np.array([*numbers.constants(0), *flatten(arc.held.values())])
     ready, y = numbers.compilation.single(arc.domain, arc.held), np.concatenate([q, v])
     assert ready.enter(arc.t, y, parameters).event == event
-    held = spread(arc.held, 1)
+    held = spread_held(arc.held, 1)
     group = Group(np.zeros(1, np.int64), np.array([arc.t]), y[:, None], held)
     many = numbers.compiled(arc.domain, group)
-    assert sinking(numbers, many, group, numbers.at(many, group)).tolist() == [event == UNCLEAR]
+    assert find_sinking(numbers, many, group, numbers.at(many, group)).tolist() == [event == UNCLEAR]
 
 
 @compiles
@@ -138,7 +138,7 @@ def test_an_impact_is_not_over_when_the_next_toe_lands(monkeypatch):
         return struck(system, domain, reset, q, v, overlap, now)
 
     struck = lone_runner.struck
-    monkeypatch.setattr(lone_runner, "struck", noted)
+    monkeypatch.setattr(lone_runner, "strike_toes", noted)
     found = simulate_many(gait.system, *(part[None] for part in gait.state), unroll=False)
     assert found.cycles[0] == 1 and not found.repeated[0]
     assert [window for window, _ in seen] == len(seen) * [gait.system.overlap]

@@ -9,7 +9,7 @@ from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Guard, Reset, Switch
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR
-from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.fields import flatten
 from spear_pin.hybrid.lanes import runner
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -66,7 +66,7 @@ def entered(system, gait):
     numbers = Numbers(system, {}, Code(1e-12))
     _, held = starting_phase(system, gait.state)
     single = numbers.compilation.single(system.domains[0], held)
-    parameters = np.array([*numbers.constants(0), *flattened(held.values())])
+    parameters = np.array([*numbers.constants(0), *flatten(held.values())])
     return single.enter(0.0, np.concatenate(gait.state), parameters)
 
 

@@ -7,14 +7,14 @@ import pytest
 
 from spear_pin import Contact, HoppingLaw, Spring, find_gait, hopping, simulate
 from spear_pin.errors import BadValue
-from spear_pin.gaits.reaching import posed
+from spear_pin.gaits.reaching import pose_leg
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.lanes.runner import FEW
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
-from spear_pin.hybrid.strikes import struck_by
+from spear_pin.hybrid.strikes import strike_by_rule
 from spear_pin.model.path import Joints
 from tests.hybrid.eliminated import hop
 from tests.hybrid.looped_hops import FOLDS, looped_hopping
@@ -63,7 +63,7 @@ class TestImpact:
         robot, (angles, rates, after, impulse, loss) = legs[name], IMPACTS[name]
         q = at(robot, *angles)
         v = robot.reduced(q, rates).v
-        strike = struck_by(looped_hopping(robot), ["toe"], Reset(impact=("toe",)), q, v)
+        strike = strike_by_rule(looped_hopping(robot), ["toe"], Reset(impact=("toe",)), q, v)
         own = [robot.index(joint) for joint in robot.independent]
         np.testing.assert_allclose(strike.v[own], after, rtol=0, atol=1e-9)
         np.testing.assert_allclose(strike.impulse[0], impulse, rtol=0, atol=1e-9)
@@ -72,7 +72,7 @@ class TestImpact:
     def test_keeps_the_loop_closed(self, legs, name):
         robot, (angles, rates, *_) = legs[name], IMPACTS[name]
         q = at(robot, *angles)
-        strike = struck_by(looped_hopping(robot), ["toe"], Reset(impact=("toe",)), q, robot.reduced(q, rates).v)
+        strike = strike_by_rule(looped_hopping(robot), ["toe"], Reset(impact=("toe",)), q, robot.reduced(q, rates).v)
         assert np.abs(robot.loop_jacobian(q) @ strike.v).max() < 1e-12
 
 
@@ -172,7 +172,7 @@ def test_a_run_ends_at_a_toggle_in_both_engines(legs):
     robot = legs["five_bar"]
     spring = {"leg": Spring(12.0, path=Joints({"front_hip": 1.0, "back_hip": -1.0}))}
     system = hopping(robot, HoppingLaw(1.0, knee_gain=0.0, knee_damping=0.0, hip_gain=0.0, hip_damping=0.0), spring)
-    q = posed(robot, 0.0, 0.6)
+    q = pose_leg(robot, 0.0, 0.6)
     q[0] = 1.0
     v = robot.reduced(q, [0.0, -3.0, 3.0]).v
     run, many = simulate(system, (q, v), cycles=1), simulate_many(system, q[None], v[None], cycles=1)

@@ -6,7 +6,7 @@ import pytest
 from spear_pin import simulate_many
 from spear_pin.hybrid.automaton import Guard, Reset, Switch
 from spear_pin.hybrid.batch import FEW
-from spear_pin.hybrid.orders import Happening, differing, happening, in_order, order_of, said
+from spear_pin.hybrid.orders import Happening, find_differing, in_order, make_happening, order_of, write_order
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
@@ -61,7 +61,7 @@ def test_what_passes_and_what_leaves(hop):
     stance = hop.system.domains[0]
 
     def told(event, reset):
-        return happening(stance, event, reset, "x", 0.0)[3:]
+        return make_happening(stance, event, reset, "x", 0.0)[3:]
 
     latch, leave = Reset(latch=lambda *_: {}), Reset(phase="flight")
     assert told(Guard("x", None, latch), latch) == (True, False)
@@ -71,8 +71,8 @@ def test_what_passes_and_what_leaves(hop):
 
 
 def test_it_is_told_by_domain():
-    assert said((A, B, C)) == "stance: a, b, flight: c"
-    assert said(()) == ""
+    assert write_order((A, B, C)) == "stance: a, b, flight: c"
+    assert write_order(()) == ""
 
 
 @pytest.mark.parametrize(
@@ -86,4 +86,4 @@ def test_it_is_told_by_domain():
     ],
 )
 def test_what_differs_lies_between_what_does_not(before, after, difference):
-    assert differing(before, after) == difference
+    assert find_differing(before, after) == difference

@@ -13,7 +13,7 @@ from spear_pin.gaits.series_hopping import SeriesHoppingLaw
 from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.hardware import Hardware
-from spear_pin.hybrid.parameters import changed, number, rebuilt, replaced, unit, with_parameters
+from spear_pin.hybrid.parameters import change_system, find_replaced, number, rebuilt, unit, with_parameters
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.actuator import Actuator
 from spear_pin.model.catalogue import motor
@@ -31,7 +31,7 @@ def guards(system):
 
 
 def test_a_change_stays(hop):
-    system = changed(hop.system, low)
+    system = change_system(hop.system, low)
     assert guards(system) == guards(low(hop.system))
     for again in (
         with_parameters(system, {"stance_torque": 7.0, "friction": 0.5}),
@@ -43,14 +43,14 @@ def test_a_change_stays(hop):
 
 @pytest.mark.slow
 def test_a_change_stays_in_a_search(hop):
-    gait = find_gait(changed(hop.system, low), ["stance_torque"], {"flight_time": 0.2}, guess=hop.state)
+    gait = find_gait(change_system(hop.system, low), ["stance_torque"], {"flight_time": 0.2}, guess=hop.state)
     assert guards(gait.system) == guards(low(hop.system))
     weaker = gait.with_law(stance_torque=4.0).system
     assert simulate(weaker, gait.state, 10).events[-1].name == "low"
 
 
 def test_changes_follow_each_other(hop):
-    system = with_dry_friction(changed(hop.system, low), {"boom_z": 1.0})
+    system = with_dry_friction(change_system(hop.system, low), {"boom_z": 1.0})
     again = with_parameters(system, {"stiffness": 60.0})
     assert guards(again) == guards(system)
     assert [domain.name for domain in again.domains] == [domain.name for domain in system.domains]
@@ -62,7 +62,7 @@ def test_domains_that_were_replaced_are_not_dropped(hop):
     for rebuild in (
         lambda: with_parameters(system, {"stance_torque": 7.0}),
         lambda: find_gait(system, ["stance_torque"], {"flight_time": 0.2}),
-        lambda: with_parameters(changed(system, lambda each: each), {"stance_torque": 7.0}),
+        lambda: with_parameters(change_system(system, lambda each: each), {"stance_torque": 7.0}),
     ):
         with pytest.raises(BadValue, match="changed"):
             rebuild()
@@ -70,11 +70,11 @@ def test_domains_that_were_replaced_are_not_dropped(hop):
 
 def test_fields_that_were_replaced_stay(hop):
     system = replace(hop.system, phase_limit=2.0, shortest_flight=0.1)
-    for each in (system, changed(system, low)):
+    for each in (system, change_system(system, low)):
         again = with_parameters(each, {"stance_torque": 7.0})
         assert (again.phase_limit, again.shortest_flight) == (2.0, 0.1)
-        assert replaced(again) == {"phase_limit": 2.0, "shortest_flight": 0.1}
-    assert replaced(hop.system) == {}
+        assert find_replaced(again) == {"phase_limit": 2.0, "shortest_flight": 0.1}
+    assert find_replaced(hop.system) == {}
 
 
 def own(robot, law=None, spring=None, contact=None):
@@ -85,8 +85,8 @@ def own(robot, law=None, spring=None, contact=None):
 def test_a_builder_of_ones_own_is_asked(hop):
     system = own(hop.system.robot)
     assert guards(with_parameters(system, {"stance_torque": 7.0})) == guards(system)
-    again = with_parameters(changed(replace(system, phase_limit=2.0), low), {"stance_torque": 7.0})
-    assert guards(again) == guards(low(system)) and replaced(again) == {"phase_limit": 2.0}
+    again = with_parameters(change_system(replace(system, phase_limit=2.0), low), {"stance_torque": 7.0})
+    assert guards(again) == guards(low(system)) and find_replaced(again) == {"phase_limit": 2.0}
 
 
 def test_a_builder_of_ones_own_under_the_name_of_another_goes_into_no_file(hop, tmp_path):

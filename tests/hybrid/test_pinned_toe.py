@@ -13,7 +13,7 @@ from spear_pin.hybrid.batch import has_lanes
 from spear_pin.hybrid.contact import OPEN, PINNED
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dry_friction import with_dry_friction
-from spear_pin.hybrid.parameters import changed, number, with_numbers
+from spear_pin.hybrid.parameters import change_system, number, with_numbers
 from spear_pin.hybrid.phases import contact_domains
 from spear_pin.hybrid.result import Moment
 from tests.lagrangian import monopod
@@ -100,7 +100,7 @@ class Pinned:
 @pytest.mark.slow
 def test_a_hop_with_a_pinned_toe_is_found_and_differentiated():
     """In the plane too: the compiled engine leaves it to the reference engine."""
-    gait = find_gait(changed(hopping(ROBOT), Pinned()))
+    gait = find_gait(change_system(hopping(ROBOT), Pinned()))
     assert gait.residual < 1e-9 and not has_lanes(gait.system, ())
     name, value = "stiffness", number(gait.system, "stiffness")
     table = gait.sensitivity([name])

@@ -15,7 +15,7 @@ from spear_pin.hybrid import resting
 from spear_pin.hybrid.contact import OPEN, SLIP_BACKWARD, SLIP_FORWARD, STICK
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.filippov import Sliding, Unloaded
-from spear_pin.hybrid.modes import torn
+from spear_pin.hybrid.modes import find_torn
 from spear_pin.hybrid.reasons import NUMERICAL
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.surface import CHATTER
@@ -163,7 +163,7 @@ class FakeFlow:
     ],
 )
 def test_which_toes_are_torn_off(before, after, toes):
-    assert torn(FakeFlow(*before), FakeFlow(*after), 0.0, np.zeros(2)) == toes
+    assert find_torn(FakeFlow(*before), FakeFlow(*after), 0.0, np.zeros(2)) == toes
 
 
 @pytest.mark.slow
@@ -177,7 +177,7 @@ def test_the_motion_with_the_most_toes_bearing_is_taken_then_that_with_the_fewes
         asked.append(sorted(kinds.values()))
 
     monkeypatch.setattr(resting, "_motion", none)
-    assert resting.resting(system, flow, y) is None
+    assert resting.find_resting(system, flow, y) is None
     once = [list(key) for key in dict.fromkeys(map(tuple, asked))]
     bears, alternates, leaves = resting.BEARS, resting.ALTERNATES, resting.LEAVES
     assert once == [

@@ -10,7 +10,7 @@ from spear_pin import Gait, Ground, HoppingLaw, find_gait, hopping, monopod, sim
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Guard
-from spear_pin.hybrid.parameters import changed, with_numbers, with_parameters
+from spear_pin.hybrid.parameters import change_system, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
 from spear_pin.hybrid.rules.impact import plastic_impact
 from spear_pin.model.numbers import Number, body_numbers
@@ -100,7 +100,7 @@ def test_a_guard_of_ones_own_sees_where_it_touches(gait):
         domains = (replace(each, guards=(*each.guards, low)) for each in system.domains)
         return replace(system, domains=tuple(domains))
 
-    event = simulate(changed(gait.system, watched), gait.state, cycles=1).named("low")[-1]
+    event = simulate(change_system(gait.system, watched), gait.state, cycles=1).named("low")[-1]
     assert gait.system.robot.toe_position(event.q, "toe")[1] == pytest.approx(0.03, abs=1e-10)
 
 

@@ -11,7 +11,7 @@ from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.per_lane import null_spaces
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.section import chart, section
-from spear_pin.hybrid.symmetry import mirror_of, turned
+from spear_pin.hybrid.symmetry import mirror_of, turn_state
 from tests.hybrid.test_ground import Step
 from tests.lagrangian import monopod
 
@@ -172,9 +172,9 @@ class TestSymmetries:
     def test_states_at_another_place_and_heading(self, name):
         gait = Gait.load(name)
         local = chart(gait.system, gait.state)
-        q, v = turned(*gait.state, 0.7, (2.0, -1.0))
+        q, v = turn_state(*gait.state, 0.7, (2.0, -1.0))
         assert np.abs(local.coordinates((q, v))).max() < 1e-14
-        begins = turned(*gait.state, -0.3, (0.0, 1.0))
+        begins = turn_state(*gait.state, -0.3, (0.0, 1.0))
         moved = section(gait.system).displacement((begins[0][None], begins[1][None]), (q[None], v[None] + 1e-3))
         assert np.abs(moved[0, : len(q)]).max() < 1e-14 and np.abs(moved[0, len(q) + 2 :] - 1e-3).max() < 1e-14
         mirror = mirror_of(gait.system.robot)
@@ -189,7 +189,7 @@ class TestSymmetries:
         if "mirrored" in name:
             q, v = (mirror_of(system.robot)(part) for part in (q, v))
         if system.section_toes:
-            q, v = turned(q, v, 0.7, (2.0, -1.0))
+            q, v = turn_state(q, v, 0.7, (2.0, -1.0))
         y, h, moves = np.concatenate([q, v]), 1e-6, np.eye(2 * nv)
         ends = [[local.coordinates((at[:nv], at[nv:])) for at in (y + h * move, y - h * move)] for move in moves]
         slopes = np.array([(above - below) / (2.0 * h) for above, below in ends]).T

@@ -174,9 +174,9 @@ class TestLanes:
     def test_what_is_zero_in_all_lanes_is_not_compiled(self, hop):
         q, v = around(hop, 0.01, 4)
         plain = simulate_many(hop.system, q, v)
-        before = taylor.compiled.cache_info().misses
+        before = taylor.compile_domain.cache_info().misses
         found = simulate_many(hop.system, q, v, parameters={"hardening": np.zeros(4), "preload": np.zeros(4)})
-        assert taylor.compiled.cache_info().misses == before
+        assert taylor.compile_domain.cache_info().misses == before
         np.testing.assert_array_equal(found.q, plain.q)
 
     @pytest.mark.slow

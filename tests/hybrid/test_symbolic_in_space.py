@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, load
-from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.orbits.embedding import embed
 from spear_pin.gaits.round_hopping import RoundHoppingLaw, round_hopping
 from spear_pin.hybrid.contact import SLIP
 from spear_pin.hybrid.dynamics import FLOATS
@@ -32,7 +32,7 @@ def gait(name):
         system = round_hopping(hoppy, law)
         return system, system.guess()
     if name == "long_stride":
-        return embedded(Gait.load(name))
+        return embed(Gait.load(name))
     found = Gait.load(name)
     return found.system, found.state
 

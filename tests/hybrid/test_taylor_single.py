@@ -9,9 +9,9 @@ from spear_pin import Contact, Gait, hopping, simulate_many
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.taylor import Code, Ready
 from spear_pin.hybrid.engines.taylor_single import AHEAD, UNCLEAR, Entry, Single
-from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.fields import flatten
 from spear_pin.hybrid.lanes.compilation import compilation
-from spear_pin.hybrid.lanes.groups import Group, alone, spread
+from spear_pin.hybrid.lanes.groups import Group, alone, spread_held
 from spear_pin.hybrid.lanes.modes import choose
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.periodic import chart
@@ -60,7 +60,7 @@ def test_chooses_as_for_many(hop):
             q, v = local.state(spread_of * rng.normal(size=local.dimension))
             v = v + rng.choice([0.0, 0.3]) * rng.normal(size=len(v))
             y = np.concatenate([q, v])
-            group = Group(np.array([0]), np.zeros(1), y[:, None], spread(held, 1))
+            group = Group(np.array([0]), np.zeros(1), y[:, None], spread_held(held, 1))
             found, _ = choose(numbers, phase, group)
             parameters = np.array([*numbers.constants(0), *flat(held)])
             entries = {
@@ -171,7 +171,7 @@ def single_of(numbers, domain, held):
 
 
 def flat(held):
-    return flattened(held.values())
+    return flatten(held.values())
 
 
 def test_a_step_off_zero_just_before_lift_off(free_hop):

@@ -8,7 +8,7 @@ from scipy.optimize import fsolve
 
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.engines.taylor import Code
-from spear_pin.hybrid.lanes.groups import Group, spread
+from spear_pin.hybrid.lanes.groups import Group, spread_held
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.modes import choose
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -64,7 +64,7 @@ def test_lanes(tied, n):
     system, phase, held, y, mode = tied
     numbers = Numbers(system, {}, Code(1e-12))
     state = np.repeat(y[: 2 * system.robot.nv, None], n, axis=1)
-    group = Group(np.arange(n), np.zeros(n), state, spread(held, n))
+    group = Group(np.arange(n), np.zeros(n), state, spread_held(held, n))
     chosen, left = choose(numbers, phase, group)
     assert not len(left)
     assert [(ready.domain.contacts, len(part)) for ready, part, _ in chosen] == [((mode,), n)]

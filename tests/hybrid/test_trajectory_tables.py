@@ -10,7 +10,7 @@ import pytest
 from spear_pin import Gait, Trajectory, load, simulate
 from spear_pin.errors import BadValue, MissingExtra, SpearError, UnknownName
 from spear_pin.hybrid.column_names import heading
-from spear_pin.hybrid.trajectory_tables import chosen
+from spear_pin.hybrid.trajectory_tables import choose_columns
 
 UNITS = {
     "t": "s",
@@ -95,13 +95,13 @@ def test_without_xarray(hops, monkeypatch):
 class TestChosen:
     def test_by_name_and_by_kind(self, hops):
         names = hops.columns()[0]
-        assert chosen(names, ("q_knee", "u", "q")) == ["q_knee", "u_hip", "u_knee", "q_boom_z", "q_hip"]
-        assert chosen(names, ("force_z",)) == ["force_z_toe"]
+        assert choose_columns(names, ("q_knee", "u", "q")) == ["q_knee", "u_hip", "u_knee", "q_boom_z", "q_hip"]
+        assert choose_columns(names, ("force_z",)) == ["force_z_toe"]
 
     @pytest.mark.parametrize("name", ["knee", "q_", "current", "force"])
     def test_what_there_is(self, hops, name):
         with pytest.raises(UnknownName, match="nearest of .*'help' in its place lists all"):
-            chosen(hops.columns()[0], (name,))
+            choose_columns(hops.columns()[0], (name,))
 
 
 class TestRobot:

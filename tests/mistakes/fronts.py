@@ -140,7 +140,7 @@ MUTATIONS = [
                 'at_least |= {f"margin_fall:{part}"',
                 '_ = {f"margin_fall:{part}"',
             ),
-            "springs push at the end": ("released(start.system) if", "start.system if"),
+            "springs push at the end": ("release_springs(start.system) if", "start.system if"),
             "the kind changes with a spring": ("_towards(gait, kind, 0.0, here)", "gait"),
         },
     ),

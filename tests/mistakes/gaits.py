@@ -207,7 +207,7 @@ MUTATIONS = [
             "stance pulls at the ground": ("-bezier(p.push_up, s)", "bezier(p.push_up, s)"),
             "a push that does not end": ("s = 1.0 - ops.maximum(1.0 - t / p.push_time, 0.0)", "s = t"),
             "back-EMF drives": ("torques[0] - p.hip_back_emf", "torques[0] + p.hip_back_emf"),
-            "back-EMF of lossless gears": ("return gears.efficiency * geared", "return geared"),
+            "back-EMF of lossless gears": ("return gears.efficiency * gear_constant", "return gear_constant"),
             "lift-off as soon as it touches": ("unloaded, into_flight, patience=math.inf)", "unloaded, into_flight)"),
             "a spring in stance only": ("(OPEN,), flight_law, mounts=(mount,),", "(OPEN,), flight_law,"),
         },

@@ -49,7 +49,7 @@ MUTATIONS = [
         ["hybrid/test_lanes_in_space"],
         {
             "lanes: a bouncing toe in the air bears": ("not (toe in domain.bouncing and above)", "True"),
-            "lanes: any moving toe is in the air": ("up = [aloft(height, float(jacobian[-1] @ v))", "up = [True"),
+            "lanes: any moving toe is in the air": ("up = [is_aloft(height, float(jacobian[-1] @ v))", "up = [True"),
         },
     ),
     *mistakes_in(
@@ -368,8 +368,8 @@ MUTATIONS = [
         {
             "impact not applied": ("v, impulse, work", "_, impulse, work"),
             "nothing is latched anew": (
-                "system.law, system.place_of, begins=begins, clock=clock)",
-                "system.law, system.place_of, begins=begins, clock=clock) | held",
+                "begins=begins, clock=clock\n        )\n        # a clutch",
+                "begins=begins, clock=clock\n        ) | held\n        # a clutch",
             ),
             "release left out of the ledger": ("= -in_springs(", "= -0.0 * in_springs("),
         },

@@ -9,8 +9,12 @@ MUTATIONS = [
         {
             "logs: correlation on one side only": ("float(1.0 + 2.0 * shares", "float(1.0 + 1.0 * shares"),
             "logs: a part too many": ("(1.0 - 1.0 / len(kept))", "(1.0 + 1.0 / len(kept))"),
-            "logs: what starts explain is a value's": ("seen = own - basis @ (basis.T @ own)", "seen = own"),
         },
+    ),
+    *mistakes_in(
+        "studies/fitting",
+        ["studies/logs/test_spread"],
+        {"logs: what starts explain is a value's": ("seen = own - basis @ (basis.T @ own)", "seen = own")},
     ),
     *mistakes_in(
         "studies/logs/shooting",

@@ -114,7 +114,7 @@ MUTATIONS = [
             ),
             "a cable through the pulley": ("ops.maximum(bend - touches, 0.0)", "0.0 * bend"),
             "a cable that the pulley does not lengthen": (" + self.radius * wrapped", ""),
-            "a mirrored point where it was": ("(weighted(self.side, x), y, z)", "(x, y, z)"),
+            "a mirrored point where it was": ("(weigh(self.side, x), y, z)", "(x, y, z)"),
         },
     ),
     *mistakes_in(

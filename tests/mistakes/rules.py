@@ -41,7 +41,7 @@ MUTATIONS = [
         ["hybrid/test_event_feedback"],
         {
             "an event sees the law as it was": (
-                "latch, p = reset.latch, adjusted(law, held)",
+                "latch, p = reset.latch, adjust_law(law, held)",
                 "latch, p = reset.latch, law",
             ),
             "feedback wherever a toe touches": ("if begins and reset.adjust", "if reset.adjust"),

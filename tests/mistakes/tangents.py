@@ -15,10 +15,13 @@ MUTATIONS = [
                 "stretch.dstate + stretch.end.slopes[:, None] * tau",
                 "stretch.dstate",
             ),
-            "derivatives: a latch at the section held fixed": ("return dict(latched(", "return value_of(latched("),
+            "derivatives: a latch at the section held fixed": (
+                "return dict(latch_values(",
+                "return value_of(latch_values(",
+            ),
             "derivatives: a latch in the cycle held fixed": (
-                "now.held = dict(latched(",
-                "now.held = value_of(latched(",
+                "now.held = dict(latch_values(",
+                "now.held = value_of(latch_values(",
             ),
             "derivatives: phases that last as long": ("0.0) + Dual(arc.end, tau)", "0.0) + Dual(arc.end, 0.0 * tau)"),
             "derivatives: a switch that acts as late": ("Clock(Dual(arc.end, tau)", "Clock(Dual(arc.end, 0.0 * tau)"),

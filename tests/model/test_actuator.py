@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from spear_pin.errors import BadValue
 from spear_pin.model.actuator import CREEP, FOLD, Actuator, Thermal
 from spear_pin.model.bridge import Battery
-from spear_pin.model.motor import Drive, Gearbox, Motor, passed_on, passed_on_creeping
+from spear_pin.model.motor import Drive, Gearbox, Motor, find_passed_on, find_passed_on_creeping
 
 R, L = 0.5, 1e-3
 MOTOR = Motor("any", torque_constant=0.1, resistance=R, inductance=L)
@@ -152,12 +152,12 @@ class TestByHand:
     def test_at_rest_and_creeping(self):
         """A drive at rest counts as driven; creeping gears pass on all at rest, and what a drive does beyond."""
         efforts, speeds = np.array([10.0, -10.0, 10.0, -10.0]), np.array([1.0, -1.0, -1.0, 1.0])
-        np.testing.assert_allclose(passed_on(0.8, efforts, 0.0), 0.8)
-        np.testing.assert_allclose(passed_on(0.8, efforts, speeds), [0.8, 0.8, 1.25, 1.25], rtol=1e-12)
-        creeping = [passed_on_creeping(0.8, *each, CREEP) for each in zip(efforts, speeds, strict=True)]
+        np.testing.assert_allclose(find_passed_on(0.8, efforts, 0.0), 0.8)
+        np.testing.assert_allclose(find_passed_on(0.8, efforts, speeds), [0.8, 0.8, 1.25, 1.25], rtol=1e-12)
+        creeping = [find_passed_on_creeping(0.8, *each, CREEP) for each in zip(efforts, speeds, strict=True)]
         np.testing.assert_allclose(creeping, [0.8, 0.8, 1.25, 1.25], rtol=1e-12)
-        assert [passed_on_creeping(0.8, effort, 0.0, CREEP) for effort in efforts] == [1.0] * 4
-        assert passed_on_creeping(0.8, 10.0, CREEP, CREEP) == pytest.approx(0.8 ** np.tanh(1.0))
+        assert [find_passed_on_creeping(0.8, effort, 0.0, CREEP) for effort in efforts] == [1.0] * 4
+        assert find_passed_on_creeping(0.8, 10.0, CREEP, CREEP) == pytest.approx(0.8 ** np.tanh(1.0))
 
     def test_one_constant_for_both(self):
         assert actuator().constant == Drive(MOTOR, Gearbox(10.0, 0.8), 24.0).constant == pytest.approx(1.0)

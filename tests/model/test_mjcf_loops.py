@@ -9,7 +9,7 @@ from lxml import etree
 from spear_pin import RobotWarning, load
 from spear_pin.errors import BadFile
 from spear_pin.model.mjcf import to_mjcf
-from spear_pin.model.mjcf_loops import left_out
+from spear_pin.model.mjcf_loops import list_left_out_loops
 from tests.cli.calls import printed
 from tests.model.looped import CRANK_LEG, CRANK_LOOP, crank_leg, five_bar, write
 from tests.model.mjcf_looped import BARS, BASE, BELT, MOTOR, PIN, bar, machine
@@ -173,11 +173,11 @@ class TestWritten:
         toml = 'independent = ["crank", "rod"]\n[loops.sum]\njoints = { crank = 1, rod = 1, slide = 9 }\n'
         path = write(tmp_path, "summed", CRANK_LEG, toml)
         robot = load(path, base="fixed", motors="all")
-        assert left_out(robot) == ["loop sum: MuJoCo ties two joints, not 3"]
+        assert list_left_out_loops(robot) == ["loop sum: MuJoCo ties two joints, not 3"]
         text = to_mjcf(robot)
-        assert left_out(robot)[0] in text and "<equality" not in text
+        assert list_left_out_loops(robot)[0] in text and "<equality" not in text
         result = printed(capsys, "export", path, "--mjcf", "--base", "fixed", "--motors", "all", "--out", tmp_path)
-        assert result["left_out"] == left_out(robot)
+        assert result["left_out"] == list_left_out_loops(robot)
 
     def test_the_first_posture_closes_loops(self, tmp_path):
         robot = crank_leg(tmp_path)

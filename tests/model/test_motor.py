@@ -15,8 +15,8 @@ from spear_pin.model.catalogue import (
     gearbox,
     mass_law,
     motor,
-    scaled,
-    sized,
+    scale_motor,
+    size_motor,
 )
 from spear_pin.model.loading import load
 from spear_pin.model.motor import UNITS, Drive, Gearbox, Motor, drawn_power
@@ -217,11 +217,11 @@ class TestErrors:
             (lambda: Gearbox(10.0, inertia=-1.0), "inertia"),
             (lambda: Gearbox(10.0, max_torque=0.0), "max_torque"),
             (lambda: Gearbox(10.0, mass=0.0), r"Gearbox.mass is 0.0; expected a number > 0, in kg, or None"),
-            (lambda: sized(motor("ec_90_flat_260w"), 0.0), "size is 0.0; expected a number > 0"),
+            (lambda: size_motor(motor("ec_90_flat_260w"), 0.0), "size is 0.0; expected a number > 0"),
             (lambda: drive(bus=0.0), "bus"),
             (lambda: drive(limit=-1.0), "current_limit"),
             (lambda: drawn_power(1.0, 1.1), "regeneration"),
-            (lambda: scaled(motor("ec_90_flat_260w"), 0.0), "power"),
+            (lambda: scale_motor(motor("ec_90_flat_260w"), 0.0), "power"),
             (lambda: drive().envelope(np.nan), "speed"),
             (lambda: drive().envelope("fast"), "speed"),
             (lambda: drive().margin([1.0, 2.0], [1.0, 2.0, 3.0]), "torque and speed"),
@@ -239,7 +239,7 @@ class TestErrors:
         with pytest.raises(BadValue, match="nominal_torque of ec_60_flat_200w"):
             _ = motor("ec_60_flat_200w").continuous_torque
         with pytest.raises(BadValue, match="rated_power of faulhaber_3863h024cr"):
-            scaled(motor("faulhaber_3863h024cr"), 600.0)
+            scale_motor(motor("faulhaber_3863h024cr"), 600.0)
 
     def test_unknown_names(self):
         with pytest.raises(UnknownName, match="unknown motor 'ec_600'; nearest of .*: ec_"):
@@ -251,7 +251,7 @@ class TestErrors:
 class TestScaled:
     def test_it_is_equal_motors_on_one_shaft(self):
         one = motor("ec_90_flat_260w")
-        two, speeds = scaled(one, 520.0), np.linspace(-20, 20, 9)
+        two, speeds = scale_motor(one, 520.0), np.linspace(-20, 20, 9)
         gear = Gearbox(15.0, 0.83)
         pair, single = Drive(two, gear, 48.0), Drive(one, gear, 48.0)
         assert pair.envelope(speeds) == pytest.approx(2 * single.envelope(speeds))
@@ -262,16 +262,16 @@ class TestScaled:
         assert (two.rated_power, two.inductance) == (520.0, one.inductance / 2)
 
     def test_it_says_that_it_is_an_assumption(self):
-        assert "assumption" in scaled(motor("ec_90_flat_260w"), 600.0).name
+        assert "assumption" in scale_motor(motor("ec_90_flat_260w"), 600.0).name
         assert {number.verification for number in MOTORS["assumed_600w"].values()} == {"assumption"}
         assumed = motor("assumed_600w")
-        assert replace(scaled(motor("ec_90_flat_260w"), 600.0), name=assumed.name) == assumed
+        assert replace(scale_motor(motor("ec_90_flat_260w"), 600.0), name=assumed.name) == assumed
 
     def test_its_mass_follows_the_law_of_the_catalogue(self):
         one, law = motor("ec_90_flat_260w"), mass_law()
-        assert sized(one, 1.0) == replace(one, name="ec_90_flat_260w of size 1 (assumption)")
-        assert sized(one, 2.0).mass == pytest.approx(1.0 * 2.0**law.exponent)
-        assert sized(one, 2.0) == replace(scaled(one, 520.0), name="ec_90_flat_260w of size 2 (assumption)")
+        assert size_motor(one, 1.0) == replace(one, name="ec_90_flat_260w of size 1 (assumption)")
+        assert size_motor(one, 2.0).mass == pytest.approx(1.0 * 2.0**law.exponent)
+        assert size_motor(one, 2.0) == replace(scale_motor(one, 520.0), name="ec_90_flat_260w of size 2 (assumption)")
 
     def test_the_law_is_the_line_of_least_squares_through_what_is_known(self):
         """Without motors of which mass or torque is an assumption, such as those that follow the law."""
@@ -292,7 +292,7 @@ class TestScaled:
         assert max(ratios) < 1.25 * min(ratios)
 
     def test_what_is_unknown_stays_unknown(self):
-        assert scaled(motor("ec_60_flat_150w"), 300.0).resistance is None
+        assert scale_motor(motor("ec_60_flat_150w"), 300.0).resistance is None
 
 
 class TestCatalogue:

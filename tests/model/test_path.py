@@ -18,7 +18,7 @@ from spear_pin.model.frames import frame_id
 from spear_pin.model.linkage import Linkage, SliderLinkage
 from spear_pin.model.path import Joints, Sum
 from spear_pin.model.path_data import path_data, path_of, spring_data
-from spear_pin.model.robot_posture import RobotPosture, spanned
+from spear_pin.model.robot_posture import RobotPosture, find_spanned
 
 LEG = load("spear_ii", locked=["boom_x"])
 FULL = load("q_spear_full", base="chain")
@@ -73,7 +73,7 @@ class TestSlope:
     def test_is_zero_but_for_what_it_spans(self, name):
         robot, path = PATHS[name]
         names = {robot.coordinates[i] for i in path.slope(postures(robot, somewhere(robot))[0])}
-        assert names == {*spanned(path, robot)}
+        assert names == {*find_spanned(path, robot)}
 
     def test_of_a_biarticular_cable_over_a_robot_in_space(self):
         angles = {"torso_x": 0.1, "torso_y": -0.05, "torso_z": 0.6, "roll": 0.1, "pitch": -0.15, "yaw": 0.2}
@@ -212,9 +212,9 @@ class TestMirrored:
         (lambda: Sum([]), "a weight and a path"),
         (lambda: Sum([(math.nan, PATELLA)]), "Sum.weight"),
         (lambda: Joints([("knee", 0.02), ("knee", 0.01)]), "each joint once"),
-        (lambda: spanned(replace(PULLEY, radius=0.2), LEG), "farther than the radius"),
-        (lambda: spanned(replace(PULLEY, centre=Anchor("hip", (0, 0, 0.3))), LEG), "keeps its distance"),
-        (lambda: spanned(Between(PATELLA.start, Anchor("thigh", (0, 0, 0))), LEG), "whose length changes"),
+        (lambda: find_spanned(replace(PULLEY, radius=0.2), LEG), "farther than the radius"),
+        (lambda: find_spanned(replace(PULLEY, centre=Anchor("hip", (0, 0, 0.3))), LEG), "keeps its distance"),
+        (lambda: find_spanned(Between(PATELLA.start, Anchor("thigh", (0, 0, 0))), LEG), "whose length changes"),
         (lambda: path_of({"from": {"body": "thigh", "at": [0, 0, 0]}}), "from and to"),
         (lambda: path_of({"path": {"knee": 1.0}, "linkage": {}}), "path, or linkage"),
         (lambda: path_of({"path": 3.0}), "a table"),
@@ -232,4 +232,4 @@ def test_what_is_no_path(make, words):
 )
 def test_what_the_robot_has_not(path, kind):
     with pytest.raises(UnknownName, match=f"unknown {kind}"):
-        spanned(path, LEG)
+        find_spanned(path, LEG)

@@ -8,7 +8,7 @@ import pinocchio as pin
 import pytest
 
 from spear_pin.errors import BadValue, RobotWarning, UnknownName
-from spear_pin.model.catalogue import mass_law, motor, sized
+from spear_pin.model.catalogue import mass_law, motor, size_motor
 from spear_pin.model.loading import load
 from spear_pin.model.monopod import monopod
 from spear_pin.model.numbers import body_numbers
@@ -164,7 +164,7 @@ class TestByHand:
 
     def test_a_size_of_motors_is_rotor_and_mass(self):
         """A knee's motor of the hip's axis adds its mass to slider and hip, and no inertia about the hip."""
-        small, own = sized(motor("spear_ii_knee"), 0.5), motor("spear_ii_knee")
+        small, own = size_motor(motor("spear_ii_knee"), 0.5), motor("spear_ii_knee")
         rotor, mass = small.rotor_inertia - own.rotor_inertia, small.mass - own.mass
         assert_adds(
             difference("spear_ii", [0.0, 0.5, 0.4, 1.0], knee_motor_size=0.5),

@@ -14,7 +14,7 @@ from spear_pin import Gait, Trajectory, simulate
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
 from spear_pin.gaits.measures.of_samples import Sampled
-from spear_pin.gaits.sensitivity.many_measures import measured
+from spear_pin.gaits.sensitivity.many_measures import measure_lanes
 from spear_pin.hybrid.parameters import number
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
@@ -213,7 +213,7 @@ def _lanes(table: Table, gait: Gait, vary: list[str], target: dict[str, float]) 
     """Measures of lanes, and of gaits that are asked for by them."""
     q, v = (part[None] for part in gait.state)
     given = {"friction": np.array([number(gait.system, "friction")])}
-    found, _ = measured(gait.system, given, q, v)
+    found, _ = measure_lanes(gait.system, given, q, v)
     table.add("lanes", {name: float(values[0]) for name, values in found.items()})
     start = {name: np.array([number(gait.system, name)]) for name in vary}
     lanes = find_many(gait.system, start, vary, target, guess=(q, v))
@@ -244,19 +244,19 @@ def _sweep(table: Table, folder: Path, gait: Gait, *words: object) -> None:
 def _explored_hop(table: Table) -> None:
     from spear_pin.studies.explore.engines import best_engine
     from spear_pin.studies.explore.figures import figures
-    from spear_pin.studies.explore.hops import settled
+    from spear_pin.studies.explore.hops import settle_hops
     from spear_pin.studies.explore.legs import spear_ii_hop
 
-    motion = settled(spear_ii_hop().at(kept=True), best_engine())
+    motion = settle_hops(spear_ii_hop().at(kept=True), best_engine())
     _explored(table, motion, figures(motion))
 
 
 def _explored_bound(table: Table) -> None:
     from spear_pin.studies.explore.bounds import bound_to_explore
-    from spear_pin.studies.explore.carried import carried
+    from spear_pin.studies.explore.carried import carry_gait
     from spear_pin.studies.explore.figures import figures
 
-    motion = carried(bound_to_explore(Gait.load("long_stride"), "a bound").at())
+    motion = carry_gait(bound_to_explore(Gait.load("long_stride"), "a bound").at())
     _explored(table, motion, figures(motion))
 
 

@@ -13,7 +13,7 @@ from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.bridge import Battery
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Motor
-from spear_pin.studies.drivetrain import KneeDrive, judged, knee_drives, knee_inertia
+from spear_pin.studies.drivetrain import KneeDrive, judge_drive, knee_drives, knee_inertia
 from spear_pin.studies.hardware import Rig, on_rig
 
 ETA, R, KT, N = 0.83, 1.1, 0.115, 15.0
@@ -145,18 +145,18 @@ class TestLaws:
 class TestFailure:
     @pytest.mark.slow
     def test_outside_the_envelope(self, own):
-        weak = judged("weak", replace(own.drive, bus=14.0), own.gait)
+        weak = judge_drive("weak", replace(own.drive, bus=14.0), own.gait)
         assert not weak.can and weak.margin < 0.0 and weak.heat == own.heat
         assert f"by {-weak.margin:.1f} N·m" in weak.reason and "outside the envelope" in weak.reason
-        assert judged("limited", replace(own.drive, current_limit=0.9 * own.peak_current), own.gait).margin < 0.0
-        assert judged("limited", replace(own.drive, current_limit=1.1 * own.peak_current), own.gait).can
+        assert judge_drive("limited", replace(own.drive, current_limit=0.9 * own.peak_current), own.gait).margin < 0.0
+        assert judge_drive("limited", replace(own.drive, current_limit=1.1 * own.peak_current), own.gait).can
 
     @pytest.mark.slow
     def test_faster_than_its_bearings(self, own):
         slow = replace(KNEE, max_speed=50.0)
         hip, knee = own.gait.system.hardware.actuators
         system = with_hardware(own.gait.system, Hardware((hip, replace(knee, motor=slow))))
-        row = judged("slow", replace(own.drive, motor=slow), replace(own.gait, system=system))
+        row = judge_drive("slow", replace(own.drive, motor=slow), replace(own.gait, system=system))
         assert row.margin == -np.inf and row.reason.endswith("above the motor's max_speed")
 
     @pytest.mark.slow
@@ -171,9 +171,9 @@ class TestFailure:
     def test_a_gait_of_another_motor_is_refused(self, own):
         other = replace(own.drive, motor=motor("ec_90_flat_260w"))
         with pytest.raises(BadValue, match="gait .*the drive's motor"):
-            judged("other", other, own.gait)
+            judge_drive("other", other, own.gait)
         with pytest.raises(BadValue, match="gait"):
-            judged("ideal", own.drive, replace(own.gait, system=hopping(ROBOT)))
+            judge_drive("ideal", own.drive, replace(own.gait, system=hopping(ROBOT)))
 
 
 @pytest.mark.parametrize(

@@ -12,11 +12,11 @@ from spear_pin.hybrid.hardware import Hardware
 from spear_pin.hybrid.parameters import with_hardware
 from spear_pin.model.actuator import Actuator
 from spear_pin.model.bridge import Battery
-from spear_pin.model.catalogue import gearbox, motor, scaled
+from spear_pin.model.catalogue import gearbox, motor, scale_motor
 from spear_pin.model.motor import Drive, Gearbox, drawn_power
 from spear_pin.studies.bound import summarize
 from spear_pin.studies.design import electrical_cost
-from spear_pin.studies.energetics import computed_points, costs, energy_flow
+from spear_pin.studies.energetics import compute_points, costs, energy_flow
 from spear_pin.studies.published_costs import KINDS, PUBLISHED, UNVERIFIED, CostPoint, running_animals
 
 HIP = Actuator(motor("faulhaber_3863h024cr"), Gearbox(60.0, 0.75), Battery(24.0))
@@ -174,7 +174,7 @@ class TestCosts:
     def test_hardware_of_a_pair_is_two_motors(self, gait, stride):
         """Without losses of gears the motion is the same, and so is the energy by either way."""
         one = motor("assumed_600w")
-        pair = Actuator(scaled(one, 1200.0), Gearbox(15.0, 1.0), Battery(480.0))
+        pair = Actuator(scale_motor(one, 1200.0), Gearbox(15.0, 1.0), Battery(480.0))
         system = with_hardware(gait.system, Hardware((pair,) * 4))
         run = simulate(system, gait.state, 1, progress=False)
         by_drives = costs(gait.system, stride, [Drive(one, Gearbox(15.0, 1.0), 480.0)] * 4)
@@ -190,7 +190,7 @@ class TestCosts:
 
     def test_points(self, gait, stride):
         found = costs(gait.system, stride)
-        (point,) = computed_points("Q-SPEAR", found)
+        (point,) = compute_points("Q-SPEAR", found)
         assert (point.mass, point.kind, point.verification) == (pytest.approx(43.76), "mechanical", "computed")
         assert point.cost == found.of_transport["mechanical_positive"]
 

@@ -77,7 +77,7 @@ class TestShorterFlights:
             texts, said = iter(over), []
             monkeypatch.setattr(hop_of_another, "_anywhere", found)
             monkeypatch.setattr(hop_of_another, "_beside", found)
-            monkeypatch.setattr(hop_of_another, "exceeded", lambda gait: next(texts))
+            monkeypatch.setattr(hop_of_another, "list_exceeded", lambda gait: next(texts))
             gait = hop_of(hop.system, 1.0, within_limits=True, on_attempt=lambda time, why: said.append((time, why)))
             return gait.durations["flight"], said
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from spear_pin.errors import BadFile, BadValue
-from spear_pin.studies.identification import Calibration, cut, read_record
+from spear_pin.studies.identification import Calibration, cut_releases, read_record
 from spear_pin.studies.laboratory import HOLD, PUSH, SWING, Instrument, synthesize, synthetic_trial, write_csv
-from spear_pin.studies.push_test import PassiveKnee, equilibrium, pushed_angle, spear_ii
+from spear_pin.studies.push_test import PassiveKnee, equilibrium, find_pushed_angle, spear_ii
 from spear_pin.studies.push_test.motion import move
 
 LEG, KNEE = spear_ii(), PassiveKnee(48.0, 1.2, 0.3, 1.02)
@@ -56,7 +56,7 @@ class TestInstrument:
 
 class TestProtocol:
     def test_five_releases_held_for_three_seconds(self, record):
-        pushed = pushed_angle(LEG, KNEE, 0.075)
+        pushed = find_pushed_angle(LEG, KNEE, 0.075)
         assert record.let_go.size == 5 and HOLD == 3.0
         cycle = PUSH + HOLD + SWING
         np.testing.assert_allclose(np.diff(record.let_go), cycle, rtol=0, atol=1e-3)
@@ -68,7 +68,7 @@ class TestProtocol:
     def test_motion_is_the_release(self, record):
         moment = record.let_go[2]
         after = (record.t > moment) & (record.t < moment + SWING)
-        motion = move(LEG, KNEE, pushed_angle(LEG, KNEE, 0.075), record.t[after] - moment)
+        motion = move(LEG, KNEE, find_pushed_angle(LEG, KNEE, 0.075), record.t[after] - moment)
         np.testing.assert_allclose(record.angle[after], motion.angle, rtol=0, atol=1e-8)
 
     def test_is_continuous(self, record):
@@ -123,7 +123,7 @@ class TestFile:
         assert back.synthetic and back.remarks == ()
         np.testing.assert_allclose(back.t, record.t, rtol=0, atol=5.1e-7)
         np.testing.assert_allclose(back.angle, (record.voltage - 4.2) / -1.3, rtol=0, atol=1e-6)
-        trials, remarks = cut(back)
+        trials, remarks = cut_releases(back)
         assert remarks == [] and all(trial.synthetic for trial in trials)
         np.testing.assert_allclose([trial.let_go for trial in trials], record.let_go, rtol=0, atol=4e-3)
 
@@ -150,7 +150,7 @@ class TestSyntheticTrial:
         trial = synthetic_trial(LEG, KNEE, 0.1, 0.0, np.random.default_rng(0), hold=0.3, duration=0.8, rate=500)
         assert trial.synthetic and trial.let_go == 0.0
         assert (trial.t[0], trial.t[-1], trial.t.size) == (-0.3, 0.8, 551)
-        pushed = pushed_angle(LEG, KNEE, 0.1)
+        pushed = find_pushed_angle(LEG, KNEE, 0.1)
         np.testing.assert_allclose(trial.angle[trial.t <= 0], pushed, rtol=0, atol=1e-15)
         motion = move(LEG, KNEE, pushed, trial.t[trial.t >= 0])
         np.testing.assert_allclose(trial.angle[trial.t >= 0], motion.angle, rtol=0, atol=1e-12)

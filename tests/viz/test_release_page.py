@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, release, resting_at, spear_ii
+from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, release, rest_at, spear_ii
 from spear_pin.viz import release_page
 from tests.viz.samples import ODD
 
@@ -49,7 +49,7 @@ def test_hand_bears_the_spring(played):
 
 def test_says_where_the_pin_pulls(played):
     leg = spear_ii(None)
-    motion, result = played(leg, resting_at(leg, WITHOUT_MOTOR, 1.0))
+    motion, result = played(leg, rest_at(leg, WITHOUT_MOTOR, 1.0))
     assert motion.events[1].time == result.lift_off
     pulls = np.array(motion.domain[2:]) == "pulls"
     np.testing.assert_array_equal(pulls, result.force[:, 1] < 0)

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.hybrid.column_names import (
     TIME,
-    arranged,
     heading,
     lengths,
-    parted,
     quantity,
     read_heading,
+    sort_columns,
+    split_column_name,
     unit,
 )
-from spear_pin.hybrid.trajectory_tables import along_paths, engaged, paths_of
+from spear_pin.hybrid.trajectory_tables import along_paths, find_engaged, paths_of
 from spear_pin.model.robot import Robot
 from spear_pin.viz.bench.columns import Column
 from spear_pin.viz.bench.space import by_leg, in_space, plotted_in_space
@@ -40,7 +40,7 @@ class Samples:
         every: one of so many samples of the trajectory is kept.
         words: words by the name of the column, (n,) each: domain, phase if there is one, and whether springs are
             engaged.
-        first: names of the columns that a page plots first, if not by `plotted`.
+        first: names of the columns that a page plots first, if not by `plot_columns`.
     """
 
     t: Array
@@ -97,7 +97,7 @@ def packed(samples: Samples) -> dict[str, Any]:
             for column in samples.columns
         ],
         "words": {name: _runs(values) for name, values in samples.words.items()},
-        "order": arranged([TIME, *samples.words, *(column.name for column in tabled)]),
+        "order": sort_columns([TIME, *samples.words, *(column.name for column in tabled)]),
         "time": heading(TIME, unit(TIME, {})),
         "every": round(samples.every, 2),
         "plotted": list(samples.first) or plotted(samples),
@@ -106,7 +106,7 @@ def packed(samples: Samples) -> dict[str, Any]:
 
 def plotted(samples: Samples) -> list[str]:
     """Returns names of the columns that a page shows first: joints, motors, springs and ground forces."""
-    there = [(*parted(column.name), column.name) for column in samples.columns if column.moves]
+    there = [(*split_column_name(column.name), column.name) for column in samples.columns if column.moves]
     driven = {label for symbol, label, _ in there if symbol == "u"}
     angles = [name for symbol, label, name in there if symbol == "q" and (not driven or label in driven)]
     others = [name for first in ("u", "spring", "pull", "force_z") for symbol, _, name in there if symbol == first]
@@ -123,13 +123,13 @@ def _plain(robot: Robot, trajectory: TrajectoryLike) -> tuple[Sequence[str], Arr
 
 def _column(name: str, values: Array, measured: Mapping[str, str]) -> Column:
     plain, said = read_heading(name)
-    return Column(plain, parted(plain)[1], quantity(plain), said or unit(plain, measured), values)
+    return Column(plain, split_column_name(plain)[1], quantity(plain), said or unit(plain, measured), values)
 
 
 def _words(trajectory: TrajectoryLike) -> dict[str, NDArray[np.str_]]:
     domain = np.asarray(trajectory.domain, dtype=str)
     phase = getattr(trajectory, "phase", None)
-    latches = {name: on.astype(str) for name, on in engaged(trajectory).items()}
+    latches = {name: on.astype(str) for name, on in find_engaged(trajectory).items()}
     return {"domain": domain} | ({} if phase is None else {"phase": np.asarray(phase, dtype=str)}) | latches
 
 

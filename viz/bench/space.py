@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from spear_pin.hybrid.column_names import parted
+from spear_pin.hybrid.column_names import split_column_name
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.robot import Robot
 from spear_pin.viz.bench.columns import Column
@@ -34,7 +34,7 @@ def by_leg(robot: Robot, columns: Sequence[Column]) -> tuple[Column, ...]:
         parts[leg.toe] = ("", *own)
     found = []
     for column in columns:
-        symbol, label = parted(column.name)
+        symbol, label = split_column_name(column.name)
         if label in parts and symbol:
             kind, leg_label, color = parts[label]
             column = replace(column, kind=kind + column.kind, label=leg_label, color=color)

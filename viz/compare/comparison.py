@@ -14,7 +14,15 @@ from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.showing import Player
-from spear_pin.studies.comparison import Difference, Measure, Side, differences, measures, said, sides_of
+from spear_pin.studies.comparison import (
+    Difference,
+    Measure,
+    Side,
+    describe_differences,
+    differences,
+    measures,
+    sides_of,
+)
 from spear_pin.studies.comparison.sides import CYCLES, different
 
 HEIGHT = 720  # px of the frame of a notebook
@@ -110,4 +118,4 @@ def compare(
     """
     sides = sides_of(items, names, cycles=cycles, of=of)
     rows = measures(sides)
-    return Comparison(sides, rows, differences(sides), said(sides, rows))
+    return Comparison(sides, rows, differences(sides), describe_differences(sides, rows))

@@ -13,7 +13,7 @@ from spear_pin import __version__
 from spear_pin.errors import BadValue
 from spear_pin.model.robot import Robot
 from spear_pin.studies.comparison import Difference, Measure, Side
-from spear_pin.studies.comparison.sides import standing
+from spear_pin.studies.comparison.sides import make_standing
 from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.compare.words import change, number, parameters, percent, value
 from spear_pin.viz.playback import meshcat_commands as c
@@ -86,7 +86,7 @@ def _data(sides: tuple[Side, ...], rate: float, arrows: list[float | None]) -> d
 
 def _side(side: Side, first: Side | None, rate: float, newtons: float | None, count: int) -> dict[str, Any]:
     """Returns a side in the form for its viewer; the first is the ghost of sides with the same robot."""
-    motion = standing(side.robot) if side.run is None else side.run
+    motion = make_standing(side.robot) if side.run is None else side.run
     frames = resample(side.robot, motion, rate)
     haunting = first.run if first is not None and side.run is not None and _alike(first.robot, side.robot) else None
     ghost = None if haunting is None else resample(side.robot, haunting, rate, "ghost")

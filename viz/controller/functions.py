@@ -14,7 +14,7 @@ from spear_pin.hybrid.controller import Happening, after, beginnings, happenings
 from spear_pin.hybrid.domain import Held
 from spear_pin.hybrid.dynamics import Operations
 from spear_pin.hybrid.elimination import solve_sparse
-from spear_pin.hybrid.fields import flattened, mapped
+from spear_pin.hybrid.fields import flatten, map_nested
 
 Shape = Any  # 0.0, or nested tuples of it
 BODY = re.compile(r"static int casadi_f0\([^)]*\) \{\n(.*?)  return 0;\n\}\n", re.DOTALL)
@@ -44,7 +44,7 @@ class Phase:
     @property
     def size(self) -> int:
         """Number of the held numbers."""
-        return len(flattened(list(self.held.values())))
+        return len(flatten(list(self.held.values())))
 
 
 def phases_of(system: HybridSystem) -> tuple[Phase, ...]:
@@ -73,7 +73,7 @@ def functions_of(system: HybridSystem, phases: Sequence[Phase]) -> dict[str, str
 
     for phase in phases:
         t, q, v, values = arguments = _symbols(system, phase.held)
-        inputs = [t, ca.vertcat(*q), ca.vertcat(*v), ca.vertcat(*flattened(list(values.values())))]
+        inputs = [t, ca.vertcat(*q), ca.vertcat(*v), ca.vertcat(*flatten(list(values.values())))]
         moving = motion(system, phase.name, *arguments, _operations())
         values_seen = [moving.guards[i] for i, _ in _watched(phase.events) if _moves(moving.guards[i])]
         written(f"{phase.name}_law", inputs, moving.u, values_seen)
@@ -97,7 +97,7 @@ def _held(system: HybridSystem) -> dict[str, dict[str, Shape]]:
         event, phase = waiting.pop(0)
         into = event.reset.phase or phase
         reached = after(system, event, *_symbols(system, found.get(phase, {})))
-        shapes = {name: mapped(lambda value: 0.0, value) for name, value in reached.items()}
+        shapes = {name: map_nested(lambda value: 0.0, value) for name, value in reached.items()}
         if shapes.keys() - found[into].keys() or not found[into]:
             found[into] |= {name: shape for name, shape in shapes.items() if name not in found[into]}
             waiting += [(each, into) for each in happenings(system.of_phase(into)[0])]
@@ -113,7 +113,7 @@ def _symbols(system: HybridSystem, held: Mapping[str, Shape]) -> tuple[Any, list
     """Returns symbols of time, configuration, velocity and held values."""
     ca, robot = casadi(), system.robot
     q, v = (ca.vertsplit(ca.SX.sym(name, count)) for name, count in (("q", robot.nq), ("v", robot.nv)))
-    values = {name: mapped(lambda zero: ca.SX.sym("held"), shape) for name, shape in held.items()}
+    values = {name: map_nested(lambda zero: ca.SX.sym("held"), shape) for name, shape in held.items()}
     return ca.SX.sym("t"), q, v, values
 
 
@@ -132,8 +132,8 @@ def _flat(values: Held, shapes: Mapping[str, Shape]) -> list[Any]:
     """Returns held values in the order of their shapes; a value that is not held yet is zero."""
     flat: list[Any] = []
     for name, shape in shapes.items():
-        found = flattened([values.get(name, shape)])
-        if len(found) != len(flattened([shape])):
+        found = flatten([values.get(name, shape)])
+        if len(found) != len(flatten([shape])):
             raise SpearError(f"the held value {name!r} has another size from event to event: its law cannot be written")
         flat += found
     return flat

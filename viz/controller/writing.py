@@ -16,8 +16,8 @@ from spear_pin.errors import BadFile
 from spear_pin.files import together, write_text
 from spear_pin.gaits.collocation import casadi
 from spear_pin.gaits.gait import Gait
-from spear_pin.hybrid.controller import beginnings, check_controllable, recorded
-from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.controller import beginnings, check_controllable, record_samples
+from spear_pin.hybrid.fields import flatten
 from spear_pin.kinds import typed
 from spear_pin.viz.controller.functions import Phase, functions_of, identifier, phases_of
 from spear_pin.viz.template import environment
@@ -104,7 +104,7 @@ def _phase(phase: Phase, events: Sequence[str], most: int, scheduled: int) -> di
     on_time = [name for name, event in zip(names, phase.events, strict=True) if not event.guards]
     return {
         "name": phase.name,
-        "names": [_counted(name, len(flattened([shape]))) for name, shape in phase.held.items()],
+        "names": [_counted(name, len(flatten([shape]))) for name, shape in phase.held.items()],
         "events": [
             {"name": name, "into": event.reset.phase or ""} for name, event in zip(names, phase.events, strict=True)
         ],
@@ -128,7 +128,7 @@ def _numbers(law: Any) -> list[tuple[str, str, str]]:
 
 def _rows(gait: Gait) -> list[dict[str, Any]]:
     rows = []
-    for row in recorded(gait.system, gait.state):
+    for row in record_samples(gait.system, gait.state):
         event = f"SPEAR_{identifier(row.event).upper()}" if row.event else "SPEAR_NOTHING"
         numbers = {name: [number(each) for each in getattr(row, name)] for name in "qvu"}
         rows.append({"event": event, "t": number(row.t), **numbers})

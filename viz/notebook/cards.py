@@ -10,7 +10,7 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.errors import listed
+from spear_pin.errors import list_names
 from spear_pin.gaits.codesign.design import Design
 from spear_pin.gaits.continuation.branch import Branch
 from spear_pin.gaits.gait import Gait
@@ -305,4 +305,4 @@ def _range(values: NDArray[np.float64]) -> str:
 
 
 def _some(words: Iterable[str]) -> str:
-    return listed(list(words), MOST_ROWS)
+    return list_names(list(words), MOST_ROWS)

@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.model.postures import grounded
+from spear_pin.model.postures import put_on_ground
 from spear_pin.model.robot import Robot
 from spear_pin.viz.plots.paper import BLUE, VERMILLION
 
@@ -125,7 +125,7 @@ def _bent(robot: Robot) -> Array:
             kind = robot.model.joints[robot.model.getJointId(joint)]
             if kind.nq == 1:
                 q[kind.idx_q] = zero + sign * angle
-    return grounded(robot, q)
+    return put_on_ground(robot, q)
 
 
 def _line(x: ArrayLike, y: ArrayLike) -> str:

@@ -11,7 +11,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.model.cable import Over
 from spear_pin.model.robot import Robot
-from spear_pin.model.robot_posture import RobotPosture, carried
+from spear_pin.model.robot_posture import RobotPosture, find_carrier
 from spear_pin.viz.playback import meshcat_commands as c
 from spear_pin.viz.playback.coil import link_end, places_across
 from spear_pin.viz.playback.frames import Cable, Frames
@@ -56,7 +56,7 @@ def fittings(robot: Robot, frames: Frames, shapes: tuple[Shape, ...], size: floa
     for cable in frames.cables:
         for place in _places(robot, cable, shapes).values():
             for name, anchor in cable.path.anchors().items():
-                joint, at = carried(robot, anchor)
+                joint, at = find_carrier(robot, anchor)
                 at = at + place * SIDEWAYS
                 if isinstance(cable.path, Over) and name == "centre":
                     half = HALF * size * SIDEWAYS
@@ -122,7 +122,7 @@ def _places(robot: Robot, cable: Cable, shapes: tuple[Shape, ...]) -> dict[str, 
 
     In the plane that is the middle of its last link, of both of a pair; in space it is the cable's own place.
     """
-    joints = [joint for each in cable.path.anchors().values() if (joint := carried(robot, each)[0])]
+    joints = [joint for each in cable.path.anchors().values() if (joint := find_carrier(robot, each)[0])]
     if not robot.planar:
         return {"": 0.0}
     places = places_across(shapes, joints[-1], SIDEWAYS)

@@ -17,7 +17,7 @@ from spear_pin.hybrid.trajectory_tables import paths_of
 from spear_pin.model.cable import Cabled
 from spear_pin.model.path import Path
 from spear_pin.model.robot import Robot
-from spear_pin.model.robot_posture import spanned
+from spear_pin.model.robot_posture import find_spanned
 from spear_pin.viz.playback.trajectory import EventLike, TrajectoryLike, in_world, read_times
 
 LARGEST = 1e15  # rad, m or N, that can be drawn
@@ -223,7 +223,7 @@ def _by_path(robot: Robot, trajectory: TrajectoryLike) -> list[_Sprung]:
         return []
     rows = zip(springs.names, springs.paths, springs.pull.T, springs.acts.T, strict=True)
     known = [(name, path, pull, acts) for name, path, pull, acts in rows if path is not None]
-    return [_Sprung(name, path, pull, acts, spanned(path, robot)) for name, path, pull, acts in known]
+    return [_Sprung(name, path, pull, acts, find_spanned(path, robot)) for name, path, pull, acts in known]
 
 
 def _cables(springs: Sequence[_Sprung], row: NDArray[np.intp], weight: Array) -> tuple[Cable, ...]:

@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from spear_pin.errors import SpearError, require
-from spear_pin.hybrid.column_names import PAIR, of_a_pair, parted
+from spear_pin.hybrid.column_names import PAIR, of_a_pair, split_column_name
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.hybrid.trajectory_parts import gaps
-from spear_pin.hybrid.trajectory_tables import chosen
+from spear_pin.hybrid.trajectory_tables import choose_columns
 from spear_pin.kinds import typed
 from spear_pin.model.chain import CHAIN
 from spear_pin.viz.plots.panels import over
@@ -50,10 +50,10 @@ def over_time(trajectory: Trajectory, columns: Sequence[str] = (), cycles: int |
         require("cycles", cycles, lambda number: number >= 1, "a whole number >= 1, or None for all")
     trajectory, left_out = _beginning(trajectory, cycles)
     names, table = trajectory.columns()
-    usual = [group for group in DEFAULT if any(parted(name)[0] == group for name in names)]
-    units, wanted = trajectory.units(), chosen(names, tuple(columns or usual))
+    usual = [group for group in DEFAULT if any(split_column_name(name)[0] == group for name in names)]
+    units, wanted = trajectory.units(), choose_columns(names, tuple(columns or usual))
     parts = _parts(trajectory)
-    places = {name: (parts.get(parted(name)[1], ""), units[name]) for name in wanted}
+    places = {name: (parts.get(split_column_name(name)[1], ""), units[name]) for name in wanted}
     panels = list(dict.fromkeys(places.values()))
     breaks = gaps(trajectory) + 1  # a line is not drawn across what is left out
     t = np.insert(trajectory.t, breaks, np.nan)

@@ -90,7 +90,7 @@ def cost_of_transport(points: Sequence[CostPoint], computed: Sequence[CostPoint]
 
     Args:
         points: published points, see `spear_pin.studies.published_costs`.
-        computed: computed points, see `spear_pin.studies.energetics.computed_points`.
+        computed: computed points, see `spear_pin.studies.energetics.compute_points`.
 
     Raises:
         BadValue: there are no points.

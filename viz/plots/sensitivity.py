@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.colors import SymLogNorm
 from matplotlib.figure import Figure
 
-from spear_pin.gaits.sensitivity.measure import rounding
+from spear_pin.gaits.sensitivity.measure import estimate_rounding
 from spear_pin.gaits.sensitivity.sensitivity import NOTHING, Sensitivity
 from spear_pin.viz.plots.paper import Picture, style
 
@@ -49,5 +49,5 @@ def _parameters(table: Sensitivity) -> list[tuple[str, float, str]]:
 
 def _said(table: Sensitivity, name: str) -> str:
     unit, value = table.output_units[name], table.outputs[name]
-    value = value if abs(value) > rounding(name) else 0.0
+    value = value if abs(value) > estimate_rounding(name) else 0.0
     return f"{name.replace('_', ' ')}, {value:.4g}{'' if unit == '1' else ' ' + unit}"

@@ -16,7 +16,7 @@ from spear_pin.studies.audit.printed_equations import effective_inertia, gravity
 from spear_pin.studies.audit.printed_estimates import TABLE_4_1, TABLE_4_2, TableRow, average
 from spear_pin.studies.audit.switch import torques
 from spear_pin.studies.identification import QUANTITIES
-from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, spear_ii
+from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, find_pushed_angle, spear_ii
 from spear_pin.studies.push_test.power_off import PowerOff
 from spear_pin.viz.plots.identification import mathematical
 from spear_pin.viz.plots.paper import BLUE, GREEN, PURPLE, VERMILLION, Picture, legend_above, style
@@ -128,7 +128,7 @@ def crank_slider() -> Figure:
     """Plots the leg at rest and at each depth, and height and hip over the knee, as in Figs. 4.2 and 4.3."""
     leg, length = spear_ii(), 0.318
     rest = equilibrium(leg, WITH_MOTOR)
-    poses = {"at rest": rest} | {f"{100 * d:g} cm": pushed_angle(leg, WITH_MOTOR, d) for d in DEPTHS}
+    poses = {"at rest": rest} | {f"{100 * d:g} cm": find_pushed_angle(leg, WITH_MOTOR, d) for d in DEPTHS}
     angles = np.linspace(0.0, 1.9, 96)
     with style():
         figure = Picture(figsize=(7.0, 2.6), layout="constrained")

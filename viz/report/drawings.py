@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from spear_pin.model.catalogue import motor
 from spear_pin.studies.audit import runs
 from spear_pin.studies.audit.printed_designs import SPEAR_II
-from spear_pin.studies.energetics import computed_points
+from spear_pin.studies.energetics import compute_points
 from spear_pin.studies.published_costs import PUBLISHED
 from spear_pin.studies.push_test import DEPTHS, release, spear_ii
 from spear_pin.viz import plots
@@ -21,7 +21,7 @@ from spear_pin.viz.plots import source as source_plots
 
 def transport() -> Figure:
     """Draws published costs of transport, and those of the bound."""
-    return energy_plots.cost_of_transport(PUBLISHED, computed_points("Q-SPEAR, assumed motors", runs.bound_costs()))
+    return energy_plots.cost_of_transport(PUBLISHED, compute_points("Q-SPEAR, assumed motors", runs.bound_costs()))
 
 
 def energy() -> Figure:

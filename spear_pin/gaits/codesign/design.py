@@ -229,7 +229,7 @@ def design(
     )
 
 
-def assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
+def list_assumed(system: HybridSystem, besides: Sequence[str]) -> tuple[str, ...]:
     """Returns the names of gears, springs, ground and masses that enter the equations, except those in `besides`.
 
     In space masses of bodies are left out: most are of one side, and a symmetric gait has no derivative by them.

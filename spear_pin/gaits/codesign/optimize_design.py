@@ -11,13 +11,13 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, require
-from spear_pin.gaits.codesign.design import Design, assumed, design
+from spear_pin.gaits.codesign.design import Design, design, list_assumed
 from spear_pin.gaits.codesign.problem import Problem
 from spear_pin.gaits.codesign.step import Local
-from spear_pin.gaits.codesign.trust_region import NO_VALUE, minimised
+from spear_pin.gaits.codesign.trust_region import NO_VALUE, find_minimum
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
-from spear_pin.gaits.sensitivity.closing import closed, led
+from spear_pin.gaits.sensitivity.closing import close_cycle, find_changed
 from spear_pin.gaits.sensitivity.electricity import check_gears
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.targets import check_wanted
@@ -98,7 +98,7 @@ def optimize_design(
         minimize, dict(over), solved_for, dict(keep), dict(at_most), dict(at_least), largest_multiplier, dict(motors)
     )
     _check(gait, problem, tolerance, iterations)
-    assumptions = assumed(gait.system, problem.names) if assuming is None else tuple(assuming)
+    assumptions = list_assumed(gait.system, problem.names) if assuming is None else tuple(assuming)
     for name in assumptions:
         number(gait.system, name)
         if name in problem.names:
@@ -111,14 +111,14 @@ def optimize_design(
 
     begun = Orbit(gait.system, gait.state, problem.names, problem.motors)
     problem.named(begun)
-    orbit = closed(begun, problem.keep, count)
+    orbit = close_cycle(begun, problem.keep, count)
     scale = abs(problem.values(orbit)[0]) or 1.0
 
     def value(x: Array, near: Local[Orbit]) -> Local[Orbit] | None:
         nonlocal why
         change = dict(zip(over, ((x - near.x) * problem.span).tolist(), strict=True))
         try:
-            there = led(near.more, problem.keep, change, count)
+            there = find_changed(near.more, problem.keep, change, count)
             if problem.hidden(there) and not problem.hidden(near.more):
                 raise NoGait("two multipliers leave the circle at once", np.nan)
             local = problem.local(there, scale, count)
@@ -132,7 +132,7 @@ def optimize_design(
 
     n = len(over)
     start = problem.local(orbit, scale, count)
-    end = minimised(value, start, np.zeros(n), np.ones(n), tolerance=tolerance, iterations=iterations, on_step=tell)
+    end = find_minimum(value, start, np.zeros(n), np.ones(n), tolerance=tolerance, iterations=iterations, on_step=tell)
     best, reason = end.local.more, end.reason
     if reason == NO_VALUE:
         reason = f"{NO_VALUE}: {why}"
@@ -141,11 +141,14 @@ def optimize_design(
     try:
         found = gait_beside(best.system, best.state, solved_for, problem.keep)
     except NoGait as failure:
-        found, reason = unconfirmed(best, solved_for), f"the reference engine does not confirm it: {failure.reason}"
+        found, reason = (
+            build_unconfirmed(best, solved_for),
+            f"the reference engine does not confirm it: {failure.reason}",
+        )
     return design(problem, gait, found, replace(end, reason=reason), scale, cycles, assumptions)
 
 
-def unconfirmed(orbit: Orbit, vary: Sequence[str]) -> Gait:
+def build_unconfirmed(orbit: Orbit, vary: Sequence[str]) -> Gait:
     """Returns the gait as the fast engine finds it."""
     return Gait(
         system=orbit.system,

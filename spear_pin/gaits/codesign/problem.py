@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, NoGait, UnknownName, listed
+from spear_pin.errors import BadValue, NoGait, UnknownName, list_names
 from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.codesign.step import Local
 from spear_pin.gaits.sensitivity.measure import Measure
@@ -117,7 +117,7 @@ class Problem:
                 raise UnknownName("event", other, sorted(events))
             if self.measure(orbit, name) is None:
                 if re.fullmatch(OF_MOTORS, name):
-                    named = listed([*self.motors]) or "none"
+                    named = list_names([*self.motors]) or "none"
                     expected = f"a measure of a joint that motors names ({named})"
                     raise BadValue("measure", name, f"{expected}; electricity needs a Drive there, with its supply")
                 raise UnknownName("measure", name, [*orbit.measures, *(MARGIN + each for each in orbit.margins)])

@@ -56,7 +56,7 @@ class Minimum(Generic[T]):
         return self.reason == CONVERGED
 
 
-def minimised(
+def find_minimum(
     value: Callable[[Array, Local[T]], Local[T] | None],
     start: Local[T],
     lower: Array,

@@ -13,7 +13,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.problem import NoValue, Problem
-from spear_pin.gaits.continuation.stepping import Point, along, corrected, placed, predicted, stepped
+from spear_pin.gaits.continuation.stepping import Point, along, correct_point, orient_tangent, predict_point, step_along
 from spear_pin.hybrid.orders import Order
 
 CLOSEST = 1e-8  # arc length up to which a border is approached
@@ -47,7 +47,7 @@ class Border:
     jump: float = 0.0
 
 
-def approached(problem: Problem, base: Point, length: float) -> list[tuple[Point, float]]:
+def approach_border(problem: Problem, base: Point, length: float) -> list[tuple[Point, float]]:
     """Finds points ever closer to a border, and the steps that led to them.
 
     Args:
@@ -59,7 +59,7 @@ def approached(problem: Problem, base: Point, length: float) -> list[tuple[Point
     while length > CLOSEST:
         length *= 0.5
         try:
-            point = stepped(problem, base, length)
+            point = step_along(problem, base, length)
         except NoValue:
             continue
         if point.local.like(base.local):
@@ -82,7 +82,7 @@ def border(problem: Problem, inner: Point, came: Array) -> Border:
         return Border(TURNED if back else CONTINUOUS, inner, outer, outer.local.order)
     for length in BEYOND:
         try:
-            residual, order = problem.glance(predicted(problem, inner, inner.tangent, length))
+            residual, order = problem.glance(predict_point(problem, inner, inner.tangent, length))
         except NoValue as nothing:
             return Border(DISCONTINUOUS, inner, None, nothing.order, nothing.reason)
         if order != inner.local.order:
@@ -101,7 +101,7 @@ def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
     """Finds the first point of a branch that turns at the border, by the tangent beyond the border."""
     for length in BEYOND:
         try:
-            there = problem.local(predicted(problem, inner, inner.tangent, length))
+            there = problem.local(predict_point(problem, inner, inner.tangent, length))
             if there.like(inner.local):
                 continue
             tangent = along(there, inner.tangent)
@@ -117,8 +117,8 @@ def _turned(problem: Problem, inner: Point, came: Array) -> Point | None:
 def _beyond(problem: Problem, inner: Point, row: Array, length: float) -> Point | None:
     """Finds the solution beyond the border at a length along a direction; its tangent points away from the border."""
     try:
-        start = predicted(problem, inner, row, length)
-        found = corrected(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
-        return None if found.like(inner.local) else placed(found, found.u - inner.local.u)
+        start = predict_point(problem, inner, row, length)
+        found = correct_point(problem, start, row, float(row @ inner.local.u) + length, BENT * length)
+        return None if found.like(inner.local) else orient_tangent(found, found.u - inner.local.u)
     except NoValue:
         return None

@@ -16,7 +16,7 @@ from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.signs import CROSSING, FLIP, FOLD, KINK, SADDLE, TORUS
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.gait_table import REASONS
-from spear_pin.hybrid.orders import Order, differing, said
+from spear_pin.hybrid.orders import Order, find_differing, write_order
 from spear_pin.showing import Shown
 
 FORMAT = "spear_pin branch 1"
@@ -296,12 +296,12 @@ class _Gaits(Sequence[Gait]):
 
 def _change(before: Order, after: Order) -> str:
     """Tells in words how two orders of events differ."""
-    near, far = differing(before, after)
+    near, far = find_differing(before, after)
     if before == after:
         return "a toe begins or ceases to slide as it lands"
     if not near:
-        return f"[{said(far)}] comes in"
-    return f"[{said(near)}] becomes [{said(far)}]" if far else f"[{said(near)}] no longer happens"
+        return f"[{write_order(far)}] comes in"
+    return f"[{write_order(near)}] becomes [{write_order(far)}]" if far else f"[{write_order(near)}] no longer happens"
 
 
 def _value(number: complex) -> str:

@@ -16,7 +16,7 @@ from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.follow import BORDER, CLOSED, LOST, Way, follow
 from spear_pin.gaits.continuation.gaits import Gaits
 from spear_pin.gaits.continuation.problem import NoValue
-from spear_pin.gaits.continuation.stepping import Point, corrected, placed
+from spear_pin.gaits.continuation.stepping import Point, correct_point, orient_tangent
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted, measures_of
 from spear_pin.hybrid.parameters import numbers_of_robot, parameter
@@ -152,7 +152,7 @@ def _start(problem: Gaits, state: Any, values: Array) -> Point:
     row = np.zeros_like(u)
     row[-1] = 1.0
     try:
-        return placed(corrected(problem, u, row, float(u[-1]), NEAR), row)
+        return orient_tangent(correct_point(problem, u, row, float(u[-1]), NEAR), row)
     except NoValue as nothing:
         try:
             residual = float(np.abs(problem.glance(u)[0]).max())

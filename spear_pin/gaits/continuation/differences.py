@@ -16,7 +16,7 @@ Values = Callable[[Array], tuple[Array, Sequence[str], Sequence[Order]]]
 """Values of functions, (m, r), at points, (m, k), why there is none, "" where there is, and the orders of events."""
 
 
-def differentiated(values: Values, x: Array, step: float = STEP) -> tuple[Array, Array, Order]:
+def differentiate_values(values: Values, x: Array, step: float = STEP) -> tuple[Array, Array, Order]:
     """Returns the values at a point, (r,), their Jacobian there, (r, k), and the order of events.
 
     Args:

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from spear_pin.gaits.continuation import borders
-from spear_pin.gaits.continuation.borders import Border, approached, border
+from spear_pin.gaits.continuation.borders import Border, approach_border, border
 from spear_pin.gaits.continuation.problem import NoValue, Problem
-from spear_pin.gaits.continuation.signs import Special, located, specials
-from spear_pin.gaits.continuation.stepping import TOLERANCE, Point, landed, stepped
+from spear_pin.gaits.continuation.signs import Special, locate_zero, specials
+from spear_pin.gaits.continuation.stepping import TOLERANCE, Point, find_at_parameter, step_along
 
 FINE = 1e-3  # shortest arc length of a step; if it fails, there is a border
 ENTERING = 1e-4  # of the first step behind a border
@@ -83,7 +83,7 @@ def follow(
 def _tried(problem: Problem, base: Point, length: float) -> Point | None:
     """Returns the next point, or None if there is none with the same order of events."""
     try:
-        point = stepped(problem, base, length)
+        point = step_along(problem, base, length)
     except NoValue:
         return None
     return point if point.local.like(base.local) else None
@@ -100,9 +100,9 @@ def _add(problem: Problem, way: Way, point: Point, length: float, bounds: tuple[
         bound, way.end = bounds[0] if parameter < bounds[0] else bounds[1], RANGE
         if abs(base.local.u[-1] - bound) <= TOLERANCE:
             return
-        length, point = located(problem, base, point, length, lambda each: each.local.u[-1] - bound)
+        length, point = locate_zero(problem, base, point, length, lambda each: each.local.u[-1] - bound)
         try:
-            point = landed(problem, point, bound)
+            point = find_at_parameter(problem, point, bound)
         except NoValue:
             pass  # it is as near to it as the arc tells
     elif _closes(base, point, start, length):
@@ -127,7 +127,7 @@ def _closes(base: Point, point: Point, start: Point, length: float) -> bool:
 def _meet(problem: Problem, way: Way, base: Point, length: float) -> None:
     """Goes up to a border, and beyond it if the branch goes on."""
     came = base.tangent
-    for point, taken in approached(problem, base, length):
+    for point, taken in approach_border(problem, base, length):
         _mark(problem, way, base, point, taken)
         base = point
     if base is not way.points[-1]:

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.cycles import Family
-from spear_pin.gaits.continuation.differences import differentiated as differenced
+from spear_pin.gaits.continuation.differences import differentiate_values as differenced
 from spear_pin.gaits.continuation.problem import Local, NoValue
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures, of_ends
 from spear_pin.hybrid.batch import LOCK
 from spear_pin.hybrid.charts import Chart, Charts
-from spear_pin.hybrid.newton import differentiated as differences
+from spear_pin.hybrid.newton import differentiate_stencil as differences
 from spear_pin.hybrid.newton import stencil
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import left_out_at_zero
@@ -28,7 +28,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import SHORT_CYCLE, SHORTEST_CYCLE, Cycles
 from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.section import columns, on_section
 
@@ -114,7 +114,7 @@ class Gaits:
             start = on_section(system, local, along)
             with LOCK:
                 recorder = family.recorder(numbers)
-                cycle = differentiated(recorder.system, recorder, np.concatenate(state), start, along, fineness)
+                cycle = differentiate_cycle(recorder.system, recorder, np.concatenate(state), start, along, fineness)
                 moves = columns(system, local, cycle)
             weight = Measure(system.robot.weight, np.concatenate([np.zeros(d), own.weight]), "N")
             known = measures(cycle, start, weight)

@@ -10,7 +10,7 @@ import scipy
 from numpy.typing import NDArray
 
 from spear_pin.gaits.continuation.problem import NoValue, Problem
-from spear_pin.gaits.continuation.stepping import Point, stepped
+from spear_pin.gaits.continuation.stepping import Point, step_along
 
 Multipliers = NDArray[np.complex128]
 FOLD, FLIP, TORUS = "fold", "flip", "neimark_sacker"
@@ -79,7 +79,7 @@ def specials(problem: Problem, base: Point, end: Point, length: float) -> list[S
     found: list[tuple[float, Special]] = []
     for test in TESTS:
         if test(base) * test(end) < 0.0:
-            at, point = located(problem, base, end, length, test)
+            at, point = locate_zero(problem, base, end, length, test)
             jumps = abs(test(point)) > SMALL * max(abs(test(base)), abs(test(end))) or _jumps(problem, point, test)
             found.append((at, Special(KINK, point, NONE) if jumps else _named(test, point)))
     found.sort(key=lambda each: each[0])
@@ -100,14 +100,14 @@ def _said(
 def _jumps(problem: Problem, point: Point, test: Callable[[Point], float]) -> bool:
     """Tells whether a function changes as much close to a point as farther off; differences blur a jump there."""
     try:
-        sides = [[test(stepped(problem, point, side * far, BENT)) for side in (-1.0, 1.0)] for far in BLUR]
+        sides = [[test(step_along(problem, point, side * far, BENT)) for side in (-1.0, 1.0)] for far in BLUR]
     except NoValue:
         return False
     close, farther = (abs(after - before) for before, after in sides)
     return close > NOTHING and farther < 2.0 * close
 
 
-def located(
+def locate_zero(
     problem: Problem, base: Point, end: Point, length: float, test: Callable[[Point], float]
 ) -> tuple[float, Point]:
     """Finds where a function that changes sign on a step is zero, and the point there.
@@ -123,7 +123,7 @@ def located(
 
     def value(at: float) -> float:
         if at not in seen:
-            seen[at] = stepped(problem, base, at, reach=2.0)
+            seen[at] = step_along(problem, base, at, reach=2.0)
         return test(seen[at])
 
     try:

@@ -48,12 +48,12 @@ def along(local: Local, before: Array) -> Array:
     return np.asarray(tangent / np.linalg.norm(tangent) * (1.0 if tangent @ before >= 0.0 else -1.0))
 
 
-def placed(local: Local, before: Array) -> Point:
+def orient_tangent(local: Local, before: Array) -> Point:
     """Returns a solution with its tangent on the side of another direction."""
     return Point(local, along(local, before))
 
 
-def stepped(problem: Problem, base: Point, length: float, reach: float = FARTHEST) -> Point:
+def step_along(problem: Problem, base: Point, length: float, reach: float = FARTHEST) -> Point:
     """Finds the point of the branch at an arc length from another point; a negative length goes backward.
 
     Args:
@@ -66,17 +66,17 @@ def stepped(problem: Problem, base: Point, length: float, reach: float = FARTHES
         NoValue: there is no such point; the reason says why.
     """
     row = base.tangent
-    start = predicted(problem, base, row, length)
-    found = corrected(problem, start, row, float(row @ base.local.u) + length, reach * abs(length))
-    return placed(found, row)
+    start = predict_point(problem, base, row, length)
+    found = correct_point(problem, start, row, float(row @ base.local.u) + length, reach * abs(length))
+    return orient_tangent(found, row)
 
 
-def predicted(problem: Problem, base: Point, direction: Array, length: float) -> Array:
+def predict_point(problem: Problem, base: Point, direction: Array, length: float) -> Array:
     """Returns the point that a direction leads to from another point."""
     return problem.moved(base.local, length * base.local.coordinates(direction))
 
 
-def landed(problem: Problem, base: Point, parameter: float) -> Point:
+def find_at_parameter(problem: Problem, base: Point, parameter: float) -> Point:
     """Finds the point of the branch near another point at a value of the (scaled) parameter.
 
     Raises:
@@ -85,12 +85,12 @@ def landed(problem: Problem, base: Point, parameter: float) -> Point:
     row = np.zeros_like(base.tangent)
     row[-1] = 1.0
     length = (parameter - base.local.u[-1]) / base.slope
-    start = predicted(problem, base, base.tangent, length)
-    found = corrected(problem, start, row, parameter, FARTHEST * abs(length) + TOLERANCE)
-    return placed(found, base.tangent)
+    start = predict_point(problem, base, base.tangent, length)
+    found = correct_point(problem, start, row, parameter, FARTHEST * abs(length) + TOLERANCE)
+    return orient_tangent(found, base.tangent)
 
 
-def corrected(problem: Problem, start: Array, row: Array, value: float, reach: float) -> Local:
+def correct_point(problem: Problem, start: Array, row: Array, value: float, reach: float) -> Local:
     """Finds the solution near a point by Newton's method, on the plane where row · u has a given value.
 
     Args:

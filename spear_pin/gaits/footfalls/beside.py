@@ -24,7 +24,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import Run, State
-from spear_pin.hybrid.symmetry import evened, headed, lopsided, mirror_of
+from spear_pin.hybrid.symmetry import even_out, head_state, measure_asymmetry, mirror_of
 from spear_pin.kinds import typed
 
 SPEED_BY, LANDS_AT = "posterior_hip_torque", "anterior_leg_touchdown"
@@ -52,16 +52,16 @@ def trot_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gait
     Example:
         >>> from spear_pin import load
         >>> from spear_pin.gaits.footfalls.beside import trot_beside
-        >>> from spear_pin.gaits.footfalls.collocate import collocated
+        >>> from spear_pin.gaits.footfalls.collocate import collocate
         >>> from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
         >>> robot, asked = load("q_spear_full", base="chain"), FootfallRequest(law=StanceLaw(), swing=SwingLaw())
-        >>> trot = trot_beside(collocated(robot, asked))  # half a minute  # doctest: +SKIP
+        >>> trot = trot_beside(collocate(robot, asked))  # half a minute  # doctest: +SKIP
     """
     robot, mirror, last = gait.robot, mirror_of(gait.robot), gait.stretches[-1]
-    law, uneven = law_of_trot(gait), lopsided(robot) > ALIKE
+    law, uneven = law_of_trot(gait), measure_asymmetry(robot) > ALIKE
     build = trotting if gait.request.footfalls.phases == FOOTFALLS["trot"].phases else pacing
-    system = build(evened(robot) if uneven else robot, law, gait.request.spring)
-    start = headed(mirror(last.q[-1]), mirror(last.v[-1]))
+    system = build(even_out(robot) if uneven else robot, law, gait.request.spring)
+    start = head_state(mirror(last.q[-1]), mirror(last.v[-1]))
     found = _orbit_beside(system, start, gait.request.speed, apart, halfway)
     if not uneven:
         return found
@@ -79,16 +79,16 @@ def pronk_beside(gait: CollocatedGait, *, apart: Sequence[float] = APART) -> Gai
     Example:
         >>> from spear_pin import load
         >>> from spear_pin.gaits.footfalls.beside import pronk_beside
-        >>> from spear_pin.gaits.footfalls.collocate import collocated
+        >>> from spear_pin.gaits.footfalls.collocate import collocate
         >>> from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
         >>> from spear_pin.gaits.footfalls.sequence import FOOTFALLS
         >>> robot = load("q_spear_full", base="chain")
         >>> asked = FootfallRequest(footfalls=FOOTFALLS["pronk"], law=StanceLaw(), swing=SwingLaw())
-        >>> pronk = pronk_beside(collocated(robot, asked))  # some minutes  # doctest: +SKIP
+        >>> pronk = pronk_beside(collocate(robot, asked))  # some minutes  # doctest: +SKIP
     """
     last = gait.stretches[-1]
     system = pronking(gait.robot, law_of_pronk(gait), gait.request.spring)
-    start = headed(last.q[-1], last.v[-1])
+    start = head_state(last.q[-1], last.v[-1])
     return _orbit_beside(system, start, gait.request.speed, apart, lambda system, cycle: cycle.state)
 
 

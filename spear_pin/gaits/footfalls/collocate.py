@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.collocation import Progress, Solution, casadi, quadrature, resampled
+from spear_pin.gaits.collocation import Progress, Solution, casadi, quadrature, resample
 from spear_pin.gaits.footfalls.course import CollocatedGait, Stretch, Swing
 from spear_pin.gaits.footfalls.in_space import in_space
 from spear_pin.gaits.footfalls.obstacles import obstacle
@@ -24,7 +24,7 @@ PATIENCE = 500  # iterations; one that succeeds takes 40 to 250
 
 
 @typed
-def collocated(
+def collocate(
     robot: Robot,
     request: FootfallRequest,
     *,
@@ -53,17 +53,17 @@ def collocated(
 
     Example:
         >>> from spear_pin import load
-        >>> from spear_pin.gaits.footfalls.collocate import collocated
+        >>> from spear_pin.gaits.footfalls.collocate import collocate
         >>> from spear_pin.gaits.footfalls.request import FootfallRequest
         >>> robot = load("q_spear_full", base="chain")
-        >>> trot = collocated(robot, FootfallRequest(speed=2.0))  # some seconds  # doctest: +SKIP
+        >>> trot = collocate(robot, FootfallRequest(speed=2.0))  # some seconds  # doctest: +SKIP
     """
     if not meshes or min(meshes) < 1:
         raise BadValue("meshes", meshes, "whole numbers, at least 1")
     solution, taken, built, solved = start, 0, 0.0, 0.0
     for stage in _stages(request, meshes, cold=start is None):
         begun = time.process_time()
-        transcription = transcribe(in_space(robot, stage), None if solution is None else resampled(solution))
+        transcription = transcribe(in_space(robot, stage), None if solution is None else resample(solution))
         ready = time.process_time()
         solution = transcription.programme.solve(iterations=iterations, on_iteration=on_iteration)
         built, solved = built + ready - begun, solved + time.process_time() - ready

@@ -34,7 +34,7 @@ def length(lengths: tuple[float, float], flexion: float) -> float:
     return math.hypot(shank * math.sin(flexion), thigh + shank * math.cos(flexion))
 
 
-def reaching(leg: Leg, ahead: float, down: float) -> tuple[float, float]:
+def find_limb_angles(leg: Leg, ahead: float, down: float) -> tuple[float, float]:
     """Returns the own angles of hip and knee, in rad, that put the toe at a place ahead of and below the hip."""
     thigh, shank = leg.lengths
     distance = min(max(math.hypot(ahead, down), abs(thigh - shank) + SPARE), thigh + shank - SPARE)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from spear_pin.errors import Infeasible, NoGait
-from spear_pin.gaits.collocation import Solution, resampled
+from spear_pin.gaits.collocation import Solution, resample
 from spear_pin.gaits.footfalls.programme import Transcription
 from spear_pin.gaits.request import Wishes
 
@@ -29,7 +29,7 @@ REMEDIES: Mapping[str, Callable[[Any, float], str]] = {
 def obstacle(transcription: Transcription, solution: Solution) -> Infeasible | NoGait:
     """Finds the obstacle to a request: the wish that a relaxed solve misses most, counted in its scale."""
     asked = transcription.room.request
-    relaxed, margins = transcription.programme.relaxed(resampled(solution))
+    relaxed, margins = transcription.programme.relaxed(resample(solution))
     loosened = relaxed.solve(iterations=PATIENCE)
     if not loosened.success:
         reason = f"the optimiser ended with {solution.status} and its relaxed search with {loosened.status}"

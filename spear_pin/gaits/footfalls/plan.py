@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.footfalls.limbs import length, reaching
+from spear_pin.gaits.footfalls.limbs import find_limb_angles, length
 from spear_pin.gaits.footfalls.request import FootfallRequest
 from spear_pin.gaits.spatial.legs import Leg
 from spear_pin.model.chain import CHAIN
@@ -95,7 +95,7 @@ class Plan:
                 ahead, raised = -half * math.cos(math.pi * swung), 1.5 * request.clearance * math.sin(math.pi * swung)
             else:
                 ahead, raised = half - request.speed * ((time - landing) % self.stride), 0.0
-            q[[limb.hip, limb.knee]] = reaching(limb, ahead, height + self.hips[name] - raised)
+            q[[limb.hip, limb.knee]] = find_limb_angles(limb, ahead, height + self.hips[name] - raised)
         return q
 
     def v(self, time: float, nv: int) -> Array:

@@ -285,8 +285,8 @@ def register(entry: Named) -> None:
     if sum(word in entry.pattern for word in PLACED) > 1:
         raise BadValue("pattern", entry.pattern, f"a name with one of {', '.join(PLACED)} at most")
     for each in CATALOGUE:
-        alike = each.kind == entry.kind or re.fullmatch(fitting(each), entry.pattern)
-        if alike or re.fullmatch(fitting(entry), each.pattern):
+        alike = each.kind == entry.kind or re.fullmatch(match_pattern(each), entry.pattern)
+        if alike or re.fullmatch(match_pattern(entry), each.pattern):
             raise BadValue("pattern", entry.pattern, f"a name that the catalogue does not have yet, as {each.pattern}")
     CATALOGUE.append(entry._replace(shown=True))
 
@@ -326,22 +326,22 @@ def unit_on(robot: Robot, entry: Named, name: str) -> str:
     """Returns the unit of a robot's measure, by its entry and name: joints that slide have others."""
     if not ("JOINT" in entry.pattern or entry.kind in OF_ALL_JOINTS):
         return entry.unit
-    measured = {lengths(robot)[joint] for joint in robot.actuated if re.fullmatch(fitting(entry, joint), name)}
+    measured = {lengths(robot)[joint] for joint in robot.actuated if re.fullmatch(match_pattern(entry, joint), name)}
     return ALONG_A_RAIL.get(entry.unit, entry.unit) if measured == {"m"} else entry.unit
 
 
-def fitting(entry: Named, joint: str = "") -> str:
+def match_pattern(entry: Named, joint: str = "") -> str:
     """Returns the regular expression of the names of an entry's measures, or of those of one joint."""
     return PLACES.sub(lambda word: re.escape(joint) if joint and word[0] == "JOINT" else ".+", entry.pattern)
 
 
-def described(name: str) -> Named:
+def describe_measure(name: str) -> Named:
     """Returns what a measure means, by its name.
 
     Raises:
         UnknownName: the table has no measure with that name.
     """
     for each in CATALOGUE:
-        if re.fullmatch(fitting(each), name):
+        if re.fullmatch(match_pattern(each), name):
             return each
     raise UnknownName("measure", name, [each.pattern for each in CATALOGUE])

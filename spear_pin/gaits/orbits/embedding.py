@@ -12,9 +12,9 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.bounding import SECTION, bounding_in_space
 from spear_pin.gaits.spatial.law import SpatialLaw
-from spear_pin.gaits.spatial.legs import moving, pairs_of, placed
+from spear_pin.gaits.spatial.legs import move_in_space, pairs_of, place_in_space
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import replaced
+from spear_pin.hybrid.parameters import find_replaced
 from spear_pin.hybrid.periodic import multipliers, residual, return_map
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
@@ -49,13 +49,13 @@ def in_space(gait: Gait, law: SpatialLaw | None = None, *, robot: Robot | None =
 
     Example:
         >>> from spear_pin import Gait, SpatialLaw
-        >>> from spear_pin.gaits.orbits.embedding import embedded
+        >>> from spear_pin.gaits.orbits.embedding import embed
         >>> planar = Gait.load("long_stride")
-        >>> system, (q, v) = embedded(planar, SpatialLaw(planar.system.law))
+        >>> system, (q, v) = embed(planar, SpatialLaw(planar.system.law))
         >>> system.robot.coordinates[:6]
         ('torso_x', 'torso_y', 'torso_z', 'yaw', 'pitch', 'roll')
     """
-    system, state = embedded(gait, law, robot)
+    system, state = embed(gait, law, robot)
     off = residual(system, state, rtol)
     if off > max(EXACT, 10.0 * rtol):
         return gait_beside(system, state, (), {}, rtol)
@@ -64,12 +64,12 @@ def in_space(gait: Gait, law: SpatialLaw | None = None, *, robot: Robot | None =
     return Gait(system, state, {}, off, multipliers(system, state, rtol), durations)
 
 
-def embedded(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = None) -> tuple[HybridSystem, State]:
+def embed(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = None) -> tuple[HybridSystem, State]:
     """Returns the system in space for a planar gait, and its section state there; see `in_space` for the arguments."""
     plane = gait.system
     if plane.kind != "bounding":
         raise BadValue("gait", gait, "a planar bounding gait")
-    if plane.changes or replaced(plane):
+    if plane.changes or find_replaced(plane):
         raise BadValue(
             "gait", gait, "one without event feedback, hardware, dry friction or other changes: without_feedback(gait)"
         )
@@ -81,7 +81,7 @@ def embedded(gait: Gait, law: SpatialLaw | None = None, robot: Robot | None = No
     system = bounding_in_space(robot, law, springs, plane.contact)
     touchdown = return_map(plane, gait.state, 1e-12).event(SECTION)
     pairs = pairs_of(robot)
-    q, v = placed(robot, pairs, touchdown.q), moving(robot, pairs, touchdown.v_before)
+    q, v = place_in_space(robot, pairs, touchdown.q), move_in_space(robot, pairs, touchdown.v_before)
     q[0] = 0.0
     (q,), (v,) = section(system).placed(q[None], v[None], np.zeros(0, bool))
     return system, (q, v)

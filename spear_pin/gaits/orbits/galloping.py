@@ -17,14 +17,14 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.leading import led
+from spear_pin.gaits.leading import lead_along
 from spear_pin.gaits.orbits.steering import SECOND
 from spear_pin.gaits.orbits.strides import Strides
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.law import INPUTS
 from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.periodic import return_map
-from spear_pin.hybrid.symmetry import headed
+from spear_pin.hybrid.symmetry import head_state
 from spear_pin.kinds import typed
 from spear_pin.model.scale import scale_in_space
 
@@ -35,7 +35,7 @@ KEPT_BY = ("posterior_hip_torque", "posterior_hip_difference")  # speed and head
 
 
 @typed
-def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> Gait:
+def find_gallop(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> Gait:
     """Continues a bound in space to a gallop, by increasing the time between the landings of each pair's feet.
 
     Args:
@@ -53,9 +53,9 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
 
     Example:
         >>> from spear_pin import Gait, in_space
-        >>> from spear_pin.gaits.orbits.galloping import galloping
+        >>> from spear_pin.gaits.orbits.galloping import find_gallop
         >>> bound = in_space(Gait.load("long_stride_3.00"))  # doctest: +SKIP
-        >>> gallop = galloping(bound, (0.02, 0.02))  # three minutes  # doctest: +SKIP
+        >>> gallop = find_gallop(bound, (0.02, 0.02))  # three minutes  # doctest: +SKIP
     """
     if gait.system.kind != "bounding_in_space" or feedback_of(gait.system) is not None:
         raise BadValue("gait", gait, "one of bounding_in_space, without feedback")
@@ -73,12 +73,12 @@ def galloping(gait: Gait, landing: Sequence[float], *, rtol: float = 1e-10) -> G
         values = begin + share * (wanted - begin)
         return path.solved(near, lambda found: found - values, np.ones_like, PATH_TOLERANCE, FARTHEST)
 
-    way = led(solve, x, first=FIRST, shortest=SHORTEST, longest=LONGEST)
+    way = lead_along(solve, x, first=FIRST, shortest=SHORTEST, longest=LONGEST)
     if way.failure is not None:
         reason = f"the gallop is lost after {way.done:.0%} of the way to these times: {way.failure.reason}"
         raise NoGait(reason, way.failure.residual, remedy="smaller landing times")
     system, state = path.system(way.end), path.state(way.end)
     measures = {"mean_speed": system.measures["mean_speed"](return_map(system, state, rtol)), "turn": 0.0}
-    found = gait_beside(system, headed(*state), KEPT_BY, measures, rtol)
+    found = gait_beside(system, head_state(*state), KEPT_BY, measures, rtol)
     q, v = found.state
     return found.with_law(nominal=(*q.tolist(), *v.tolist()))

@@ -13,7 +13,7 @@ from spear_pin.errors import NoGait
 from spear_pin.gaits.orbits.strides import Strides
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.symmetry import headed
+from spear_pin.hybrid.symmetry import head_state
 
 STEERED_BY = (
     *(f"{pair}_{name}" for pair in ("posterior", "anterior") for name in ("hip_difference", "leg_difference")),
@@ -25,7 +25,9 @@ SECOND = 0.1  # s: what counts as one of that time
 LONGEST = 0.3  # change of an unknown in a step
 
 
-def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: float) -> tuple[HybridSystem, State]:
+def find_steered(
+    system: HybridSystem, state: State, turn: float, speed: float, rtol: float
+) -> tuple[HybridSystem, State]:
     """Finds the system and state that turn by an angle in a stride, at a speed, near a system and state that nearly do.
 
     The Gauss-Newton method varies the state and `STEERED_BY`, and takes the shortest of all steps.
@@ -54,4 +56,4 @@ def turned(system: HybridSystem, state: State, turn: float, speed: float, rtol: 
     except NoGait as failure:
         problem = f"no turn by {np.degrees(turn):.3g}° a stride was found: {failure.reason}"
         raise NoGait(problem, failure.residual, remedy="a smaller turn") from None
-    return strides.system(x), headed(*strides.state(x))
+    return strides.system(x), head_state(*strides.state(x))

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from spear_pin.errors import NoGait, require
-from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.feedback import add_feedback
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.orbits.steering import STEERED_BY, turned
+from spear_pin.gaits.orbits.steering import STEERED_BY, find_steered
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.automaton import forward_speed
 from spear_pin.gaits.spatial.law import INPUTS
@@ -21,7 +21,7 @@ from spear_pin.hybrid.fields import ADDED
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import displacement, multipliers, residual, return_map
 from spear_pin.hybrid.result import State
-from spear_pin.hybrid.symmetry import headed
+from spear_pin.hybrid.symmetry import head_state
 from spear_pin.kinds import typed
 
 TURNS_BY = ("posterior_adduction", "anterior_adduction")
@@ -33,7 +33,7 @@ SETTLED = 1e-5  # largest change of the state in a stride before Newton's method
 
 
 @typed
-def turning(
+def find_turn(
     gait: Gait,
     turn: float,
     *,
@@ -61,14 +61,14 @@ def turning(
         NoGait: the motion ends, or does not settle, or Newton's method does not end in a gait.
     """
     require("turn", turn, lambda angle: abs(angle) <= 1.0, "within ±1 rad a stride")
-    led = regulated(gait, (*TURNS_BY, *STEADIED_BY), heading=HEADING, rtol=rtol)
+    led = add_feedback(gait, (*TURNS_BY, *STEADIED_BY), heading=HEADING, rtol=rtol)
     first = math.copysign(min(abs(turn), FIRST), turn)
     system, state = _settled(led, first, rtol, on_stride)
     if first == turn:
         return gait_beside(system, state, TURNS_BY[:1], {"turn": turn}, rtol)
     speed = forward_speed(return_map(gait.system, gait.state, rtol))
     for angle in np.linspace(first, turn, 1 + math.ceil(abs(turn - first) / STEP)).tolist():
-        system, state = turned(system, state, angle, speed, rtol)
+        system, state = find_steered(system, state, angle, speed, rtol)
         on_turn(angle)
     run, solved = return_map(system, state, rtol), {name: parameter(system, name) for name in STEERED_BY}
     durations = {phase: seconds for phase, seconds in run.durations.items() if seconds > 0.0}
@@ -97,4 +97,4 @@ def _settled(
         raise NoGait(f"the turn does not settle in {STRIDES} strides", change, remedy="a smaller turn")
     values = {name: parameter(led.system, name) + run.held[ADDED + name] for name in feedback.inputs}
     frozen = with_feedback(led.with_law(nominal=()).system, None)
-    return with_parameters(frozen, values), headed(*state)
+    return with_parameters(frozen, values), head_state(*state)

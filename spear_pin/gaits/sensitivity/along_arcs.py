@@ -23,16 +23,16 @@ def with_partner(system: HybridSystem, name: str) -> list[tuple[str, float]]:
     return [(name, 1.0), *([partner(system.robot, name)] if system.mirrored_toes else [])]
 
 
-def powered(stretches: Sequence[Stretch], robot: Robot, joint: str) -> tuple[list[Pieces], list[Pieces]]:
+def find_powered(stretches: Sequence[Stretch], robot: Robot, joint: str) -> tuple[list[Pieces], list[Pieces]]:
     """Returns the torque of a joint's motors, and the speed of the joint."""
-    j, there = robot.actuated.index(joint), lasting(stretches)
+    j, there = robot.actuated.index(joint), select_lasting(stretches)
     torque = [Pieces(each, each.said.u[j], each.dsaid.u[j], each.rates.u[j]) for each in there]
     return torque, coordinate(stretches, robot.nv + robot.index(joint))
 
 
 def coordinate(stretches: Sequence[Stretch], i: int) -> list[Pieces]:
     """Returns a number of the state along all arcs."""
-    return [along(each, i) for each in lasting(stretches)]
+    return [along(each, i) for each in select_lasting(stretches)]
 
 
 def along(stretch: Stretch, i: int) -> Pieces:
@@ -40,15 +40,15 @@ def along(stretch: Stretch, i: int) -> Pieces:
     return Pieces(stretch, stretch.y[i], stretch.dy[i], stretch.said.slopes[i, [BEGIN, END]])
 
 
-def guarded(stretch: Stretch, g: int) -> Pieces:
+def evaluate_guard(stretch: Stretch, g: int) -> Pieces:
     """Returns the value of a guard along an arc."""
     return Pieces(stretch, stretch.said.guards[g], stretch.dsaid.guards[g], stretch.rates.guards[g])
 
 
 def forces(stretches: Sequence[Stretch], toe: str, toes: Sequence[str]) -> Iterator[tuple[Pieces, Pieces]]:
     """Returns the force on a toe along the ground and normal to it, for the arcs on which the toe is on the ground."""
-    for each in lasting(stretches):
-        closed = closed_in(each, toes)
+    for each in select_lasting(stretches):
+        closed = find_closed_toes(each, toes)
         if toe in closed:
             parts = each.said.forces, each.dsaid.forces, each.rates.forces
             axes = len(parts[0]) // len(closed)
@@ -78,7 +78,7 @@ def length(x: Pieces, y: Pieces) -> Pieces:
     return Pieces(x.stretch, values, changes, to_x[ends] * x.rates + to_y[ends] * y.rates)
 
 
-def closed_in(stretch: Stretch, toes: Sequence[str]) -> list[str]:
+def find_closed_toes(stretch: Stretch, toes: Sequence[str]) -> list[str]:
     """Returns the toes that are on the ground along an arc."""
     return [name for name, _ in closed_toes(tuple(toes), stretch.arc.domain)]
 
@@ -88,6 +88,6 @@ def long(stretches: Sequence[Stretch]) -> list[Stretch]:
     return [each for each in stretches if not each.at_once]
 
 
-def lasting(stretches: Sequence[Stretch]) -> list[Stretch]:
+def select_lasting(stretches: Sequence[Stretch]) -> list[Stretch]:
     """Returns the arcs that have a duration in this cycle, or in cycles to one side of it."""
     return [each for each in stretches if not each.at_once or each.late]

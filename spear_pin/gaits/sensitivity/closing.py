@@ -16,7 +16,7 @@ CLOSED = 1e-10  # of coordinates and of what is kept
 MOST = 8  # cycles
 
 
-def closed(orbit: Orbit, keep: Mapping[str, float], on_cycle: Callable[[], object] = lambda: None) -> Orbit:
+def close_cycle(orbit: Orbit, keep: Mapping[str, float], on_cycle: Callable[[], object] = lambda: None) -> Orbit:
     """Finds the gait near an orbit that is nearly one, with its derivatives.
 
     Args:
@@ -56,7 +56,7 @@ def closed(orbit: Orbit, keep: Mapping[str, float], on_cycle: Callable[[], objec
     return found
 
 
-def led(
+def find_changed(
     orbit: Orbit,
     keep: Mapping[str, float],
     change: Mapping[str, float],
@@ -78,4 +78,4 @@ def led(
         begun = orbit.along(branch(orbit, list(keep)) @ by, orbit.names)
     except SpearError as error:
         raise NoGait(str(error), np.inf) from None
-    return closed(begun, keep, on_cycle)
+    return close_cycle(begun, keep, on_cycle)

@@ -11,7 +11,7 @@ from numpy.polynomial import legendre
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.gaits.sensitivity.along_arcs import powered
+from spear_pin.gaits.sensitivity.along_arcs import find_powered
 from spear_pin.gaits.sensitivity.heat import drive_of, motors_of_joint
 from spear_pin.gaits.sensitivity.measure import Group, Measure, total
 from spear_pin.gaits.sensitivity.signals import Pieces, peak, roots
@@ -19,7 +19,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import lengths, unit_of
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 from spear_pin.hybrid.tangent.derivative import Derivative
-from spear_pin.model.catalogue import sized
+from spear_pin.model.catalogue import size_motor
 from spear_pin.model.motor import Drive, Motor
 
 ELECTRICITY, RESERVE = "electricity", "reserve_"
@@ -70,7 +70,7 @@ def electricity(cycle: Derivative, drives: Mapping[str, Drive], names: Sequence[
     def joints() -> Iterator[tuple[str, _Joint, list[Pieces], list[Pieces]]]:
         for name, drive in drives.items():
             joint = _joint(cycle.system, name, drive, names, d)
-            yield name, joint, *powered(cycle.stretches, robot, name)
+            yield name, joint, *find_powered(cycle.stretches, robot, name)
 
     def taken(of: Mapping[str, Measure]) -> dict[str, Measure]:
         parts = {f"{ELECTRICITY}_{name}": Measure(*_drawn(u, w, joint), "J") for name, joint, u, w in joints()}
@@ -102,7 +102,7 @@ def check_gears(system: HybridSystem, motors: Mapping[str, Motor | Drive]) -> No
 def _joint(system: HybridSystem, name: str, drive: Drive, names: Sequence[str], d: int) -> _Joint:
     motors, kt = motors_of_joint(system, name), drive.motor.known("torque_constant")
     (ratio, size), (of_ratio, of_size) = drive_of(system, name, names, d)
-    resistance = sized(drive.motor, float(size)).known("resistance")
+    resistance = size_motor(drive.motor, float(size)).known("resistance")
     return _Joint(drive, motors, ratio * kt, of_ratio / ratio, resistance, of_size / size)
 
 

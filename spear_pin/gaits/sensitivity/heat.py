@@ -12,8 +12,8 @@ from spear_pin.gaits.sensitivity.measure import Group, Measure, total
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.parameters import number, with_numbers
-from spear_pin.model.catalogue import sized
-from spear_pin.model.motor import Drive, Gearbox, Motor, geared_constant
+from spear_pin.model.catalogue import size_motor
+from spear_pin.model.motor import Drive, Gearbox, Motor, gear_constant
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import SIZE, motor_size
 
@@ -47,7 +47,7 @@ def heat(system: HybridSystem, motors: Mapping[str, Motor], names: Sequence[str]
 def _heat(
     of: Mapping[str, Measure], system: HybridSystem, joint: str, motor: Motor, names: Sequence[str], d: int
 ) -> Measure:
-    factor, ((ratio, size), (of_ratio, of_size)) = heating(system, joint, motor), drive_of(system, joint, names, d)
+    factor, ((ratio, size), (of_ratio, of_size)) = find_heating(system, joint, motor), drive_of(system, joint, names, d)
     rms, period = of[f"rms_torque_{joint}"], of["period"]
     value = factor * rms.value**2 * period.value
     of_rms = 2.0 * factor * rms.value * period.value * rms.derivative
@@ -67,7 +67,7 @@ def heatings(system: HybridSystem, motors: Mapping[str, Motor | Drive], names: S
             one, share = (each.motor, each.gearbox.efficiency) if isinstance(each, Drive) else (each, 1.0)
             if one.nominal_torque is not None or one.nominal_current is not None:
                 (ratio, size), (of_ratio, of_size) = drive_of(system, joint, names, d)
-                rms, most = of[f"rms_torque_{joint}"], share * ratio * sized(one, float(size)).continuous_torque
+                rms, most = of[f"rms_torque_{joint}"], share * ratio * size_motor(one, float(size)).continuous_torque
                 change = rms.derivative - rms.value * (of_ratio / ratio + of_size / size)
                 heatings[HEATING + joint] = Measure(rms.value / most, change / most, "1")
         return heatings
@@ -75,7 +75,7 @@ def heatings(system: HybridSystem, motors: Mapping[str, Motor | Drive], names: S
     return Group(f"{HEATING}.*", found)
 
 
-def heating(system: HybridSystem, joint: str, motor: Motor) -> float:
+def find_heating(system: HybridSystem, joint: str, motor: Motor) -> float:
     """Returns the heat of a joint's windings per squared torque of a motor, R / (N kt)² each, in W/(N·m)².
 
     Raises:
@@ -83,8 +83,8 @@ def heating(system: HybridSystem, joint: str, motor: Motor) -> float:
         BadValue: the motor's resistance or torque constant is not known.
     """
     count, gears = motors_of_joint(system, joint), Gearbox(system.robot.gear_ratio(joint))
-    there = sized(motor, motor_size(system.robot, joint))
-    return there.known("resistance") / geared_constant(there, gears) ** 2 * count
+    there = size_motor(motor, motor_size(system.robot, joint))
+    return there.known("resistance") / gear_constant(there, gears) ** 2 * count
 
 
 def motors_of_joint(system: HybridSystem, joint: str) -> int:

@@ -13,13 +13,13 @@ from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.measures import measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.orders import Order
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.record import Recorder, many
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.model.motor import NO_MOTORS, Motor
 
 
-def measured(
+def measure_lanes(
     system: HybridSystem,
     given: Mapping[str, Array],
     q: Array,
@@ -49,7 +49,7 @@ def measured(
         recorder = Recorder(system, numbers, i)
         nothing = np.zeros((len(recorder.numbers), 1))
         with suppress(NotDifferentiable):
-            cycle = differentiated(system, recorder, np.concatenate([q[i], v[i]]), still, nothing)
+            cycle = differentiate_cycle(system, recorder, np.concatenate([q[i], v[i]]), still, nothing)
             orders[i] = cycle.record.order
             for name, each in measures(cycle, still, weight, more).items():
                 found.setdefault(name, np.full(n, np.nan))[i] = each.value if np.isfinite(each.value) else np.nan

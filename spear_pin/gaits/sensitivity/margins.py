@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.sensitivity.along_arcs import guarded, long
+from spear_pin.gaits.sensitivity.along_arcs import evaluate_guard, long
 from spear_pin.gaits.sensitivity.measure import Measure
 from spear_pin.gaits.sensitivity.signals import Pieces, extremes
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
@@ -57,13 +57,13 @@ def of_motion(motion: Sequence[Stretch]) -> Iterator[tuple[str, float, Array]]:
         at_once = motion[-1]
         for g, guard in enumerate(domain.guards):
             if guard is event:  # a guard at zero may also belong to an event that does not happen at once
-                left = guarded(at_once, g) if at_once.late else guarded(at_once, g).times(-1.0)
+                left = evaluate_guard(at_once, g) if at_once.late else evaluate_guard(at_once, g).times(-1.0)
                 yield guard.name, *_begin(left)
         return
     for g, guard in enumerate(domain.guards):
         if guard.observes:
             continue
-        pieces = [guarded(each, g) for each in lasting]
+        pieces = [evaluate_guard(each, g) for each in lasting]
         values = np.concatenate([each.values for each in pieces])
         least = max(guard.tolerance, ZERO * float(np.abs(values).max()))
         if np.ptp(values) <= ZERO * least:  # what is held disarms it

@@ -15,7 +15,7 @@ MULTIPLIER = "multiplier_"
 ROUNDING, ROOT = 1e-12, 1e-6  # in units of an output; repeated zero multipliers keep a root of rounding
 
 
-def rounding(output: str) -> float:
+def estimate_rounding(output: str) -> float:
     """Returns the modulus up to which an output counts as zero, because of rounding, in the output's unit."""
     return ROOT if output.startswith(MULTIPLIER) else ROUNDING
 

@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.measures.catalogue import CATALOGUE, Named, fitting, unit_in
+from spear_pin.gaits.measures.catalogue import CATALOGUE, Named, match_pattern, unit_in
 from spear_pin.gaits.measures.signals import Signals
 from spear_pin.gaits.sensitivity.along_arcs import (
     along,
-    closed_in,
     coordinate,
+    evaluate_guard,
+    find_closed_toes,
+    find_powered,
     forces,
-    guarded,
     long,
-    powered,
     with_partner,
 )
 from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures
@@ -31,7 +31,7 @@ from spear_pin.hybrid.domain import ACTS, RELEASES, Guard, Held, Switch
 from spear_pin.hybrid.dual import Dual, derivative_of, value_of
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 from spear_pin.hybrid.tangent.heights import Heights, dual_heights
-from spear_pin.hybrid.tangent.stretched import stretched
+from spear_pin.hybrid.tangent.stretched import measure_stretch
 
 OF_ENDS = (".*_time|period", "stride|mean_speed|turn", ".*_at_.*")
 
@@ -49,7 +49,7 @@ def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Gr
     """
     signals = Differentiated(cycle, start, weight)
     wanted = [each for each in CATALOGUE if each.wanted]
-    return Measures([*(Group(fitting(each), partial(_found, each, signals)) for each in wanted), *more])
+    return Measures([*(Group(match_pattern(each), partial(_found, each, signals)) for each in wanted), *more])
 
 
 def _found(entry: Named, signals: Differentiated, of: Any) -> dict[str, Measure]:
@@ -149,7 +149,7 @@ class Differentiated(Signals):
         for stretch in long(self.stretches) if "boom_z" in self.robot.coordinates else ():
             for g, guard in enumerate(stretch.arc.domain.guards):
                 if guard.observes:
-                    fallen = where_it_falls(guarded(stretch, g), along(stretch, self.robot.index("boom_z")))
+                    fallen = where_it_falls(evaluate_guard(stretch, g), along(stretch, self.robot.index("boom_z")))
                     if fallen is not None:
                         found.setdefault(guard.name, Dual(*fallen))
         return found
@@ -174,7 +174,7 @@ class Differentiated(Signals):
             let_go = _released(event, stretch.held)
             for mount in stretch.arc.domain.mounts:
                 if mount.name in let_go:
-                    left = stretched(system, mount, stretch, self.cycle.numbers, self.cycle.dnumbers)
+                    left = measure_stretch(system, mount, stretch, self.cycle.numbers, self.cycle.dnumbers)
                     for name, _ in with_partner(system, mount.name):
                         if name not in found or left.x < found[name].x:
                             found[name] = left
@@ -193,7 +193,7 @@ class Differentiated(Signals):
     def torques(self) -> dict[str, Signal]:
         """Torque of one motor of each joint, in N·m."""
         return self._signals(
-            lambda name: powered(self.stretches, self.robot, name)[0], lambda joint: 1.0 / motors_at(joint)
+            lambda name: find_powered(self.stretches, self.robot, name)[0], lambda joint: 1.0 / motors_at(joint)
         )
 
     @cached_property
@@ -228,7 +228,7 @@ class Differentiated(Signals):
                 _height(heights, own, each)
                 for own, _ in with_partner(self.cycle.system, toe)
                 for each in long(self.stretches)
-                if own not in closed_in(each, toes)
+                if own not in find_closed_toes(each, toes)
             ]
             if aloft:
                 found[toe] = Signal(aloft, len(with_partner(self.cycle.system, toe)))

@@ -86,12 +86,12 @@ class Neighbourhood:
     def moduli(self, multipliers: NDArray[np.complex128]) -> Array:
         """Returns moduli of multipliers in the order of this gait's, (d,); NaN where the numbers differ."""
         try:
-            return np.abs(matched(self.multipliers, multipliers[np.isfinite(multipliers)]))
+            return np.abs(match_multipliers(self.multipliers, multipliers[np.isfinite(multipliers)]))
         except NotDifferentiable:
             return np.full(len(self.multipliers), np.nan)
 
 
-def matched(here: NDArray[np.complex128], others: Any) -> NDArray[np.complex128]:
+def match_multipliers(here: NDArray[np.complex128], others: Any) -> NDArray[np.complex128]:
     """Returns multipliers in the order of nearby ones.
 
     Raises:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.gait_table import CONVERGED, NO_CONVERGENCE
-from spear_pin.gaits.lane_cycles import NOT_VALID, spread
+from spear_pin.gaits.lane_cycles import NOT_VALID, spread_lanes
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
-from spear_pin.gaits.sensitivity.closing import closed
-from spear_pin.gaits.sensitivity.many_measures import measured
+from spear_pin.gaits.sensitivity.closing import close_cycle
+from spear_pin.gaits.sensitivity.many_measures import measure_lanes
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.batch import has_lanes
@@ -54,7 +54,7 @@ class Samples:
         return np.asarray(self.reason == CONVERGED)
 
 
-def found_anew(local: Neighbourhood, parameters: Array, on_lanes: OnLanes = lambda n: None) -> Samples:
+def find_anew(local: Neighbourhood, parameters: Array, on_lanes: OnLanes = lambda n: None) -> Samples:
     """Finds the gaits near a gait for other parameters, (n, m).
 
     Args:
@@ -85,10 +85,10 @@ def _in_lanes(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> Sam
     found = np.flatnonzero(table.converged)
     own = {name: table.parameters[name][found] for name in (*local.over, *local.vary)}
     motors = {joint: each for joint, each in local.motors.items() if isinstance(each, Motor)}  # as all are
-    cycles, orders = measured(system, own, table.q[found], table.v[found], motors, on_lanes)
+    cycles, orders = measure_lanes(system, own, table.q[found], table.v[found], motors, on_lanes)
     on_lanes(len(parameters) - len(found))
     outputs = {name: table.parameters[name] for name in local.vary}
-    outputs |= {name: spread(values, found, len(parameters)) for name, values in cycles.items()}
+    outputs |= {name: spread_lanes(values, found, len(parameters)) for name, values in cycles.items()}
     moduli = np.full((len(parameters), len(local.multipliers)), np.nan)
     for i in found:
         moduli[i] = local.moduli(table.multipliers[i])
@@ -115,7 +115,7 @@ def _one_by_one(local: Neighbourhood, parameters: Array, on_lanes: OnLanes) -> S
         try:
             near = with_numbers(system, dict(zip(local.vary, begin[i].tolist(), strict=True)))
             q, v = local.placed(near, y[i][None])
-            orbit = closed(Orbit(near, (q[0], v[0]), local.vary, local.motors), kept)
+            orbit = close_cycle(Orbit(near, (q[0], v[0]), local.vary, local.motors), kept)
         except (SpearError, np.linalg.LinAlgError) as error:
             plain = not isinstance(error.__cause__ or error, NotDifferentiable)
             reason[i] = NO_CONVERGENCE if plain else NOT_PLAIN

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.files import plain
-from spear_pin.gaits.sensitivity.measure import MULTIPLIER, Measure, rounding
+from spear_pin.gaits.sensitivity.measure import MULTIPLIER, Measure, estimate_rounding
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import branch, orbit_of_gait
@@ -82,7 +82,7 @@ class Sensitivity(Shown):
         lines = [f"{'':{names + units + 1}} {'value':>12} {head}   (% for one more %)"]
         for name, value in self.outputs.items():
             row = " ".join(f"{_said(each):>14}" for each in self.elasticity(name).tolist())
-            value = value if abs(value) > rounding(name) else 0.0
+            value = value if abs(value) > estimate_rounding(name) else 0.0
             unit = "" if self.output_units[name] == "1" else self.output_units[name]
             lines.append(f"{name:{names}} {unit:{units}} {value:12.6g} {row}")
         if self.one_sided:
@@ -108,7 +108,9 @@ class Sensitivity(Shown):
         if output not in self.outputs:
             raise UnknownName("output", output, self.outputs)
         value = self.outputs[output]
-        found: Array = self.derivatives[output] * self.given / (value if abs(value) > rounding(output) else np.nan)
+        found: Array = (
+            self.derivatives[output] * self.given / (value if abs(value) > estimate_rounding(output) else np.nan)
+        )
         return found
 
     @typed

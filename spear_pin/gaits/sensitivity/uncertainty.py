@@ -11,10 +11,10 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.files import plain
-from spear_pin.gaits.sensitivity.measure import MULTIPLIER, ROUNDING, rounding
+from spear_pin.gaits.sensitivity.measure import MULTIPLIER, ROUNDING, estimate_rounding
 from spear_pin.gaits.sensitivity.monte_carlo import MonteCarlo
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
-from spear_pin.gaits.sensitivity.samples import found_anew
+from spear_pin.gaits.sensitivity.samples import find_anew
 from spear_pin.gaits.sensitivity.spread import factor
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
@@ -78,7 +78,7 @@ class Uncertainty(Shown):
         lines.append(f"{'σ':{width}} {'':33} " + " ".join(f"{each:14.4g}" for each in self.parameter_deviations))
         for name, value in self.outputs.items():
             sigma = self.deviation(name)
-            relative = f"{100.0 * sigma / abs(value):8.3g}" if abs(value) > rounding(name) else f"{'':8}"
+            relative = f"{100.0 * sigma / abs(value):8.3g}" if abs(value) > estimate_rounding(name) else f"{'':8}"
             row = " ".join(f"{100.0 * each:14.3g}" for each in self.gains(name))
             lines.append(f"{name:{width}} {value:12.6g} {sigma:11.4g} {relative} {row}")
         if self.correlated:
@@ -110,7 +110,7 @@ class Uncertainty(Shown):
             UnknownName: there is no such output.
         """
         value = abs(self.outputs[output])
-        still = output.startswith(MULTIPLIER) and value <= rounding(output)  # a root of rounding
+        still = output.startswith(MULTIPLIER) and value <= estimate_rounding(output)  # a root of rounding
         return not still and self.deviation(output) > ROUNDING * max(value, 1.0)
 
     def shares(self, output: str) -> Array:
@@ -175,7 +175,7 @@ class Uncertainty(Shown):
             raise BadValue("seed", seed, "a whole number >= 0")
         normal = np.random.default_rng(seed).standard_normal((samples, len(self.over)))
         parameters = self.local.values + normal @ factor(self.covariance).T
-        found = found_anew(self.local, parameters, on_lanes)
+        found = find_anew(self.local, parameters, on_lanes)
         return MonteCarlo(
             self.over,
             self.local.values,

@@ -19,7 +19,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, overload
 from spear_pin.gaits.bounding_law import PAIR
-from spear_pin.gaits.spatial.latches import bears, landing, lands, swings, trails, waits
+from spear_pin.gaits.spatial.latches import bears, find_landing_legs, lands, swings, trails, waits
 from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg
 from spear_pin.gaits.spatial.torques import LegLaw, law_of, nominal_start
 from spear_pin.gaits.springing import Springing, springing_in_space
@@ -28,7 +28,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, WAYS, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
-from spear_pin.hybrid.ground import Ground, as_ground, given
+from spear_pin.hybrid.ground import Ground, as_ground, choose_ground
 from spear_pin.hybrid.phases import contact_domains, fall, height
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.rules.guards import ON_GROUND, struck_together, touchdown
@@ -73,7 +73,7 @@ def in_groups(
     robot, scale = automaton.robot, scale_in_space(automaton.robot)
     usual = Spring(PAIR_STIFFNESS / PAIR * scale.torque, damping=0.0)
     springs = springs_by_name(usual if spring is None else spring, "knee")
-    contact = given(contact, ground)
+    contact = choose_ground(contact, ground)
     for each in springs.values():
         if each.rest is not None:
             raise BadValue("Spring.rest", each.rest, "None: in space springs are latched at touchdown")
@@ -252,7 +252,7 @@ class Automaton:
             for other in own:
                 if other != leg and other not in left and f"{other.name}_alpha" not in held:  # where a run begins
                     latched |= leaves(other, own, others, q, v, p)
-            for other in landing(aloft, held) if last else ():
+            for other in find_landing_legs(aloft, held) if last else ():
                 latched |= lands(other, own, own.legs, q, v, p)
             return latched
 

@@ -9,7 +9,7 @@ import numpy as np
 from spear_pin.errors import BadValue
 from spear_pin.gaits.spatial.automaton import Automaton, in_groups
 from spear_pin.gaits.spatial.law import SpatialLaw
-from spear_pin.gaits.spatial.legs import Z, moving, pairs_of, placed
+from spear_pin.gaits.spatial.legs import Z, move_in_space, pairs_of, place_in_space
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import Ground
@@ -60,8 +60,8 @@ def bounding_in_space(
         if not law.plane.nominal:
             expected = "the numbers of a section state; or give a state to start from"
             raise BadValue("SpatialLaw.plane.nominal", law.plane.nominal, expected)
-        q = placed(robot, pairs, np.array([0.0, *law.plane.nominal[:6]]))
+        q = place_in_space(robot, pairs, np.array([0.0, *law.plane.nominal[:6]]))
         q[Z] -= min(robot.toe_position(q, leg.toe)[-1] for leg in pairs[0])
-        return q, moving(robot, pairs, np.array(law.plane.nominal[6:]))
+        return q, move_in_space(robot, pairs, np.array(law.plane.nominal[6:]))
 
     return in_groups("bounding_in_space", automaton, law, spring, contact, ground, build=bounding_in_space, guess=guess)

@@ -15,7 +15,7 @@ import numpy as np
 from spear_pin.gaits.bounding_guards import SHORTEST_SPAN
 from spear_pin.gaits.spatial.legs import YAW, Group, Leg
 from spear_pin.gaits.spatial.torques import LegLaw
-from spear_pin.gaits.virtual_constraints import begun, value
+from spear_pin.gaits.virtual_constraints import begin_evolution, value
 from spear_pin.hybrid.domain import Held
 from spear_pin.model.scalars import turn
 
@@ -81,7 +81,7 @@ def waits(leg: Leg, last: Group, others: Legs, q: Numbers, p: LegLaw) -> dict[st
     return _named(leg, weights, stays, origin, span, 1.0) | {f"{leg.name}_lands_at": q[leg.adduction]}
 
 
-def landing(legs: Iterable[Leg], held: Held) -> list[Leg]:
+def find_landing_legs(legs: Iterable[Leg], held: Held) -> list[Leg]:
     """Returns the legs that have not been on the ground since they swung."""
     return [leg for leg in legs if held.get(f"{leg.name}_forward", 1.0) > 0.5]
 
@@ -101,7 +101,7 @@ def _begins(
     p: LegLaw,
     forward: float,
 ) -> dict[str, Any]:
-    evolution = begun(leg.outputs(others, weights), shapes, q, v, span)
+    evolution = begin_evolution(leg.outputs(others, weights), shapes, q, v, span)
     named = _named(leg, weights, evolution.alpha, evolution.origin, evolution.span, forward)
     return named | {f"{leg.name}_lands_at": leg.signs[0] * p.adduction_touchdown(leg)}
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_law import LEGS, leg_angle, turned
+from spear_pin.gaits.bounding_law import LEGS, convert_angle, leg_angle
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Sum, Variable
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.legs import Leg as RobotLeg
-from spear_pin.model.legs import sided, simple
+from spear_pin.model.legs import check_side, simple
 from spear_pin.model.robot import Robot
 from spear_pin.model.sagittal import leg_pairs
 from spear_pin.model.tree import Tree
@@ -82,7 +82,7 @@ class Leg:
     @cached_property
     def controlled(self) -> tuple[Variable, Variable]:
         """Variables that the motors of hip and knee control in the air: γ and the knee, of the convention."""
-        return self.angle, turned(self.knee, self.signs[2], self.zeros[2])
+        return self.angle, convert_angle(self.knee, self.signs[2], self.zeros[2])
 
     def flexion(self, q: Any) -> Any:
         """Returns how far the knee is flexed, in rad."""
@@ -182,7 +182,7 @@ def _leg(robot: Robot, leg: RobotLeg, end: str, side: str) -> Leg:
     joints = (leg.abduction, leg.hip, leg.knee)
     if leg.abduction is None or not {*joints} <= {*robot.actuated}:
         raise BadValue("robot", robot, f"one whose leg {leg.name} has motors at adduction, hip and knee")
-    sided(simple(leg))
+    check_side(simple(leg))
     adduction, hip, knee = (robot.index(str(joint)) for joint in joints)
     columns = tuple(robot.actuated.index(joint) for joint in joints)
     tree = Tree(robot.model)
@@ -204,17 +204,17 @@ def _leg(robot: Robot, leg: RobotLeg, end: str, side: str) -> Leg:
     )
 
 
-def placed(robot: Robot, pairs: Groups, planar: Array) -> Array:
+def place_in_space(robot: Robot, pairs: Groups, planar: Array) -> Array:
     """Returns the configuration in space, (nv,), of a planar one: x, z, pitch, then hip and knee of either pair."""
-    q = moving(robot, pairs, planar)
+    q = move_in_space(robot, pairs, planar)
     for pair in pairs:
         for leg in pair:
             q[list(leg.rows)] += leg.zeros
     return q
 
 
-def moving(robot: Robot, pairs: Groups, planar: Array) -> Array:
-    """Returns the velocity in space, (nv,), of a planar one; see `placed` for the order of its coordinates."""
+def move_in_space(robot: Robot, pairs: Groups, planar: Array) -> Array:
+    """Returns the velocity in space, (nv,), of a planar one; see `place_in_space` for the order of its coordinates."""
     whole = np.zeros(robot.nv)
     whole[[X, Z, PITCH]] = planar[:3]
     for i, pair in enumerate(pairs):

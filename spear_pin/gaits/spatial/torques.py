@@ -11,7 +11,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import Group, Leg, Z
 from spear_pin.gaits.spatial.trot_law import TrotLaw
-from spear_pin.gaits.virtual_constraints import demanded
+from spear_pin.gaits.virtual_constraints import demand_accelerations
 from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations, Row
 from spear_pin.hybrid.result import State
@@ -62,7 +62,7 @@ def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Sequence[Leg]]]
         wanted: list[Any] = []
         for leg, others in airborne:
             outputs = leg.outputs(others, held[f"{leg.name}_weights"])
-            demand = demanded(outputs, leg.evolution(held), q, v, p.epsilon, ops)
+            demand = demand_accelerations(outputs, leg.evolution(held), q, v, p.epsilon, ops)
             off, rate = q[leg.adduction] - held[f"{leg.name}_lands_at"], v[leg.adduction]
             rows += [*demand[0], ((leg.adduction, 1.0),)]
             wanted += [*demand[1], -(off / p.adduction_epsilon + 2.0 * rate) / p.adduction_epsilon]

@@ -12,13 +12,13 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.section import section
-from spear_pin.hybrid.symmetry import headed, lopsided, mirror_of
+from spear_pin.hybrid.symmetry import head_state, measure_asymmetry, mirror_of
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 
 SECTION, LATERAL, HALFWAY = "diagonal_touchdown", "lateral_touchdown", "halfway"
-ALIKE = 1e-9  # limit of `lopsided` for a robot whose strides consist of halves
+ALIKE = 1e-9  # limit of `measure_asymmetry` for a robot whose strides consist of halves
 
 
 @typed
@@ -35,7 +35,7 @@ def trotting(
     See there for the arguments. A cycle is half a stride. The section lies just before the first touchdown of a pair.
     Where that is the pair of the posterior right leg, the state is seen in the mirror. So a gait is a fixed point, and
     the multipliers of a whole stride are the squares of the gait's. If left and right of the robot are not quite mirror
-    images, `lopsided`, a cycle is a whole stride.
+    images, `measure_asymmetry`, a cycle is a whole stride.
 
     Raises:
         BadValue: the robot is not such a quadruped, or another argument is not valid; see `bounding_in_space`.
@@ -85,11 +85,11 @@ def halfway(system: HybridSystem, cycle: Run) -> State:
         (q,), (v,) = section(system).seen(*(part[None] for part in cycle.state))
         return q, v
     event, mirror = cycle.event(HALFWAY), mirror_of(system.robot)
-    q, v = headed(event.q, event.v_before)
+    q, v = head_state(event.q, event.v_before)
     return mirror(q), mirror(v)
 
 
 def _in_halves(robot: Robot, law: TrotLaw, pairs: Groups, section: str) -> Automaton:
     """Returns the automaton of strides whose halves are mirror images, as far as those of the robot are."""
-    sections = (section, section if lopsided(robot) <= ALIKE else HALFWAY)
+    sections = (section, section if measure_asymmetry(robot) <= ALIKE else HALFWAY)
     return Automaton(robot, pairs, sections, pairs[::-1], law.lift_off)

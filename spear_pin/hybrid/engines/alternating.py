@@ -12,9 +12,9 @@ from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines.structure import Scalars
 from spear_pin.hybrid.engines.symbolic import Motion
-from spear_pin.hybrid.fields import adjusted
+from spear_pin.hybrid.fields import adjust_law
 from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.hybrid.shares import of_one
 from spear_pin.model.mechanism import Mechanism
 
@@ -47,11 +47,11 @@ class Alternating:
         bearing = [toe for toe, _ in closed_toes(system.robot.toes, between.grounded)]
         clock = Clock(0.0, numbers.springs, system)
         sides = [between.leave], between.touching
-        leaves, touches = (latched(held, resets, q, v, numbers.law, clock=clock) for resets in sides)
+        leaves, touches = (latch_values(held, resets, q, v, numbers.law, clock=clock) for resets in sides)
         self._flight = Motion(system, between.airborne, mechanism, 0.0, q, v, leaves, numbers, ops)
         self._stance = Motion(system, unloaded, mechanism, 0.0, q, v, touches, numbers, ops, bearing)
         self._domain = domain
-        self._arguments: tuple[Any, ...] = 0.0, q, v, leaves, adjusted(numbers.law, leaves), self, ops
+        self._arguments: tuple[Any, ...] = 0.0, q, v, leaves, adjust_law(numbers.law, leaves), self, ops
         fall, rise = (motion.toe_acceleration(between.toe)[1] for motion in (self._flight, self._stance))
         self._share = share = of_one(rise, fall)
         self.shares = (share,)

@@ -14,7 +14,7 @@ from spear_pin.errors import BadFunction
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount
 from spear_pin.hybrid.dynamics import FLOATS
 from spear_pin.hybrid.ground import Ground
-from spear_pin.hybrid.own import FAR, asked, has_no_value, is_own, mistake, number, torques
+from spear_pin.hybrid.own import FAR, call_function, has_no_value, is_own, mistake, number, torques
 
 
 class OwnFunctions:
@@ -95,7 +95,7 @@ class OwnFunctions:
             ArithmeticError: the function has no value at this state.
         """
         try:
-            return asked(what, function, call)
+            return call_function(what, function, call)
         except BadFunction as error:
             if not has_no_value(error.__cause__):
                 raise

@@ -15,14 +15,14 @@ import pinocchio as pin
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.contact import SLIPS, constrained, imposed, solve
+from spear_pin.hybrid.contact import SLIPS, impose_rows, solve, solve_constrained
 from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.binding import Binding
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
 from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
 from spear_pin.hybrid.engines.sprung import Sprung
-from spear_pin.hybrid.fields import adjusted
+from spear_pin.hybrid.fields import adjust_law
 from spear_pin.hybrid.flow_names import DAMPING, by_spring, flow_names, flow_of_mount, gives
 from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.own import refuse_in_law
@@ -100,7 +100,7 @@ class Flow:
     def hold(self, held: Held) -> None:
         """Replaces the held values."""
         self.held: Held = Latched(held)
-        self.p = adjusted(self.system.law, held)
+        self.p = adjust_law(self.system.law, held)
         self._at: tuple[float, Array] | None = None
         self._sprung.hold(self.held)
         robot = self.system.robot
@@ -368,7 +368,7 @@ class Flow:
         if self._at_rest or self._closure:
             jacobian, drift = (np.concatenate(parts) for parts in self._binding.resting(self._at_rest))
         driven = [self._actuated[column] for column in motors]
-        torques: list[float] = imposed(self._data.M, force, jacobian, drift, weights, wanted, driven).tolist()
+        torques: list[float] = impose_rows(self._data.M, force, jacobian, drift, weights, wanted, driven).tolist()
         return torques
 
     # accelerations for each kind of contact
@@ -410,7 +410,7 @@ class Flow:
         bound_drift = np.concatenate([*drifts[len(toes) :], np.zeros(len(self._locks))])
         grounded = Grounded(self._data.M, net, jacobians, own_drifts, bound, bound_drift, friction)
         self._ways = ways = self._sliding(grounded, self.toe_velocity)
-        a, multiplier, schur = constrained(self._data.M, net, *grounded.constraint(toes, ways))
+        a, multiplier, schur = solve_constrained(self._data.M, net, *grounded.constraint(toes, ways))
         inverse_pivots, multipliers = np.diag(np.linalg.inv(schur)), multiplier.tolist()
         row = 0
         for toe, first in zip(toes, self._binding.bound.first(toes), strict=True):

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.contact import SETTING_OUT, SIGN, SLOW, constrained, solve
+from spear_pin.hybrid.contact import SETTING_OUT, SIGN, SLOW, solve, solve_constrained
 from spear_pin.hybrid.rules.cone import slides
 from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, along
 
@@ -50,7 +50,7 @@ class Grounded:
     friction: float
 
     def constraint(self, toes: Sequence[str], ways: Ways) -> tuple[Array, Array, Array]:
-        """Returns rows A, directions G and drift of some toes and of `bound`, as `constrained` takes them."""
+        """Returns rows A, directions G and drift of some toes and of `bound`, as `solve_constrained` takes them."""
         A, G, drift = [], [], []
         for toe in toes:
             jacobian, toe_drift = self.jacobians[toe], self.drifts[toe]
@@ -69,7 +69,7 @@ class Grounded:
         others = [each for each in self.jacobians if each != toe]
         forces = np.column_stack([self.net, self.jacobians[toe].T])
         if others or len(self.bound):
-            a = constrained(self.D, forces, *self.constraint(others, ways))[0]
+            a = solve_constrained(self.D, forces, *self.constraint(others, ways))[0]
         else:
             a = solve(self.D, forces)
         seen = self.jacobians[toe] @ a
@@ -78,7 +78,7 @@ class Grounded:
     def against(self, begin: Sequence[str], ways: Ways) -> dict[str, tuple[float, ...]]:
         """Returns the directions against the forces that would hold some toes at rest."""
         toes = [*self.jacobians]
-        _, multiplier, _ = constrained(self.D, self.net, *self.constraint(toes, ways))
+        _, multiplier, _ = solve_constrained(self.D, self.net, *self.constraint(toes, ways))
         found, row = dict[str, tuple[float, ...]](), 0
         for toe in toes:
             k = len(self.drifts[toe])

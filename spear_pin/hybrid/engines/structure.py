@@ -14,10 +14,10 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.engines.identity import Reader
-from spear_pin.hybrid.fields import FLOATS, field_names, flattened, is_number, with_fields
+from spear_pin.hybrid.fields import FLOATS, field_names, flatten, is_number, with_fields
 from spear_pin.hybrid.ground import PLACE, Ground
 from spear_pin.hybrid.soundness import Latched
-from spear_pin.hybrid.springs import shared, shares_path, spring_of, springs_with
+from spear_pin.hybrid.springs import find_shared, shares_path, spring_of, springs_with
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.spring import UNITS as OF_SPRINGS
 from spear_pin.model.spring import Spring
@@ -100,7 +100,7 @@ def parameters(law: Any, others: Sequence[Any], robot: Sequence[float], held: Va
         held: held values, numbers or arrays of n.
         n: number of lanes.
     """
-    flat = flattened((law, *others, *robot, *held.values()))
+    flat = flatten((law, *others, *robot, *held.values()))
     rows = np.empty((len(flat), n))
     for i, value in enumerate(flat):
         rows[i] = value
@@ -146,7 +146,7 @@ class Structure:
 def _mounted(mount: Mount, system: HybridSystem, mechanism: Mechanism) -> Any:
     """Returns a spring's place, its held names, and those of its numbers that it does not share with the system."""
     own, common, path = mount.spring, system.springs[spring_of(mount, system)], mount.along
-    numbers = tuple(None if name in shared(own, common) else getattr(own, name) for name in OF_SPRINGS)
+    numbers = tuple(None if name in find_shared(own, common) else getattr(own, name) for name in OF_SPRINGS)
     others = tuple(
         getattr(own, field.name) for field in fields(own) if field.name not in (*OF_SPRINGS, "path", "clutch")
     )

@@ -19,16 +19,16 @@ from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.dynamics import Row
 from spear_pin.hybrid.elimination import Matrix, factorize, solve, substitute
 from spear_pin.hybrid.engines.structure import Scalars
-from spear_pin.hybrid.engines.trial import mistaken
-from spear_pin.hybrid.fields import adjusted
+from spear_pin.hybrid.engines.trial import find_mistake
+from spear_pin.hybrid.fields import adjust_law
 from spear_pin.hybrid.ground import refuse_slopes
 from spear_pin.hybrid.own import FOR_SYMBOLS, is_own, mistake, not_symbolic, refuse_in_law, scalar, torques
 from spear_pin.hybrid.pull import Pull
 from spear_pin.hybrid.rules.footing import Bound, closed_toes, of_foot, shared, size
-from spear_pin.hybrid.springs import numbered, pull_of, rest_length, torque_on
+from spear_pin.hybrid.springs import number_spring, pull_of, rest_length, torque_on
 from spear_pin.model.mechanism import Feet, Mechanism
 from spear_pin.model.round_feet import parts_of
-from spear_pin.model.scalars import dot, negated, plus, times
+from spear_pin.model.scalars import dot, negate, plus, times
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class Motion:
     ) -> None:
         self.system, self.domain, self.mechanism = system, domain, mechanism
         self.t, self.q, self.v, self.held, self.numbers, self.ops = t, q, v, held, numbers, ops
-        self._p = adjusted(numbers.law, held)
+        self._p = adjust_law(numbers.law, held)
         robot = system.robot
         self._index = {name: i for i, name in enumerate(robot.coordinates)}
         self._closed = closed_toes(robot.toes, domain)
@@ -299,7 +299,7 @@ class Motion:
                 raise mistake(what, function, error) from error
             if not isinstance(error, FOR_SYMBOLS):
                 raise
-            found = mistaken(self.system, self.domain, self.held)
+            found = find_mistake(self.system, self.domain, self.held)
             if found is not None and type(found.__cause__) in (type(error), type(None)):
                 raise found from found.__cause__
             raise not_symbolic(what, function, error) from error
@@ -310,7 +310,7 @@ class Motion:
         here, found = posed(self.q), list[Pull]()
         for mount in self.domain.mounts:
             what = f"spring of {mount.name!r} in domain {self.domain.name!r}"
-            spring, path = numbered(mount, self.system, self.numbers.springs)
+            spring, path = number_spring(mount, self.system, self.numbers.springs)
             length, slope = path.length(here), path.slope(here)
             rest = rest_length(mount, spring, path, robot, self.held, posed)
             stretch = mount.stretch(spring, length, rest, self.held)
@@ -326,7 +326,7 @@ class Motion:
     @cached_property
     def _passive(self) -> list[Any]:
         """Returns the forces of the joints' springs, dampers and friction."""
-        forces = [negated(times(b, rate)) for b, rate in zip(self.numbers.joints, self.v, strict=True)]
+        forces = [negate(times(b, rate)) for b, rate in zip(self.numbers.joints, self.v, strict=True)]
         for pull in self._pulls:
             for i, lever in pull.slope.items():
                 forces[i] = forces[i] + times(lever, pull.force + pull.drag)
@@ -365,7 +365,7 @@ class Motion:
                 slopes = [way * self.numbers.ground.friction for way in self._ways[toe]]
                 rows.append(z)
                 columns = zip(z, *tangential, strict=True)
-                directions.append([plus(down, negated(dot(slopes, along))) for down, *along in columns])
+                directions.append([plus(down, negate(dot(slopes, along))) for down, *along in columns])
                 drift.append(own[-1])
         loops, rests = self._terms.loop_rows, all(mode in RESTS for _, mode in self._closed)
         rows, directions = [*rows, *loops], [*directions, *loops]
@@ -373,9 +373,9 @@ class Motion:
 
     def _bordered(self, force: Sequence[Any], rows: Matrix, drift: Sequence[Any]) -> tuple[Matrix, list[Any]]:
         """Returns matrix and right-hand side of D a = force + Aᵀ λ, A a + drift = 0, for (a, λ)."""
-        system = [[*row, *map(negated, column)] for row, *column in zip(self.mass_matrix, *rows, strict=True)]
+        system = [[*row, *map(negate, column)] for row, *column in zip(self.mass_matrix, *rows, strict=True)]
         system += [[*row, *[0.0] * len(rows)] for row in rows]
-        return system, [*force, *map(negated, drift)]
+        return system, [*force, *map(negate, drift)]
 
     def _constrained(
         self, applied: Sequence[Any], rows: Matrix, directions: Matrix, drift: Sequence[Any]

@@ -26,7 +26,7 @@ from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.own import is_own, mistake
 from spear_pin.hybrid.rules.entry import AWAY
-from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, footing
+from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, make_footing
 from spear_pin.model.equations import mechanism_of
 
 Values = Mapping[str, Any]
@@ -162,7 +162,7 @@ class Compiled:
     def function(self) -> Any:
         """Compiles a function that returns all of `Point`."""
         slopes, guards, kinks, motion = self.here
-        feet = [number for toe, mode in self.closed for number in footing(motion, toe, mode, operations([]))]
+        feet = [number for toe, mode in self.closed for number in make_footing(motion, toe, mode, operations([]))]
         outputs = [*slopes, *guards, *kinks, *feet]
         return require().cfunc([_expression(output) for output in outputs], self.state, opt_level=self.level)
 
@@ -288,7 +288,7 @@ class Ready:
 
 
 @lru_cache(MOST)
-def compiled(structure: Structure, code: Code) -> Compiled:
+def compile_domain(structure: Structure, code: Code) -> Compiled:
     """Compiles a domain, once for each structure."""
     return Compiled(structure.system, structure.domain, structure.held, code)
 

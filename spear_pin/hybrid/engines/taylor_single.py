@@ -24,7 +24,7 @@ from spear_pin.hybrid.engines.taylor import (
     require,
     steps,
 )
-from spear_pin.hybrid.rules.entry import GLIMPSES, NONE, bent, clear, falls, stays_on_zero, thresholds
+from spear_pin.hybrid.rules.entry import GLIMPSES, NONE, clear, falls, is_bent, stays_on_zero, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness
 from spear_pin.hybrid.rules.impact import rises, routh
 from spear_pin.model.scalars import dot
@@ -104,7 +104,7 @@ class Single:
         if not fits >= LEAVES:
             return None
         waiting = [i for i, threshold in self._thresholds if values[i] <= threshold]
-        on_kink = self._bends and any(map(bent, values[self._kinks]))
+        on_kink = self._bends and any(map(is_bent, values[self._kinks]))
         below = [i for i, tolerance in self._patient if values[i] <= tolerance]
         if not (waiting or on_kink or below):
             return Entry(fits, t, y, NONE)

@@ -11,11 +11,11 @@ from spear_pin.errors import BadFunction
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines.pinocchio import Flow
-from spear_pin.hybrid.fields import mapped
+from spear_pin.hybrid.fields import map_nested
 from spear_pin.hybrid.flow_names import flow_names
 
 
-def mistaken(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> BadFunction | None:
+def find_mistake(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> BadFunction | None:
     """Finds the first mistake in a domain's functions at the system's guess; None if there is none.
 
     Args:
@@ -24,7 +24,7 @@ def mistaken(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> B
         held: values held in the domain, by name; the numbers do not matter.
     """
     try:
-        flow = Flow(system, domain, {name: mapped(lambda number: 1.0, value) for name, value in held.items()})
+        flow = Flow(system, domain, {name: map_nested(lambda number: 1.0, value) for name, value in held.items()})
         y = np.concatenate([*system.guess(), np.zeros(len(flow_names(system)))])
         flow(0.0, y)
         for guard in domain.guards:

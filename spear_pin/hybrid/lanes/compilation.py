@@ -54,7 +54,7 @@ class Compilation:
         if key not in self._domains:
             self.watch(domain)
             one = structure.Structure(self.system, domain, held, self.mechanism)
-            self._domains[key] = Ready(domain, taylor.compiled(one, self._code))
+            self._domains[key] = Ready(domain, taylor.compile_domain(one, self._code))
         return self._domains[key]
 
     def single(self, domain: Domain, held: Held) -> Single:

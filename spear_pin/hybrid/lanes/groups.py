@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.fields import mapped
+from spear_pin.hybrid.fields import map_nested
 
 Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
@@ -54,7 +54,7 @@ def take(value: Any, chosen: Any) -> Any:
 
 def alone(held: Held) -> Held:
     """Returns the held values of a group of one lane as plain numbers."""
-    return {name: mapped(np.ndarray.item, value) for name, value in held.items()}
+    return {name: map_nested(np.ndarray.item, value) for name, value in held.items()}
 
 
 def finite(value: Any, n: int) -> Flags:
@@ -65,25 +65,25 @@ def finite(value: Any, n: int) -> Flags:
     return np.asarray(np.all([np.ones(n, bool), *(finite(item, n) for item in items)], axis=0), dtype=bool)
 
 
-def spread(held: Held, n: int) -> dict[str, Any]:
+def spread_held(held: Held, n: int) -> dict[str, Any]:
     """Repeats held values for each of n lanes."""
 
     def repeated(number: Any) -> Array:
         return np.array(np.broadcast_to(np.asarray(number, dtype=float), (n,)))
 
-    return {name: mapped(repeated, value) for name, value in held.items()}
+    return {name: map_nested(repeated, value) for name, value in held.items()}
 
 
-def joined(values: Sequence[Any]) -> Any:
+def join_held(values: Sequence[Any]) -> Any:
     """Joins the held values of several groups, or of single lanes, into arrays."""
     if isinstance(values[0], dict):
-        return {name: joined([value[name] for value in values]) for name in values[0]}
+        return {name: join_held([value[name] for value in values]) for name in values[0]}
     if isinstance(values[0], tuple):
-        return tuple(joined(items) for items in zip(*values, strict=True))
+        return tuple(join_held(items) for items in zip(*values, strict=True))
     return np.hstack(values, dtype=float)
 
 
-def merged(groups: list[Group]) -> Group:
+def merge_groups(groups: list[Group]) -> Group:
     """Merges groups of the same domain into one."""
     if len(groups) == 1:
         return groups[0]
@@ -91,10 +91,10 @@ def merged(groups: list[Group]) -> Group:
         np.concatenate([group.lanes for group in groups]),
         np.concatenate([group.t for group in groups]),
         np.concatenate([group.y for group in groups], axis=1),
-        joined([group.held for group in groups]),
+        join_held([group.held for group in groups]),
     )
 
 
-def stacked(rows: list[list[Any]], n: int) -> Array:
+def stack_matrices(rows: list[list[Any]], n: int) -> Array:
     """Turns a matrix of arrays into an array of matrices, (n, rows, columns)."""
     return np.array([[np.broadcast_to(value, n) for value in row] for row in rows], dtype=float).transpose(2, 0, 1)

@@ -22,21 +22,21 @@ from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import shape_of
 from spear_pin.hybrid.engines.taylor import AHEAD, KINK, TIME_LIMIT
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Entry, Single
-from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.fields import flatten
 from spear_pin.hybrid.ground import PLACE
-from spear_pin.hybrid.lanes.groups import Group, Held, alone, spread
+from spear_pin.hybrid.lanes.groups import Group, Held, alone, spread_held
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.reference_arc import follow
-from spear_pin.hybrid.modes import suiting
-from spear_pin.hybrid.orders import Happening, happening, in_order
+from spear_pin.hybrid.modes import find_suiting
+from spear_pin.hybrid.orders import Happening, in_order, make_happening
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.rules.cycles import ALTERNATE, RETOUCH, counts_to, crowded, due, retouches, whole
+from spear_pin.hybrid.rules.cycles import ALTERNATE, RETOUCH, count_crowd, counts_to, due, retouches, whole
 from spear_pin.hybrid.rules.entry import NONE
-from spear_pin.hybrid.rules.impact import struck_toes
-from spear_pin.hybrid.rules.jumping import jumped
-from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.strikes import Overlap, struck
+from spear_pin.hybrid.rules.impact import find_struck_toes
+from spear_pin.hybrid.rules.jumping import apply_jump
+from spear_pin.hybrid.rules.latching import latch_values
+from spear_pin.hybrid.strikes import Overlap, strike_toes
 from spear_pin.model.springs import Springs
 
 EVENTS = 50  # most events in a cycle
@@ -232,7 +232,7 @@ class LoneRunner:
     def _happen(self, now: _Now, domain: Domain, event: Guard | Switch) -> tuple[Reset, bool]:
         """Carries out an event: impact, latch, and change of phase; tells whether toes only touch again."""
         time, reset = now.past + now.t, event.reset
-        now.crowd, now.last = crowded(now.crowd, time - now.last), time
+        now.crowd, now.last = count_crowd(now.crowd, time - now.last), time
         if reset is None:
             raise _Unclear(f"the run ends: {event.name}")
         if now.crowd == FEW_AT_ONCE:
@@ -246,7 +246,7 @@ class LoneRunner:
             now.grounded[i] = time
         again = bool(retouches(self._system, reset, [time - last for last in now.grounded]))
         now.arcs[-1] = now.arcs[-1]._replace(again=again)
-        now.happened.append(happening(domain, event, reset, RETOUCH if again else event.name, time))
+        now.happened.append(make_happening(domain, event, reset, RETOUCH if again else event.name, time))
         if self._in_space and (reset.impact or reset.stop):
             self._strike_in_space(now, domain, reset)
         elif reset.impact:
@@ -265,7 +265,7 @@ class LoneRunner:
         """Applies the impact of a toe that was in the air to it and to the toes on the ground."""
         key = id(domain), id(reset)
         if key not in self._struck:
-            self._struck[key] = struck_toes(self._system, domain, reset)
+            self._struck[key] = find_struck_toes(self._system, domain, reset)
         toes = self._struck[key]
         if len(toes) == 1:
             struck = self._compiled.impact(toes[0])(now.y, now.parameters)
@@ -273,7 +273,7 @@ class LoneRunner:
                 raise _Unclear(RISES)
             now.y = struck
             return
-        here = Group(np.array([self._lane]), np.array([now.t]), now.y[:, None], spread(now.held, 1))
+        here = Group(np.array([self._lane]), np.array([now.t]), now.y[:, None], spread_held(now.held, 1))
         after, rising = strike(self._numbers, toes, reset.impact, here)
         if len(rising):
             raise _Unclear(RISES)
@@ -283,7 +283,7 @@ class LoneRunner:
     def _strike_in_space(self, now: _Now, domain: Domain, reset: Reset) -> None:
         """Applies an impact, or the end of sliding, as the reference engine does."""
         nv = self._nv
-        strike = struck(self._itself, domain, reset, now.y[:nv], now.y[nv:], now.overlap, now.last)
+        strike = strike_toes(self._itself, domain, reset, now.y[:nv], now.y[nv:], now.overlap, now.last)
         assert strike is not None
         now.y = np.concatenate([now.y[:nv], strike.v])
         if strike.rises:
@@ -312,7 +312,7 @@ class LoneRunner:
     def _jump(self, now: _Now, reset: Reset) -> None:
         y = now.y.tolist()
         try:
-            q, v = jumped(reset, y[: self._nv], y[self._nv :], now.held, self._law, self._system.place_of)
+            q, v = apply_jump(reset, y[: self._nv], y[self._nv :], now.held, self._law, self._system.place_of)
         except ArithmeticError:
             raise _Unclear(f"the state cannot jump into {reset.phase or now.phase}") from None
         now.y = np.array([*q, *v])
@@ -322,7 +322,7 @@ class LoneRunner:
         try:
             q, v, place_of = y[: self._nv], y[self._nv :], self._system.place_of
             clock = Clock(now.t, self._springs, self._system)
-            now.held = latched(now.held, [reset], q, v, self._law, place_of, begins=begins, clock=clock)
+            now.held = latch_values(now.held, [reset], q, v, self._law, place_of, begins=begins, clock=clock)
         except ArithmeticError:
             raise _Unclear(f"{reset.phase or now.phase} cannot be latched") from None
         now.singles, now.parameters = self._given(now.held)
@@ -360,7 +360,7 @@ class LoneRunner:
 
         Each of the many others would have to be compiled.
         """
-        domain = next(suiting(self._itself, now.domains, now.y), None)
+        domain = next(find_suiting(self._itself, now.domains, now.y), None)
         if domain is None:
             return None
         ready = now.singles.get(id(domain))
@@ -374,7 +374,7 @@ class LoneRunner:
 
         The next call overwrites the parameters.
         """
-        now, parameters = flattened(held.values()), self._parameters
+        now, parameters = flatten(held.values()), self._parameters
         if len(parameters) != len(self._constants) + len(now):
             self._parameters = parameters = np.array(self._constants + now)
         parameters[len(self._constants) :] = now

@@ -10,7 +10,7 @@ import numpy as np
 from spear_pin.hybrid.engines.taylor import Point, Ready
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices
 from spear_pin.hybrid.lanes.numbers import Numbers
-from spear_pin.hybrid.rules.entry import AWAY, NONE, at_once, bent, clear, thresholds
+from spear_pin.hybrid.rules.entry import AWAY, NONE, at_once, clear, is_bent, thresholds
 from spear_pin.hybrid.rules.footing import LEAVES
 
 
@@ -52,10 +52,10 @@ def first_event(numbers: Numbers, ready: Ready, group: Group, point: Point) -> t
         some = group.take(waiting)
         later = lambda h: numbers.at(ready, numbers.ahead(ready, some, h)).guards  # noqa: E731
         found[waiting] = at_once(ready.domain.guards, point.guards[:, waiting], later)
-    return found, waiting | bent(point.kinks).any(axis=0)
+    return found, waiting | is_bent(point.kinks).any(axis=0)
 
 
-def sinking(numbers: Numbers, ready: Ready, group: Group, point: Point) -> Flags:
+def find_sinking(numbers: Numbers, ready: Ready, group: Group, point: Point) -> Flags:
     """Tells in which lanes a guard with patience is on zero and falls: no step would show it."""
     guards = ready.domain.guards
     patient = [i for i, guard in enumerate(guards) if 0.0 < guard.patience < np.inf]

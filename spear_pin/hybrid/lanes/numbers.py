@@ -16,13 +16,13 @@ from spear_pin.hybrid.clutch import Clock, from_now_on
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.taylor import Code, Point, Ready
-from spear_pin.hybrid.fields import flattened, mapped, with_fields
+from spear_pin.hybrid.fields import flatten, map_nested, with_fields
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.lanes.compilation import compilation
-from spear_pin.hybrid.lanes.groups import Group, Indices, joined, spread, take
+from spear_pin.hybrid.lanes.groups import Group, Indices, join_held, spread_held, take
 from spear_pin.hybrid.rules.entry import ahead
-from spear_pin.hybrid.rules.jumping import jumped
-from spear_pin.hybrid.rules.latching import latched, standing
+from spear_pin.hybrid.rules.jumping import apply_jump
+from spear_pin.hybrid.rules.latching import latch_values, standing
 from spear_pin.hybrid.springs import springs_with
 from spear_pin.model.springs import Springs
 
@@ -53,7 +53,7 @@ class Numbers:
     def constants(self, lane: int) -> list[float]:
         """Returns a lane's run-time parameters, which come before the held values."""
         law, others = self.law_of(lane), [float(take(value, lane)) for value in self._others.values()]
-        return flattened((law, *others, *self.compilation.robot))
+        return flatten((law, *others, *self.compilation.robot))
 
     def law(self, lanes: Indices) -> Any:
         """Returns the parameters of the law in some lanes."""
@@ -99,7 +99,7 @@ class Numbers:
         for i, lane in enumerate(group.lanes.tolist()):
             y, held = group.y[:, i].tolist(), {name: take(value, i) for name, value in group.held.items()}
             try:
-                parts = jumped(reset, y[: self.nv], y[self.nv :], held, self.law_of(lane), self.system.place_of)
+                parts = apply_jump(reset, y[: self.nv], y[self.nv :], held, self.law_of(lane), self.system.place_of)
                 after[:, i] = np.concatenate(parts)
             except ArithmeticError:
                 after[:, i] = math.nan
@@ -107,7 +107,7 @@ class Numbers:
         return replace(group, y=after).take(there), group.take(~there)
 
     def latch(self, group: Group, reset: Reset, *, begins: bool) -> Group:
-        """Returns the group after an event's latch; see `latched`.
+        """Returns the group after an event's latch; see `latch_values`.
 
         A latch that is plain arithmetic is called once for all lanes, any other lane by lane.
 
@@ -124,8 +124,10 @@ class Numbers:
             if n == 1:  # NumPy may take an array of one for a number, or not
                 raise TypeError
             clock = Clock(group.t, self.springs(group.lanes), self.system)
-            held = latched(group.held, [reset], list(q), list(v), self.law(group.lanes), begins=begins, clock=clock)
-            return replace(group, held=spread(held, n))
+            held = latch_values(
+                group.held, [reset], list(q), list(v), self.law(group.lanes), begins=begins, clock=clock
+            )
+            return replace(group, held=spread_held(held, n))
         except Exception as error:
             if not (
                 (reset.latch and own.is_own(reset.latch)) or isinstance(error, (TypeError, ValueError, ArithmeticError))
@@ -133,8 +135,8 @@ class Numbers:
                 raise
             found = [self._latch_alone(group, reset, i, begins) for i in range(n)]
             pattern = next((one for one in found if one is not None), {"undefined": 0.0})
-            undefined = {name: mapped(lambda number: math.nan, value) for name, value in pattern.items()}
-            new = joined([undefined if one is None else one for one in found])
+            undefined = {name: map_nested(lambda number: math.nan, value) for name, value in pattern.items()}
+            new = join_held([undefined if one is None else one for one in found])
             return replace(group, held={**group.held, **new})
 
     def _latch_alone(self, group: Group, reset: Reset, i: int, begins: bool) -> Mapping[str, Any] | None:
@@ -144,6 +146,6 @@ class Numbers:
         try:
             law = self.law_of(int(group.lanes[i]))
             clock = Clock(float(group.t[i]), self.springs(int(group.lanes[i])), self.system)
-            return latched(held, [reset], q, v, law, self.system.place_of, begins=begins, clock=clock)
+            return latch_values(held, [reset], q, v, law, self.system.place_of, begins=begins, clock=clock)
         except ArithmeticError:
             return None

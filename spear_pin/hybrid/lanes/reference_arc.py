@@ -17,7 +17,7 @@ from spear_pin.hybrid.domain import Domain, Held
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT
 from spear_pin.hybrid.events import Watch
 from spear_pin.hybrid.flow_names import flow_names
-from spear_pin.hybrid.integration import DUE, KNOT, MAX_STEP, SET_OUT, accuracy, integrated
+from spear_pin.hybrid.integration import DUE, KNOT, MAX_STEP, SET_OUT, accuracy, integrate_motion
 from spear_pin.hybrid.modes import choose
 from spear_pin.hybrid.result import EVALUATIONS, FINEST, Options
 from spear_pin.hybrid.rules.entry import NONE
@@ -76,7 +76,7 @@ def follow(
     if watch.at_once != NONE or watch.undefined:
         return ReferenceArc(flow.domain, t, y, FAILED if watch.undefined else watch.at_once, {}, None)
     last, how = until(flow.domain), accuracy(Options(FINEST, max_step=min(longest, MAX_STEP)), None)
-    motion = integrated(flow, watch, t, whole, last, how, keep=keep, most=EVALUATIONS, onset=True)
+    motion = integrate_motion(flow, watch, t, whole, last, how, keep=keep, most=EVALUATIONS, onset=True)
     n = len(y)
     end = ENDS.get(motion.why, FAILED)
     if motion.event is not None:

@@ -19,21 +19,30 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
-from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, finite, merged, spread
+from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, finite, merge_groups, spread_held
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
-from spear_pin.hybrid.lanes.modes import away, choose, first_event, sinking
+from spear_pin.hybrid.lanes.modes import away, choose, find_sinking, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
-from spear_pin.hybrid.orders import Happening, Order, happening, in_order, order_of
+from spear_pin.hybrid.orders import Happening, Order, in_order, make_happening, order_of
 from spear_pin.hybrid.own import FOR_SYMBOLS, not_symbolic
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.result import Options
-from spear_pin.hybrid.rules.cycles import CYCLE_EVENTS, RETOUCH, counts_to, crowded, due, left_at_once, retouches, whole
+from spear_pin.hybrid.rules.cycles import (
+    CYCLE_EVENTS,
+    RETOUCH,
+    count_crowd,
+    counts_to,
+    due,
+    left_at_once,
+    retouches,
+    whole,
+)
 from spear_pin.hybrid.rules.footing import along
 from spear_pin.hybrid.rules.guards import ON_GROUND
-from spear_pin.hybrid.rules.impact import struck_toes
+from spear_pin.hybrid.rules.impact import find_struck_toes
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
 from spear_pin.hybrid.run import run
 
@@ -101,12 +110,12 @@ class Lanes:
                     self.go_round(*self._alone.pop())
                 while self._entering:
                     phase, came, groups = self._entering.pop(next(iter(self._entering)))
-                    self.enter(phase, merged(groups), came)
+                    self.enter(phase, merge_groups(groups), came)
                 if self._flying:
                     # the fullest first, so that groups fill up
                     key = max(self._flying, key=lambda key: sum(map(len, self._flying[key][1])))
                     ready, groups = self._flying.pop(key)
-                    self.advance(ready, merged(groups))
+                    self.advance(ready, merge_groups(groups))
             for lane in np.flatnonzero(self.repeated):
                 self.repeat(int(lane))
 
@@ -191,7 +200,7 @@ class Lanes:
             self.finish(group.lanes, "complete", "")
         else:
             self.refused[lane] += 1
-            self.put(phase, Group(group.lanes, np.zeros(1), y[:, None].copy(), spread(held, 1)), came)
+            self.put(phase, Group(group.lanes, np.zeros(1), y[:, None].copy(), spread_held(held, 1)), came)
 
     def put(self, phase: str, group: Group, came: Came | None) -> None:
         """Queues lanes to enter a phase, or to continue it after an event within it."""
@@ -213,7 +222,7 @@ class Lanes:
         """Carries out the events that happen on entering a domain, and queues the other lanes for integration."""
         domain = ready.domain
         clear = np.isfinite(point.guards).all(axis=0) & np.isfinite(group.y).all(axis=0)
-        clear &= ~sinking(self.numbers, ready, group, point)
+        clear &= ~find_sinking(self.numbers, ready, group, point)
         self.give_up(group.take(~clear))
         group, point = group.take(clear), point.take(clear)
         first, on_zero = first_event(self.numbers, ready, group, point)
@@ -326,8 +335,8 @@ class Lanes:
         if self._lone:
             name = RETOUCH if again else guard.name
             for lane, t in zip(group.lanes, group.t, strict=True):
-                self._happened[lane].append(happening(domain, guard, reset, name, self.began[lane] + t))
-        struck = struck_toes(self.system, domain, reset)
+                self._happened[lane].append(make_happening(domain, guard, reset, name, self.began[lane] + t))
+        struck = find_struck_toes(self.system, domain, reset)
         if self._in_space and (struck or reset.stop):  # only lone lanes know of other impacts
             self.give_up(group)
             return
@@ -401,7 +410,7 @@ class Lanes:
         """Counts an event; returns the lanes that have not had too many events in an instant or a cycle."""
         lanes = group.lanes
         now = self.began[lanes] + group.t
-        self.crowd[lanes] = crowded(self.crowd[lanes], now - self.last[lanes])
+        self.crowd[lanes] = count_crowd(self.crowd[lanes], now - self.last[lanes])
         self.events[lanes] += 1
         self.last[lanes] = now
         many = (self.crowd[lanes] >= CROWD) | (self.events[lanes] >= CYCLE_EVENTS)

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Held, Reset
-from spear_pin.hybrid.fields import adjusted
+from spear_pin.hybrid.fields import adjust_law
 
 RETOUCH = "retouch"
 ALTERNATE = "toes alternate"
@@ -41,10 +41,10 @@ def due(domain: Domain, switches: int, law: Any, held: Held) -> Any:
         law: parameters of the control law.
         held: held values.
     """
-    return math.inf if domain.switch is None else domain.switch.time(switches + 1, adjusted(law, held))
+    return math.inf if domain.switch is None else domain.switch.time(switches + 1, adjust_law(law, held))
 
 
-def crowded(before: Any, since: Any) -> Any:
+def count_crowd(before: Any, since: Any) -> Any:
     """Counts the events in this instant before this one.
 
     Args:
@@ -58,7 +58,7 @@ def too_many(crowd: int, events: int) -> str:
     """Returns why a run ends because of the number of its events, "" if it does not.
 
     Args:
-        crowd: number of events in this instant before this one, see `crowded`.
+        crowd: number of events in this instant before this one, see `count_crowd`.
         events: number of events in the cycle, including the present one.
     """
     return "zeno" if crowd >= INSTANT_EVENTS else "no_cycle" if events >= CYCLE_EVENTS else ""

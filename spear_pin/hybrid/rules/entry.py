@@ -29,7 +29,7 @@ def thresholds(guards: Sequence[Guard]) -> list[float]:
     return [-math.inf if guard.waits else guard.tolerance for guard in guards]
 
 
-def bent(kink: Any) -> Any:
+def is_bent(kink: Any) -> Any:
     """Tells whether a value that changes sign at a kink of a law is on zero."""
     return abs(kink) <= BENT
 

@@ -10,7 +10,7 @@ from spear_pin.hybrid.contact import OPEN, SIGN, SLIPS, STICK
 from spear_pin.hybrid.domain import Domain, Rub
 from spear_pin.hybrid.dynamics import FLOATS, Dynamics, Operations
 from spear_pin.hybrid.rules.scalars import first, where
-from spear_pin.model.feet import leading
+from spear_pin.model.feet import find_leading
 from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import vanishes
 
@@ -85,7 +85,7 @@ class Bound:
         """Returns of each toe, if it rests with those before it on the ground, the first of its rows that binds it."""
         if self._all_bind:
             return [0] * len(toes)
-        leads = enumerate(zip(toes, leading(self._feet, toes), strict=True))
+        leads = enumerate(zip(toes, find_leading(self._feet, toes), strict=True))
         return [self._dimension - 1 if toe in self._guided or lead < i else 0 for i, (toe, lead) in leads]
 
     def force(self, begin: int, multipliers: Sequence[Any], row: int) -> tuple[tuple[Any, ...], int]:
@@ -136,7 +136,7 @@ def shared(robot: Robot, toe: str, forces: Mapping[str, Sequence[Any]]) -> tuple
     return *(share * each for each in tangential), forces[toe][-1]
 
 
-def footing(dynamics: Dynamics, toe: str, mode: str, ops: Operations = FLOATS) -> Footing:
+def make_footing(dynamics: Dynamics, toe: str, mode: str, ops: Operations = FLOATS) -> Footing:
     """Returns a toe's footing in a mode."""
     *tangential, normal = dynamics.force(toe)
     velocity, grip = dynamics.toe_velocity(toe)[:-1], dynamics.friction_coefficient * normal
@@ -215,7 +215,7 @@ def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Ru
     return first((*reasons, (leaves, LEAVES), (some, SOME_LEAVE)), MOVES)
 
 
-def torn_off(mode: str, bore: Any, next_mode: str, bears: Any) -> Any:
+def is_torn_off(mode: str, bore: Any, next_mode: str, bears: Any) -> Any:
     """Tells whether a toe that stuck and bore has to leave because the slip that would begin is a Painlevé paradox.
 
     Then only lift-off is consistent: without force the toe accelerates upward. On the cone's edge, sticking and slip to

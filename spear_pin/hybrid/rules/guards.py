@@ -69,7 +69,7 @@ def pivot(toe: str) -> GuardValue:
     return lambda t, q, v, held, p, dyn, ops: dyn.pivot(toe)
 
 
-def unloading(toe: str) -> GuardValue:
+def make_unloading_guard(toe: str) -> GuardValue:
     """Returns a guard on a slipping toe's normal force times its pivot, in m/s²: zero at lift-off, not at a pole."""
     return lambda t, q, v, held, p, dyn, ops: dyn.force(toe)[-1] * dyn.pivot(toe)
 
@@ -143,7 +143,7 @@ def spring_switches(mount: Mount, name: str = "spring_switch") -> tuple[Guard, .
     return (Guard(name, stretch, flip, tolerance=ON_REST),)
 
 
-def turning(mount: Mount) -> tuple[Guard, ...]:
+def make_turning_event(mount: Mount) -> tuple[Guard, ...]:
     """Returns the event at which the path of a spring with hysteresis turns, so that it pulls along the other branch.
 
     Where it turns back on that branch too, events accumulate.
@@ -184,7 +184,7 @@ def contact_guards(toe: str, mode: str, name: str, lift_off: Reset, ways: Sequen
     ill_posed = Guard("painleve", pivot(toe), ends="painleve")
     if mode == SLIP:  # at its small remaining speed the toe would turn ever faster
         stop = Guard("stick", radial_speed(toe), Reset(stop=(toe,)), patience=SLOW)
-        leave = Guard(name, unloading(toe), lift_off, tolerance=UNLOADED)
+        leave = Guard(name, make_unloading_guard(toe), lift_off, tolerance=UNLOADED)
     else:
         stop = Guard("stick", slip_speed(toe, SIGN[mode]), Reset(), tolerance=AT_REST)
     return [ill_posed, leave, stop]

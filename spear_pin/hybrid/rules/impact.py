@@ -58,7 +58,7 @@ class JointImpact:
     leaves: tuple[bool, ...]
 
 
-def struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]:
+def find_struck_toes(system: HybridSystem, domain: Domain, reset: Reset) -> list[str]:
     """Returns the toes that take part in an impact: those that strike, and those on the ground before and after it.
 
     An alternating toe counts as on the ground. A brake that closes is an impact as well.
@@ -204,7 +204,7 @@ def rises(speed: Any) -> Any:
     return speed > RESTING
 
 
-def landed(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, Array]:
+def land_toes(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Array, Array]:
     """Stops toes that rise but return to the ground within an instant, before the impact, so that they rise no more.
 
     This ends the ever shorter bounces of toes that lift each other off.

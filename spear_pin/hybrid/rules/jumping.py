@@ -9,10 +9,10 @@ from typing import Any
 from spear_pin.hybrid import own
 from spear_pin.hybrid.domain import Held, Reset
 from spear_pin.hybrid.dynamics import FLOATS, Operations
-from spear_pin.hybrid.fields import adjusted
+from spear_pin.hybrid.fields import adjust_law
 
 
-def jumped(
+def apply_jump(
     reset: Reset,
     q: Sequence[Any],
     v: Sequence[Any],
@@ -38,8 +38,8 @@ def jumped(
     """
     if reset.jump is None:
         return q, v
-    jump = partial(reset.jump, q, v, held, adjusted(law, held), ops)
+    jump = partial(reset.jump, q, v, held, adjust_law(law, held), ops)
     if ops is not FLOATS:
         return jump()
     what = f"jump of {place_of(reset)}"
-    return own.state(what, reset.jump, own.asked(what, reset.jump, jump), len(q), len(v))
+    return own.state(what, reset.jump, own.call_function(what, reset.jump, jump), len(q), len(v))

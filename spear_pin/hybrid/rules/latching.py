@@ -10,7 +10,7 @@ from spear_pin.hybrid import own
 from spear_pin.hybrid.clutch import Clock, after_edges, after_turns, from_now_on
 from spear_pin.hybrid.domain import Held, Reset
 from spear_pin.hybrid.dual import value_of
-from spear_pin.hybrid.fields import adjusted
+from spear_pin.hybrid.fields import adjust_law
 from spear_pin.model.robot import Robot
 from spear_pin.model.round_feet import parts_of
 
@@ -23,7 +23,7 @@ def standing(robot: Robot, q: Sequence[Any], v: Sequence[Any]) -> dict[str, Any]
     return {parts_of(toe): arc.parts(q, v) for toe, arc in robot.arcs.items()}
 
 
-def latched(
+def latch_values(
     held: Held,
     resets: Iterable[Reset],
     q: Any,
@@ -56,11 +56,11 @@ def latched(
             held = {**held, **reset.adjust(q, v, held, law)}
         if clock is not None:
             held = after_turns(reset.turns, after_edges(reset.edges, held, q, clock), clock.t)
-        latch, p = reset.latch, adjusted(law, held)
+        latch, p = reset.latch, adjust_law(law, held)
         if latch is not None and numbers and own.is_own(latch):
             what = f"latch of {place_of(reset)}"
-            new = own.asked(what, latch, partial(latch, q, v, held, p))
-            held = {**held, **own.held(what, latch, new)}
+            new = own.call_function(what, latch, partial(latch, q, v, held, p))
+            held = {**held, **own.read_latched(what, latch, new)}
         elif latch is not None:
             held = {**held, **latch(q, v, held, p)}
         if clock is not None and reset.phase is not None:

@@ -14,7 +14,7 @@ STATE_AT_REST = 10.0 * AT_REST  # m/s: for a state given by the user
 PLACED = 1e-15  # m: rounding error of the height of a toe that is placed on the ground
 
 
-def placed(height: Any) -> Any:
+def is_placed(height: Any) -> Any:
     """Tells whether a toe at this distance from the ground, in m, is on it up to rounding."""
     return abs(height) < PLACED
 
@@ -24,7 +24,7 @@ def below_ground(height: Any) -> Any:
     return height < -ON_GROUND
 
 
-def aloft(height: Any, rising: Any) -> Any:
+def is_aloft(height: Any, rising: Any) -> Any:
     """Tells whether a bouncing toe is off the ground, leaves it, or is about to strike it.
 
     Args:

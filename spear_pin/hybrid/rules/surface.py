@@ -14,7 +14,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import ACTS, Alternation, Crossing, Domain, Guard, GuardValue, Held, Reset
 from spear_pin.hybrid.fields import ADDED
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 
 CHATTER = "chatter"
 MOST_AT_ONCE = 8  # most immediate events within a phase before it is left
@@ -87,7 +87,7 @@ def _after(others: Sequence[Reset], reset: Reset) -> Reset:
 
     def latch(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
         own = {name: value for name, value in held.items() if not name.startswith(ADDED)}  # p has what is added
-        return latched(own, (*others, reset), q, v, p)
+        return latch_values(own, (*others, reset), q, v, p)
 
     return replace(reset, latch=latch) if others else reset
 

@@ -134,7 +134,7 @@ class Carried(NamedTuple):
         return found.reshape(2 * nv, panels * k, c)
 
 
-def carried(slopes: Array, lengths: Array, start: Array) -> Carried:
+def carry_along(slopes: Array, lengths: Array, start: Array) -> Carried:
     """Computes S along successive panels, where the state is (q, v) with q̇ = v.
 
     Args:

@@ -21,24 +21,29 @@ from spear_pin.hybrid.automaton import KELLER, HybridSystem
 from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.contact import SLIP
 from spear_pin.hybrid.domain import Reset, Switch
-from spear_pin.hybrid.dual import NUMBERS, Dual, derivatives, duals, value_of, varying
+from spear_pin.hybrid.dual import NUMBERS, Dual, derivatives, duals, make_varying, value_of
 from spear_pin.hybrid.engines.structure import symbols
-from spear_pin.hybrid.fields import adjusted, flattened
+from spear_pin.hybrid.fields import adjust_law, flatten
 from spear_pin.hybrid.rules.cycles import counts_to
 from spear_pin.hybrid.rules.footing import closed_toes
-from spear_pin.hybrid.rules.impact import struck_toes
-from spear_pin.hybrid.rules.jumping import jumped
-from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.strikes import Overlap, comes_to_rest, pins, struck_toes_in_space
-from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carried
-from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch, falling
+from spear_pin.hybrid.rules.impact import find_struck_toes
+from spear_pin.hybrid.rules.jumping import apply_jump
+from spear_pin.hybrid.rules.latching import latch_values
+from spear_pin.hybrid.strikes import Overlap, comes_to_rest, find_struck_toes_in_space, pins
+from spear_pin.hybrid.tangent.collocation import INSIDE, POINTS, Fineness, carry_along
+from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch, is_falling
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.kinks import later, of_the_inside
-from spear_pin.hybrid.tangent.onset import setting_out, turned
+from spear_pin.hybrid.tangent.onset import find_setting_out, turn_velocities
 from spear_pin.hybrid.tangent.points import points
 from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.resets import NotDifferentiable, stopped, struck, struck_in_space
-from spear_pin.model.feet import leading
+from spear_pin.hybrid.tangent.resets import (
+    NotDifferentiable,
+    differentiate_stop,
+    differentiate_strike,
+    differentiate_strike_in_space,
+)
+from spear_pin.model.feet import find_leading
 
 SAME = 1e-7  # SI units: by how much the state after an event may differ from that of the engine
 GRAZING = 1e-6  # slope of a guard at zero, relative to its mean slope over the arc, below which it grazes
@@ -70,7 +75,7 @@ class _Now:
     steepness: float = math.inf
 
 
-def differentiated(
+def differentiate_cycle(
     system: HybridSystem, recorder: Recorder, y: Array, dy: Array, seeds: Array, fineness: Fineness = INSIDE
 ) -> Derivative:
     """Runs a cycle from a state on the section, and differentiates it along c directions.
@@ -106,7 +111,7 @@ class _Whole:
     def __init__(self, system: HybridSystem, recorder: Recorder, seeds: Array, fineness: Fineness) -> None:
         self.system, self.recorder, self.seeds, self.fineness = system, recorder, seeds, fineness
         self.nv, self.c, self.raw = system.robot.nv, seeds.shape[1], recorder.numbers
-        scalars = symbols(system, recorder.mechanism, {}, varying(self.raw, seeds))[1]
+        scalars = symbols(system, recorder.mechanism, {}, make_varying(self.raw, seeds))[1]
         self.law, self.springs = scalars.law, scalars.springs
 
     def begun(self, y: Array, dy: Array) -> dict[str, Any]:
@@ -114,14 +119,14 @@ class _Whole:
         _, resets = self.recorder.start
         state = duals(y, dy)
         clock = Clock(0.0, self.springs, self.system)
-        return dict(latched({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True, clock=clock))
+        return dict(latch_values({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True, clock=clock))
 
     def carry(self, arc: Arc, now: _Now) -> Stretch:
         """Carries the derivatives along an arc."""
         n, nv, c, domain = 2 * self.nv, self.nv, self.c, self.recorder.field(arc.domain, arc.held)
-        raw = np.concatenate([self.raw, flattened(arc.held.values())])
+        raw = np.concatenate([self.raw, flatten(arc.held.values())])
         held = {name: now.held[name] for name in arc.held}
-        given = np.concatenate([self.seeds, derivatives(flattened(held.values()), c)])
+        given = np.concatenate([self.seeds, derivatives(flatten(held.values()), c)])
         t, lengths, y = points(arc, self.fineness)
         # directions: the state's, the given ones, the clock; places: the points, the beginning, the end
         directions = _directions(n, c)
@@ -131,9 +136,9 @@ class _Whole:
         clocks[:-2], clocks[BEGIN], clocks[END] = t, arc.t, arc.end
         states[:, :-2], states[:, BEGIN], states[:, END] = y, arc.y, arc.after
         values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
-        if SLIP in arc.domain.contacts and (toes := setting_out(self.system, arc)):
+        if SLIP in arc.domain.contacts and (toes := find_setting_out(self.system, arc)):
             seen = values.slopes[nv:, :-2], slopes.slopes[nv:, :-2, nv:n]
-            states[:, :-2] = turned(self.system, arc, toes, y, *seen)
+            states[:, :-2] = turn_velocities(self.system, arc, toes, y, *seen)
             values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
             for rows in (values.rows[..., None], slopes.rows):
                 rows[:, BEGIN] = of_the_inside(rows, BEGIN)
@@ -145,7 +150,7 @@ class _Whole:
         lag = now.tau if now.behind else np.zeros(c)
         along = slopes.slopes[nv:, :-2, :-1].copy()
         along[..., n:] += slopes.slopes[nv:, :-2, -1:] * lag
-        S = carried(along.reshape(nv, -1, POINTS, n + c).transpose(1, 2, 0, 3), lengths, now.dy)
+        S = carry_along(along.reshape(nv, -1, POINTS, n + c).transpose(1, 2, 0, 3), lengths, now.dy)
         stretch = Stretch(arc, states, S, lag, values, slopes, held, now.tau)
         if now.bent is not None:
             now.tau = now.bent.tau = stretch.since = later(now.bent, stretch)
@@ -158,13 +163,13 @@ class _Whole:
         if arc.event is None:
             return np.zeros(self.c)
         if isinstance(arc.event, Switch):
-            due = arc.event.time(arc.switches, adjusted(self.law, stretch.held))
+            due = arc.event.time(arc.switches, adjust_law(self.law, stretch.held))
             return due.d + np.zeros(self.c) if isinstance(due, Dual) else np.zeros(self.c)
         i = stretch.place
         fall, change = stretch.at(END, stretch.slopes.guards[i, END])
         if stretch.at_once:
             # near this cycle a falling guard on zero is a separate event; any other event still happens at once
-            met = abs(stretch.end.guards[i]) <= arc.event.tolerance and falling(fall)
+            met = abs(stretch.end.guards[i]) <= arc.event.tolerance and is_falling(fall)
             return -change / fall if met else now.tau
         highest = np.abs(stretch.said.guards[i]).max()
         steepness = -fall * (arc.end - arc.t) / max(highest, 1e-300)
@@ -186,7 +191,7 @@ class _Whole:
         state = duals(now.after, now.dy)
         q, v = state[: self.nv], state[self.nv :]
         clock = Clock(Dual(arc.end, tau), self.springs, self.system)
-        now.held = dict(latched(now.held, [reset], q, v, self.law, begins=not arc.again, clock=clock))
+        now.held = dict(latch_values(now.held, [reset], q, v, self.law, begins=not arc.again, clock=clock))
         if reset.phase is not None:
             phase = counts_to(arc.domain, reset, arc.again)
             now.durations[phase] = now.durations.get(phase, 0.0) + Dual(arc.end, tau)
@@ -199,13 +204,15 @@ class _Whole:
         y, nv = arc.after, self.nv
         if self.system.robot.dimension == 3 and (reset.impact or reset.stop):
             change, slope = self._strike_in_space(arc, reset, now)
-        elif toes := struck_toes(self.system, arc.domain, reset):
+        elif toes := find_struck_toes(self.system, arc.domain, reset):
             feet, slopes = self._feet(toes, y, now)
             lifted: dict[str, Any] = {}
             if pins(self.system, arc.domain, reset):
-                change, slope = stopped(feet, slopes, range(len(feet.speeds)))
+                change, slope = differentiate_stop(feet, slopes, range(len(feet.speeds)))
             else:
-                change, slope, lifted = struck(feet, slopes, toes, reset.impact, leading(self.system.robot.feet, toes))
+                change, slope, lifted = differentiate_strike(
+                    feet, slopes, toes, reset.impact, find_leading(self.system.robot.feet, toes)
+                )
             now.held = {**now.held, **lifted}
         else:
             return y
@@ -217,7 +224,7 @@ class _Whole:
         if reset.jump is None:
             return y
         state = duals(y, now.dy)
-        q, v = jumped(reset, state[: self.nv], state[self.nv :], now.held, self.law, ops=NUMBERS)
+        q, v = apply_jump(reset, state[: self.nv], state[self.nv :], now.held, self.law, ops=NUMBERS)
         now.dy = derivatives([*q, *v], self.c)
         return np.array([value_of(each) for each in (*q, *v)])
 
@@ -233,19 +240,21 @@ class _Whole:
             feet, slopes = self._feet(grounded, y, now)
             speeds = zip(grounded, feet.speeds.reshape(-1, 3), strict=True)
             firsts = [0 if comes_to_rest(robot, domain, reset, toe, speed) else 2 for toe, speed in speeds]
-            return stopped(feet, slopes, [row for i, k in enumerate(firsts) for row in range(3 * i + k, 3 * i + 3)])
+            return differentiate_stop(
+                feet, slopes, [row for i, k in enumerate(firsts) for row in range(3 * i + k, 3 * i + 3)]
+            )
         every, _ = self._feet(robot.toes, y, now)
         normal = {
             toe: (float(height), float(speed))
             for toe, height, speed in zip(robot.toes, every.heights, every.speeds[2::3], strict=True)
         }
-        toes, striking = struck_toes_in_space(self.system, domain, reset, normal)
+        toes, striking = find_struck_toes_in_space(self.system, domain, reset, normal)
         feet, slopes = self._feet(toes, y, now)
         time, separate = now.past + arc.end, self.system.impact_law == KELLER and len(toes) == 1
         before = None if separate else now.overlap.received(toes, time)
         falls = striking - {*reset.impact}
         now.together = now.together or bool(falls)
-        found = struck_in_space(feet, slopes, toes, reset.impact, falls, before)
+        found = differentiate_strike_in_space(feet, slopes, toes, reset.impact, falls, before)
         now.overlap.add(toes, striking, found.impulse, time)
         now.held = {**now.held, **found.held}
         return found.v, found.dv

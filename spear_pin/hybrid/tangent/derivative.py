@@ -145,7 +145,7 @@ class Stretch:
     def _falls(self) -> NDArray[np.bool_]:
         """Tells which guards are on zero at the end, and fall."""
         tolerances = np.array([guard.tolerance for guard in self.arc.domain.guards])
-        found: NDArray[np.bool_] = (np.abs(self.end.guards) <= tolerances) & falling(self.rate.guards)
+        found: NDArray[np.bool_] = (np.abs(self.end.guards) <= tolerances) & is_falling(self.rate.guards)
         return found
 
 
@@ -204,6 +204,6 @@ class Derivative:
         return tuple(dict.fromkeys(met))
 
 
-def falling(rate: Any) -> Any:
+def is_falling(rate: Any) -> Any:
     """Tells whether a guard falls fast enough for engines to notice."""
     return rate * AWAY[0] < -CHANGE

@@ -23,17 +23,17 @@ from spear_pin.hybrid.dual import (
     derivative_of,
     derivatives,
     duals,
+    make_varying,
     operations,
     solve_all,
     value_of,
-    varying,
 )
 from spear_pin.hybrid.dynamics import Operations
-from spear_pin.hybrid.elimination import Matrix, eliminated, responses
+from spear_pin.hybrid.elimination import Matrix, eliminate, responses
 from spear_pin.hybrid.engines import taylor
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
-from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.fields import flatten
 from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.tangent import seeds
 from spear_pin.hybrid.tangent.terms import ArrayMechanism
@@ -126,9 +126,9 @@ class TangentField:
     @cached_property
     def _function(self) -> Any:
         """Compiles the function that returns values, then derivatives."""
-        system, held = self.structure.system, flattened(self.structure.held.values())
+        system, held = self.structure.system, flatten(self.structure.held.values())
         count = 1 + 2 * system.robot.nv + len(seeds.numbers(system)) + len(held)
-        return compiled(self._of, count, system.robot.nv)
+        return compile_function(self._of, count, system.robot.nv)
 
     def _of(self, duals: Sequence[Any], ops: Operations) -> list[Any]:
         """Returns all outputs, for scalars of any kind."""
@@ -146,7 +146,7 @@ class TangentField:
         n, c = len(t), dy.shape[2]
         parts: list[Any] = [Dual(t[:, None], np.broadcast_to(dt, (n, c)))]
         parts += [Dual(x[:, None], d) for x, d in zip(y, dy, strict=True)]
-        parts += varying(numbers, dnumbers)
+        parts += make_varying(numbers, dnumbers)
         outputs = self._of(parts, ARRAYS)
         values = np.array([np.broadcast_to(value_of(each), (n, 1))[:, 0] for each in outputs])
         slopes = np.array([np.broadcast_to(derivative_of(each), (n, c)) for each in outputs])
@@ -203,10 +203,10 @@ class TangentFeet:
     @cached_property
     def _function(self) -> Any:
         system = self.structure.system
-        return compiled(self._of, 2 * system.robot.nv + len(seeds.numbers(system)), system.robot.nv)
+        return compile_function(self._of, 2 * system.robot.nv + len(seeds.numbers(system)), system.robot.nv)
 
     def _of(
-        self, duals: Sequence[Any], ops: Operations, solved: Callable[[Matrix, Matrix], Matrix] = eliminated
+        self, duals: Sequence[Any], ops: Operations, solved: Callable[[Matrix, Matrix], Matrix] = eliminate
     ) -> list[Any]:
         nv = self.structure.system.robot.nv
         mechanism, numbers, _ = symbols(self.structure.system, self._mechanism, {}, duals[2 * nv :])
@@ -245,7 +245,7 @@ class ToeNumbers(NamedTuple):
     loops: Array = NONE
 
 
-def compiled(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, nv: int) -> Any:
+def compile_function(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, nv: int) -> Any:
     """Compiles a function that takes inputs, then their derivatives, and returns values, then their derivatives.
 
     Args:

@@ -10,7 +10,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.dual import ARRAYS, Dual, derivative_of, value_of, varying
+from spear_pin.hybrid.dual import ARRAYS, Dual, derivative_of, make_varying, value_of
 from spear_pin.hybrid.engines.structure import symbols
 from spear_pin.hybrid.ground import Ground
 from spear_pin.model.equations import mechanism_of
@@ -58,5 +58,5 @@ def dual_heights(system: HybridSystem, numbers: Array, dnumbers: Array) -> Heigh
         numbers: its run-time parameters without the held values, (p,).
         dnumbers: their derivatives, (p, c).
     """
-    mechanism, scalars, _ = symbols(system, mechanism_of(system.robot), {}, varying(numbers, dnumbers))
+    mechanism, scalars, _ = symbols(system, mechanism_of(system.robot), {}, make_varying(numbers, dnumbers))
     return Heights(mechanism, scalars.ground)

@@ -19,14 +19,14 @@ from spear_pin.hybrid.rules.footing import closed_toes, still
 SLOW = 2.0 * SETTING_OUT  # m/s: a faster toe has turned
 
 
-def setting_out(system: HybridSystem, arc: Arc) -> list[str]:
+def find_setting_out(system: HybridSystem, arc: Arc) -> list[str]:
     """Returns the toes in space that begin to slide as an arc begins, where they have no direction."""
     q, v = np.split(arc.y, 2)
     slips = [toe for toe, mode in zip(system.robot.toes, arc.domain.contacts, strict=True) if mode == SLIP]
     return [toe for toe in slips if still(float(np.linalg.norm(_jacobian(system, q, toe)[:2] @ v)))]
 
 
-def turned(system: HybridSystem, arc: Arc, toes: Sequence[str], y: Array, a: Array, slopes: Array) -> Array:
+def turn_velocities(system: HybridSystem, arc: Arc, toes: Sequence[str], y: Array, a: Array, slopes: Array) -> Array:
     """Turns the velocities of slow toes to their directions of sliding, and returns the states, (2 nv, n).
 
     A toe slides along d if friction against d accelerates it along d. One step of Newton's method finds d.

@@ -13,7 +13,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Record
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.batch import unrolled
+from spear_pin.hybrid.batch import is_unrolled
 from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Domain, Held, Reset
 from spear_pin.hybrid.engines import taylor
@@ -23,7 +23,7 @@ from spear_pin.hybrid.lanes.compilation import Compilation
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.numbers import Numbers as Numbers
 from spear_pin.hybrid.parameters import with_parameters
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_feet, tangent_field
 from spear_pin.hybrid.tangent.reference_runner import ReferenceRunner
@@ -39,7 +39,7 @@ _feet: WeakKeyDictionary[Compilation, dict[tuple[str, ...], TangentFeet]] = Weak
 def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
     """Returns the numbers of lanes for `Recorder`; lanes differ in the given numbers, (n,) each."""
     # optimised code would run in half the time, but take twelve times as long to compile
-    return Numbers(system, given, Code(TOL, unrolled=unrolled(system), level=0))
+    return Numbers(system, given, Code(TOL, unrolled=is_unrolled(system), level=0))
 
 
 @lru_cache(taylor.MOST)
@@ -87,7 +87,9 @@ class Recorder:
         """
         phase, resets = self.start
         clock = Clock(0.0, self.system.springs, self.system)
-        held = latched({}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law, begins=True, clock=clock)
+        held = latch_values(
+            {}, resets, y[: self._nv].tolist(), y[self._nv :].tolist(), self.law, begins=True, clock=clock
+        )
         found = self.motion(phase, y, held)
         if found is None:
             raise NotDifferentiable(f"{PLAIN}: {self._why}")

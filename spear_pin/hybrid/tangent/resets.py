@@ -33,7 +33,7 @@ REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
 """What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""
 
 
-def struck(
+def differentiate_strike(
     feet: ToeNumbers, slopes: ToeNumbers, toes: Sequence[str], lands: Sequence[str], leads: Sequence[int]
 ) -> tuple[Array, Array, dict[str, Any]]:
     """Returns an impact's change of velocity, (nv,), its derivatives, (nv, c), and the values held for lifted toes.
@@ -81,7 +81,7 @@ class Pushed:
     held: dict[str, Any]
 
 
-def struck_in_space(
+def differentiate_strike_in_space(
     feet: ToeNumbers,
     slopes: ToeNumbers,
     toes: Sequence[str],
@@ -147,7 +147,7 @@ def struck_in_space(
     return Pushed(v, dv, np.concatenate([impulse[..., None], dimpulse], axis=2), held)
 
 
-def stopped(feet: ToeNumbers, slopes: ToeNumbers, rows: Sequence[int]) -> tuple[Array, Array]:
+def differentiate_stop(feet: ToeNumbers, slopes: ToeNumbers, rows: Sequence[int]) -> tuple[Array, Array]:
     """Differentiates the end of sliding: returns the change of velocity, (nv,), and its derivatives, (nv, c).
 
     Args:

@@ -18,7 +18,7 @@ from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.section import chart, velocity_rows
 from spear_pin.hybrid.symmetry import YAW, Z, asymmetry, partner
 from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE, Fineness
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.fields import ToeNumbers, tangent_feet
 from spear_pin.hybrid.tangent.record import Recorder
@@ -105,7 +105,7 @@ def cycle_on_section(
     See `on_section` for the arguments and `differentiated` for what is raised.
     """
     y = np.concatenate(local.state(np.zeros(local.dimension) if xi is None else xi))
-    return differentiated(system, Recorder(system), y, on_section(system, local, seeds, xi), seeds, fineness)
+    return differentiate_cycle(system, Recorder(system), y, on_section(system, local, seeds, xi), seeds, fineness)
 
 
 def columns(system: HybridSystem, local: Chart, cycle: Derivative) -> Array:

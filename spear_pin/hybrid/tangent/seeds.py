@@ -14,7 +14,7 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.engines import structure
 from spear_pin.hybrid.engines.identity import Reader
-from spear_pin.hybrid.fields import flattened, names_of
+from spear_pin.hybrid.fields import flatten, names_of
 from spear_pin.hybrid.parameters import number, numbers_of_robot, with_numbers
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.numbers import body_numbers
@@ -66,13 +66,13 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Seeds:
 def _everything(system: HybridSystem) -> Array:
     """Returns all numbers of a system, including zeros, in the order of `numbers`."""
     robot = structure.all_robot_numbers(system, mechanism_of(system.robot))
-    return np.array(flattened((system.law, *structure.all_others(system).values(), *robot)), dtype=float)
+    return np.array(flatten((system.law, *structure.all_others(system).values(), *robot)), dtype=float)
 
 
 def _kept(system: HybridSystem) -> NDArray[np.bool_]:
     """Tells which of all numbers of a system `numbers` returns."""
     kept: NDArray[np.bool_] = _everything(system) != 0.0
-    kept[: len(flattened((system.law,)))] = True
+    kept[: len(flatten((system.law,)))] = True
     return kept
 
 

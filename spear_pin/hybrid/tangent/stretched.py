@@ -7,14 +7,14 @@ from functools import partial
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Mount
-from spear_pin.hybrid.dual import ARRAYS, Dual, derivative_of, duals, value_of, varying
+from spear_pin.hybrid.dual import ARRAYS, Dual, derivative_of, duals, make_varying, value_of
 from spear_pin.hybrid.engines.structure import symbols
-from spear_pin.hybrid.springs import numbered, rest_length
+from spear_pin.hybrid.springs import number_spring, rest_length
 from spear_pin.hybrid.tangent.derivative import Stretch
 from spear_pin.model.equations import mechanism_of
 
 
-def stretched(system: HybridSystem, mount: Mount, arc: Stretch, numbers: Array, dnumbers: Array) -> Dual:
+def measure_stretch(system: HybridSystem, mount: Mount, arc: Stretch, numbers: Array, dnumbers: Array) -> Dual:
     """Returns how much longer a spring's path is than at rest at the event that ends an arc, in rad or m.
 
     Args:
@@ -25,8 +25,8 @@ def stretched(system: HybridSystem, mount: Mount, arc: Stretch, numbers: Array, 
         dnumbers: their derivatives, (p, c).
     """
     nv = system.robot.nv
-    mechanism, scalars, _ = symbols(system, mechanism_of(system.robot), {}, varying(numbers, dnumbers))
-    spring, path = numbered(mount, system, scalars.springs)
+    mechanism, scalars, _ = symbols(system, mechanism_of(system.robot), {}, make_varying(numbers, dnumbers))
+    spring, path = number_spring(mount, system, scalars.springs)
     posed = partial(mechanism.posed, ops=ARRAYS)
     q = duals(arc.state[:nv], arc.dstate[:nv] + arc.end.slopes[:nv, None] * arc.tau)
     rest = rest_length(mount, spring, path, system.robot, arc.held, posed)

@@ -16,7 +16,7 @@ from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.model.loading import load
 from spear_pin.model.variants import vary
 from spear_pin.studies.audit.printed_designs import SPEAR_II, by_urdf
-from spear_pin.studies.push_test import WITH_MOTOR, equilibrium, resting_at, spear_ii
+from spear_pin.studies.push_test import WITH_MOTOR, equilibrium, rest_at, spear_ii
 
 ANGLE = 1.0  # rad, of the knee, hip at half of it: the toe below the hip
 GRAVITY = 9.81  # m/s²
@@ -54,7 +54,7 @@ def spring_growth(static_rest: bool = False) -> tuple[float, float]:
     """
     leg, knee = spear_ii(), WITH_MOTOR
     if static_rest:
-        knee = resting_at(leg, knee, knee.zero)
+        knee = rest_at(leg, knee, knee.zero)
     rest = equilibrium(leg, knee)
     inertia, slope = float(leg.effective_inertia(rest)), float(leg.motion_with_slopes(rest)[5])
     rates = [float(np.roots([inertia, knee.damping, sign * knee.stiffness + slope]).real.max()) for sign in (-1.0, 1.0)]

@@ -8,7 +8,7 @@ from statistics import fmean
 import numpy as np
 
 from spear_pin.model.spring import belt_stiffness
-from spear_pin.studies.push_test import PassiveKnee, pushed_angle, resting_at, spear_ii
+from spear_pin.studies.push_test import PassiveKnee, find_pushed_angle, rest_at, spear_ii
 from spear_pin.studies.push_test.motion import move
 
 COLUMNS = ("stiffness", "damping", "rest_angle", "sigma_stiffness", "sigma_damping", "sigma_rest_angle", "fit")
@@ -138,9 +138,9 @@ def _ratios(row: TableRow, t: np.ndarray, static: bool) -> tuple[float, float]:
     leg = spear_ii(15.0 if row.motor else None)
     knee = PassiveKnee(row.stiffness, row.damping, 0.0, row.rest_angle)
     if static:
-        knee = resting_at(leg, knee, row.rest_angle)
+        knee = rest_at(leg, knee, row.rest_angle)
     jacobian = move(
-        leg, knee, pushed_angle(leg, knee, row.depth or 0.0), t, ("stiffness", "damping", "zero")
+        leg, knee, find_pushed_angle(leg, knee, row.depth or 0.0), t, ("stiffness", "damping", "zero")
     ).sensitivity
     if static:  # the zero is RA + Sᵀ G(RA) / k
         gravity, slope = leg.motion_with_slopes(row.rest_angle)[[2, 5]]

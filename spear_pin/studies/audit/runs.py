@@ -32,7 +32,7 @@ from spear_pin.studies.audit.printed_estimates import TABLE_4_1
 from spear_pin.studies.design import STIFFNESSES, Points, points_of, sprung
 from spear_pin.studies.energetics import Costs, EnergyFlow, costs, energy_flow
 from spear_pin.studies.hardware import RTOL, Rig, on_rig
-from spear_pin.studies.identification import Estimate, MovingAverage, identify, smoothed
+from spear_pin.studies.identification import Estimate, MovingAverage, identify, smooth_trial
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import RATIOS, GearRow, PassiveKnee, gear_study, spear_ii
 from spear_pin.studies.push_test import power_off as idle
@@ -141,7 +141,7 @@ def fitted(depth: float, motor_on: bool) -> Estimate:
     leg, knee = spear_ii(15.0 if motor_on else None), estimated(depth, motor_on)
     rng = np.random.default_rng(round(1e3 * depth) + motor_on)
     trials = [synthetic_trial(leg, knee, depth, NOISE, rng) for _ in range(RELEASES)]
-    return identify(leg, [smoothed(trial, MovingAverage(100)) for trial in trials])
+    return identify(leg, [smooth_trial(trial, MovingAverage(100)) for trial in trials])
 
 
 @kept

@@ -4,6 +4,6 @@
 for random numbers. The last two need heyoka and are imported from their modules.
 """
 
-from spear_pin.studies.basin.recovery import Recovery, airborne, basin, midway, pushed, recover
+from spear_pin.studies.basin.recovery import Recovery, airborne, basin, midway, push_moment, recover
 
-__all__ = ["Recovery", "airborne", "basin", "midway", "pushed", "recover"]
+__all__ = ["Recovery", "airborne", "basin", "midway", "push_moment", "recover"]

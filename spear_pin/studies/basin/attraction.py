@@ -84,7 +84,7 @@ def attraction(
 
 
 @typed
-def dropped(gait: Gait, clearances: ArrayLike, knees: ArrayLike) -> tuple[Array, Array]:
+def make_drops(gait: Gait, clearances: ArrayLike, knees: ArrayLike) -> tuple[Array, Array]:
     """Returns a grid of states from which SPEAR-II is dropped at rest, with its toe below the hip.
 
     Args:

@@ -77,7 +77,7 @@ def midway(gait: Gait, phase: str, fraction: float = 0.5, rtol: float = 1e-9) ->
 
 
 @typed
-def pushed(
+def push_moment(
     gait: Gait, moment: Moment, q: Mapping[str, float] | None = None, v: Mapping[str, float] | None = None
 ) -> Moment:
     """Returns a moment with additions to coordinates and velocities.
@@ -156,7 +156,7 @@ def basin(
     result = np.full((len(rows), len(columns)), np.nan)
     for i, a in enumerate(rows):
         for j, b in enumerate(columns):
-            found = recover(gait, pushed(gait, moment, v={first: float(a), second: float(b)}), strides, rtol)
+            found = recover(gait, push_moment(gait, moment, v={first: float(a), second: float(b)}), strides, rtol)
             if found.strides is not None:
                 result[i, j] = found.strides
             on_point(i * len(columns) + j + 1)

@@ -12,7 +12,7 @@ AT = 0.02  # of a bound: a gait that near is held by it
 
 
 @typed
-def held_by(gait: Gait, request: Request, friction: float) -> tuple[str, ...]:
+def list_active_bounds(gait: Gait, request: Request, friction: float) -> tuple[str, ...]:
     """Lists the bounds of a request, in words, that are active at a gait: without them a better gait would exist.
 
     Args:

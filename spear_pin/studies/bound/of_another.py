@@ -12,7 +12,7 @@ from spear_pin.gaits.request import Request
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.settings import refuse_special
-from spear_pin.studies.joint_limits import exceeded
+from spear_pin.studies.joint_limits import list_exceeded
 
 SLOWER = (1.0, 0.9, 0.8, 0.65)  # of the speed that is scaled from Q-SPEAR's, in turn: joints may not turn as fast
 
@@ -51,7 +51,7 @@ def bound_of(
                 raise
             why = str(error)
         else:
-            over = exceeded(gait) if request.within_limits else ""
+            over = list_exceeded(gait) if request.within_limits else ""
             if not over:
                 return gait
             found, why = gait, over

@@ -7,9 +7,9 @@ from collections.abc import Callable
 from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.attempts import Measure
 from spear_pin.gaits.bounding import SPEED_BY
-from spear_pin.gaits.feedback import regulated, speed_regulated, without_feedback
+from spear_pin.gaits.feedback import add_feedback, speed_regulated, without_feedback
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.leading import Way, led
+from spear_pin.gaits.leading import Way, lead_along
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.result import Options
@@ -67,7 +67,7 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
         return _continued(near, speed if share == 1.0 else begin + share * whole, on_iteration)
 
     step, shortest = (each / max(abs(whole), 1e-12) for each in (SPEED_STEP, SHORTEST_STEP))
-    way = led(solve, gait, first=step, shortest=shortest, longest=step) if whole else Way(1.0, gait)
+    way = lead_along(solve, gait, first=step, shortest=shortest, longest=step) if whole else Way(1.0, gait)
     if way.failure is not None:
         problem = f"it continues from {begin:.2f} to {begin + way.done * whole:.2f} m/s, and none was found beyond"
         raise NoGait(problem, way.failure.residual, remedy=f"a speed nearer to {begin:.2f} m/s")
@@ -76,7 +76,7 @@ def at_speed(gait: Gait, speed: float, *, on_iteration: Callable[[int, float], o
         q, v = gait.state
         gait = gait.with_law(nominal=(*q[1:].tolist(), *v.tolist()))
     if feedback is not None:
-        return regulated(gait, feedback.inputs)
+        return add_feedback(gait, feedback.inputs)
     return speed_regulated(gait, law.speed_gain) if any(law.speed_gain) else gait
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Any
 
-from spear_pin.errors import listed
+from spear_pin.errors import list_names
 from spear_pin.studies.comparison.measures import BODY, GAIT, GROUPS, of_side
 from spear_pin.studies.comparison.sides import Side, parameters, units
 from spear_pin.studies.hop import durations
@@ -104,7 +104,7 @@ def differences(sides: Sequence[Side]) -> tuple[Difference, ...]:
     )
 
 
-def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
+def describe_differences(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
     """Says in sentences how sides differ: different tasks, which gaits are stable, and the largest differences."""
     sentences = other_task(sides, rows)
     gaits = [side for side in sides if side.gait is not None]
@@ -123,7 +123,7 @@ def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
         both = [row for row in told if row.values[i] is not None and row.values[0] is not None]
         changed = [(row, share) for row in both if (share := row.shares[i]) is not None and abs(share) >= TOLD]
         if both and not changed and (side.run is None) == (sides[0].run is None):
-            names = listed([row.name for row in both])
+            names = list_names([row.name for row in both])
             sentences.append(f"{side.label} differs from {sides[0].label} by less than {TOLD:g} % in {names}.")
         if not changed:
             continue
@@ -132,7 +132,7 @@ def said(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
         sentences.append(f"{side.label} against {sides[0].label}: {', '.join(parts)}.")
     robots = list(dict.fromkeys(side.robot.name for side in sides))
     if len(robots) > 1:
-        sentences.append(f"The robots are different: {listed(robots)}.")
+        sentences.append(f"The robots are different: {list_names(robots)}.")
     return tuple(sentences)
 
 
@@ -147,7 +147,7 @@ def other_task(sides: Sequence[Side], rows: Sequence[Measure]) -> list[str]:
         One sentence; none where all do the same, as far as they say it.
     """
     kinds = [side.gait.system.kind.replace("_", " ") for side in sides if side.gait is not None]
-    parts = [f"gaits of different kinds ({listed(list(dict.fromkeys(kinds)))})"] if len(set(kinds)) > 1 else []
+    parts = [f"gaits of different kinds ({list_names(list(dict.fromkeys(kinds)))})"] if len(set(kinds)) > 1 else []
     speeds = next((row.values for row in rows if row.name == SPEED), ())
     known = {
         "flight times": ("s", [_flight(side) for side in sides]),

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.measures.catalogue import added, described, unit_on
+from spear_pin.gaits.measures.catalogue import added, describe_measure, unit_on
 from spear_pin.gaits.measures.of_samples import Sampled
-from spear_pin.hybrid.column_names import PAIR, lengths, motors_at, of_a_pair, parted, unit_of
+from spear_pin.hybrid.column_names import PAIR, lengths, motors_at, of_a_pair, split_column_name, unit_of
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
 from spear_pin.studies.comparison.sides import Side
@@ -63,7 +63,7 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
     if robot.weight:
         forces["peak normal force, in weights", ""] = curves.peak(run.force[:, :, -1].sum(axis=1)) / robot.weight
     torques: Values = {}
-    measured, units = lengths(robot), {name: unit_on(robot, described(name), name) for name in found}
+    measured, units = lengths(robot), {name: unit_on(robot, describe_measure(name), name) for name in found}
     for joint in run.actuated:
         one = _words(joint) + ONE * (motors_at(joint) > 1)
         for kind, of in (("peak_torque", one), ("rms_torque", one), ("peak_speed", _words(joint))):
@@ -119,7 +119,7 @@ def _share(t: Array, on: NDArray[np.bool_]) -> float:
 
 def _effort(column: str) -> str:
     """Returns in words what has the force or torque of a column."""
-    return _words(parted(column)[1]) + PAIR * of_a_pair(column)
+    return _words(split_column_name(column)[1]) + PAIR * of_a_pair(column)
 
 
 def _words(name: str) -> str:

@@ -79,7 +79,9 @@ def sides_of(
         "cycles", cycles, lambda n: 1 <= n <= MOST_CYCLES and n == int(n), f"a whole number from 1 to {MOST_CYCLES}"
     )
     read_items = [read(item, of) for item in items]
-    labels = different([str(name) for name in names] or [called(*pair) for pair in zip(items, read_items, strict=True)])
+    labels = different(
+        [str(name) for name in names] or [label_item(*pair) for pair in zip(items, read_items, strict=True)]
+    )
     return tuple(_side(label, item, int(cycles), of) for label, item in zip(labels, read_items, strict=True))
 
 
@@ -112,7 +114,7 @@ def read(item: Item, of: Gait | None = None) -> Gait | Trajectory | Robot | Spri
         raise UnknownName("gait or robot", words, [*library.all_names(), *error.valid], also) from error
 
 
-def called(item: Item, read_item: Gait | Trajectory | Robot | Spring) -> str:
+def label_item(item: Item, read_item: Gait | Trajectory | Robot | Spring) -> str:
     """Returns the label of an item, by its name or by its words."""
     if isinstance(item, (str, Path)):
         path = Path(item)
@@ -224,7 +226,7 @@ def different(labels: Sequence[str]) -> list[str]:
     return made
 
 
-def standing(robot: Robot) -> Any:
+def make_standing(robot: Robot) -> Any:
     """Returns the motion of a robot that stands still for a second, so that it can be played."""
     from spear_pin.model.postures import home
 

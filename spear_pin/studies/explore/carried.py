@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from spear_pin.errors import NoGait, SpearError
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.leading import led
+from spear_pin.gaits.leading import lead_along
 from spear_pin.gaits.search import gait_beside
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, with_numbers
@@ -125,7 +125,7 @@ class Underway(NoGait):
     """Raised when there is no more time; gaits found on the way are stored, so that a repeated call gets farther."""
 
 
-def carried(knobs: Knobs) -> Motion:
+def carry_gait(knobs: Knobs) -> Motion:
     """Finds a cycle of the gait with these numbers.
 
     Args:
@@ -164,7 +164,7 @@ def carried(knobs: Knobs) -> Motion:
         return failures >= STEPS or time.perf_counter() > until
 
     step = REACH / distance
-    way = led(solve, begun, first=step, shortest=0.0, longest=step, enough=enough)
+    way = lead_along(solve, begun, first=step, shortest=0.0, longest=step, enough=enough)
     if way.failure is None:
         return periodic(knobs, found[-1])
     told = f"{_said(subject, way.end)} none was found beyond: {way.failure.reason}"

@@ -16,7 +16,7 @@ from spear_pin.hybrid.periodic import displacement
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.knobs import Knobs
-from spear_pin.studies.explore.motion import Motion, periodic, shown
+from spear_pin.studies.explore.motion import Motion, periodic, show_motion
 
 SETTLE = 12  # hops before it is asked whether they repeat
 LONGEST = 4  # hops of the longest pattern that is looked for
@@ -25,7 +25,7 @@ SHOWN = 2  # whole hops that are shown before an end, and of what nearly repeats
 TRANSIENT = 6  # hops that are shown from the default hop on
 
 
-def settled(knobs: Knobs, engine: Engine) -> Motion:
+def settle_hops(knobs: Knobs, engine: Engine) -> Motion:
     """Returns hops to which the default hop settles, after a dozen of them, when the numbers change at once.
 
     Args:
@@ -49,9 +49,9 @@ def settled(knobs: Knobs, engine: Engine) -> Motion:
             break
     else:
         text = f"Not settled: {SETTLE} hops after the default hop it does not repeat within {LONGEST} hops."
-        return shown(knobs, "unsettled", text, begun, LONGEST)
+        return show_motion(knobs, "unsettled", text, begun, LONGEST)
     if length > 1:
-        hops = shown(knobs, "pattern", "", state, length)
+        hops = show_motion(knobs, "pattern", "", state, length)
         text = f"Periodic over {length} hops, not over one: they take {_lasting(hops.trajectory)}."
         return replace(hops, message=text)
     try:
@@ -60,12 +60,12 @@ def settled(knobs: Knobs, engine: Engine) -> Motion:
         text = (
             f"Not settled: {SETTLE} hops after the default hop each nearly repeats the last; no periodic hop was found."
         )
-        return shown(knobs, "unsettled", text, begun, SHOWN)
+        return show_motion(knobs, "unsettled", text, begun, SHOWN)
 
 
 def transient(knobs: Knobs, engine: Engine) -> Motion:
     """Returns the first hops after the numbers of the default hop change at once, just after touchdown."""
-    hops = shown(knobs, "transient", "", knobs.subject.start, TRANSIENT)
+    hops = show_motion(knobs, "transient", "", knobs.subject.start, TRANSIENT)
     text = f"A transient: {_counted(hops.trajectory.cycles)}, touchdown to touchdown, after the default hop."
     if not hops.trajectory.complete:
         text += f" Then it ends: {hops.trajectory.message}."
@@ -92,7 +92,7 @@ def _ended(knobs: Knobs, engine: Engine, done: int) -> Motion:
     """Returns the last whole hops of a run that breaks off after some hops, and the reason."""
     skipped = max(0, done - SHOWN)
     start = engine.advance(knobs, knobs.subject.start, skipped)[0] if skipped else knobs.subject.start
-    hops = shown(knobs, "ended", "", start, done - skipped + 1)
+    hops = show_motion(knobs, "ended", "", start, done - skipped + 1)
     hopped = f"{_counted(done)} after" if done else "during the first hop after"
     return replace(
         hops,

@@ -54,7 +54,9 @@ def kind_of(trajectory: Trajectory) -> str:
     return bounces + ", ".join(event.name.replace("_", " ") for event in trajectory.events)
 
 
-def shown(knobs: Knobs, verdict: Verdict, message: str, start: State, cycles: int, gait: Gait | None = None) -> Motion:
+def show_motion(
+    knobs: Knobs, verdict: Verdict, message: str, start: State, cycles: int, gait: Gait | None = None
+) -> Motion:
     """Returns some cycles from a state, for a gait with its solved numbers."""
     system = knobs.system if gait is None else gait.system
     return Motion(knobs, verdict, message, start, simulate(system, start, cycles, progress=False), gait)
@@ -64,5 +66,5 @@ def periodic(knobs: Knobs, gait: Gait) -> Motion:
     """Returns a cycle of a gait, two where they make a stride, with its largest multiplier and a short kind."""
     stable = "stable" if gait.stable else "unstable"
     text = f"Periodic and {stable}: the largest multiplier is {abs(gait.multipliers[0]):.3f}."
-    motion = shown(knobs, "periodic", text, gait.state, 2 if gait.system.mirrored_toes else 1, gait)
+    motion = show_motion(knobs, "periodic", text, gait.state, 2 if gait.system.mirrored_toes else 1, gait)
     return replace(motion, message=text if len(motion.kind) > LONG else f"{text} Kind: {motion.kind}.")

@@ -6,14 +6,14 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from spear_pin.studies.explore import hops
-from spear_pin.studies.explore.carried import carried
+from spear_pin.studies.explore.carried import carry_gait
 from spear_pin.studies.explore.engines import Engine
 from spear_pin.studies.explore.knobs import Knobs, Subject
 from spear_pin.studies.explore.motion import Motion
 
 View = Callable[[Knobs, Engine], Motion]
-OF_A_HOP: Mapping[str, View] = MappingProxyType({"settled": hops.settled, "transient": hops.transient})
-OF_A_GAIT: Mapping[str, View] = MappingProxyType({"cycle": lambda knobs, engine: carried(knobs)})
+OF_A_HOP: Mapping[str, View] = MappingProxyType({"settled": hops.settle_hops, "transient": hops.transient})
+OF_A_GAIT: Mapping[str, View] = MappingProxyType({"cycle": lambda knobs, engine: carry_gait(knobs)})
 
 
 def views_of(subject: Subject) -> Mapping[str, View]:

@@ -6,7 +6,7 @@ from spear_pin.studies.identification.records import Calibration, Record, read_r
 from spear_pin.studies.identification.rounding import Rounding
 from spear_pin.studies.identification.search import identify
 from spear_pin.studies.identification.smoothing import MovingAverage
-from spear_pin.studies.identification.trials import Trial, cut, smoothed
+from spear_pin.studies.identification.trials import Trial, cut_releases, smooth_trial
 
 __all__ = [
     "NUISANCES",
@@ -17,8 +17,8 @@ __all__ = [
     "Record",
     "Rounding",
     "Trial",
-    "cut",
+    "cut_releases",
     "identify",
     "read_record",
-    "smoothed",
+    "smooth_trial",
 ]

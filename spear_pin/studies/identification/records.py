@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadFile, BadValue, UnknownName, brief, listed
+from spear_pin.errors import BadFile, BadValue, UnknownName, brief, list_names
 from spear_pin.kinds import typed
 from spear_pin.studies.tables.columns import read_columns
 from spear_pin.studies.tables.readings import SYNTHETIC, find_gaps, read_clock, read_unit, read_values
@@ -129,7 +129,7 @@ def _chosen(path: str | Path, names: Sequence[str], column: str | None, time_col
             raise UnknownName(f"column of {path}:", asked, names)
     if len(names) < 2:
         raise BadFile(
-            path, f"a column is missing: there is only {listed(names) or 'none'}; a time and a value are needed"
+            path, f"a column is missing: there is only {list_names(names) or 'none'}; a time and a value are needed"
         )
     if time_column is None:
         timed = [name for name in find_times(names) if name != column]
@@ -137,10 +137,10 @@ def _chosen(path: str | Path, names: Sequence[str], column: str | None, time_col
     if column is None:
         others = [name for name in names if name != time_column]
         if len(others) > 1:
-            raise BadFile(path, f"which column is the knee's? It has {listed(others)}; name one (--column)")
+            raise BadFile(path, f"which column is the knee's? It has {list_names(others)}; name one (--column)")
         column = others[0]
     if column == time_column:
-        raise BadValue("column", column, f"the column of the knee, not that of the time; columns: {listed(names)}")
+        raise BadValue("column", column, f"the column of the knee, not that of the time; columns: {list_names(names)}")
     return time_column, column
 
 

@@ -43,7 +43,7 @@ class Rounding:
         return self.noise < COARSE * self.step
 
 
-def rounding(recorded: Array | None, predicted: Array) -> Rounding:
+def estimate_rounding(recorded: Array | None, predicted: Array) -> Rounding:
     """Returns the step, from the angle's values, and the noise, from the differences of successive residuals.
 
     An error that is not white, such as a model error, hardly changes from sample to sample; a glitch jumps.

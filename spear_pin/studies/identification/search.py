@@ -22,7 +22,7 @@ from spear_pin.studies.identification.estimate import Estimate, Parameter
 from spear_pin.studies.identification.first_guess import first_swing
 from spear_pin.studies.identification.least_squares import LeastSquares, pose
 from spear_pin.studies.identification.quantities import NUISANCES
-from spear_pin.studies.identification.rounding import errors, rounding
+from spear_pin.studies.identification.rounding import errors, estimate_rounding
 from spear_pin.studies.identification.trials import Trial
 from spear_pin.studies.identification.uncertainty import nrmse_fit, scatter, whiteness
 
@@ -125,7 +125,7 @@ def _estimate(problem: LeastSquares, solution: Any, loss: str, spread: float) ->
     angles = [problem.angle(x, j) for j in range(len(trials))]
     unsmoothed = [angle - raw for angle, t in zip(angles, trials, strict=True) if (raw := t.unsmoothed) is not None]
     known = len(unsmoothed) == len(trials)
-    roundings = [rounding(trial.unsmoothed, angle) for trial, angle in zip(trials, angles, strict=True)]
+    roundings = [estimate_rounding(trial.unsmoothed, angle) for trial, angle in zip(trials, angles, strict=True)]
     moving = [setting.since(trial) > 0.0 for trial, setting in zip(trials, settings, strict=True)]
     residuals, jacobian = problem.linearized(x)
     labels = [Parameter(entry.name, entry.trial, 0.0, 0.0).label for entry in problem.entries]

@@ -73,7 +73,7 @@ class Trial:
 
 
 @typed
-def smoothed(trial: Trial, smoothing: MovingAverage | None) -> Trial:
+def smooth_trial(trial: Trial, smoothing: MovingAverage | None) -> Trial:
     """Returns the trial with its angle smoothed; None leaves it as it is.
 
     Raises:
@@ -89,7 +89,7 @@ def smoothed(trial: Trial, smoothing: MovingAverage | None) -> Trial:
 
 
 @typed
-def cut(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[Trial], list[str]]:
+def cut_releases(record: Record, before: float = 0.5, after: float = 1.5) -> tuple[list[Trial], list[str]]:
     """Finds the releases in a record: a hold, after which the knee extends swiftly.
 
     Args:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadFile, BadValue, UnknownName, brief, listed
+from spear_pin.errors import BadFile, BadValue, UnknownName, brief, list_names
 from spear_pin.files import regular
 from spear_pin.studies.logs.log import Column, Log
 from spear_pin.studies.tables.columns import MOST_BYTES as TABLE
@@ -90,7 +90,7 @@ def _asked(path: Path) -> Columns:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise BadFile(beside, f"not a TOML file: {error}; expected a table, [columns]") from None
     if [*said] != ["columns"] or not isinstance(said["columns"], dict):
-        raise BadFile(beside, f"it has {listed([*said]) or 'nothing'}; expected one table, [columns]")
+        raise BadFile(beside, f"it has {list_names([*said]) or 'nothing'}; expected one table, [columns]")
     try:
         return _columns(said["columns"], "columns")
     except (BadValue, UnknownName) as error:
@@ -129,7 +129,9 @@ def _by_names(path: Path, tables: Sequence[Table], units: Units) -> Columns:
     """Takes what the columns hold from their names."""
     if path.suffix.lower() == MCAP:
         names = [name for table in tables for name in table.values if name != TIME]
-        raise BadFile(path, f"say which columns it is about, by `columns` or a TOML file; it has {listed(names, 8)}")
+        raise BadFile(
+            path, f"say which columns it is about, by `columns` or a TOML file; it has {list_names(names, 8)}"
+        )
     (table,) = tables
     found, times, sampled = dict[str, Column](), find_times([*table.values]), table.values.keys() >= SAMPLES
     for column, values in table.values.items():
@@ -183,7 +185,7 @@ def _read(path: Path, asked: Columns, units: Units) -> Log:
     main = next((table for name, table in sources.items() if asked[name].file is None and name != MODE), None)
     if main is None:
         raise BadFile(
-            path, f"no column is a joint's; it has {listed([name for each in whole for name in each.values])}"
+            path, f"no column is a joint's; it has {list_names([name for each in whole for name in each.values])}"
         )
     if TIME in asked:
         _table([main], TIME, asked[TIME].column)
@@ -207,7 +209,7 @@ def _read(path: Path, asked: Columns, units: Units) -> Log:
     if bare:
         remarks.append(f"no unit is named, so SI units and radians are taken, of {', '.join(bare)}")
     if path.suffix.lower() != MCAP and (unread := [*main.values.keys() - {*_used(asked, main)}]):
-        remarks.append(f"columns that are not read: {listed([*map(brief, sorted(unread))], SHOWN)}")
+        remarks.append(f"columns that are not read: {list_names([*map(brief, sorted(unread))], SHOWN)}")
     remarks += find_gaps(t)
     synthetic = any(comment.startswith(SYNTHETIC) for table in whole for comment in table.comments)
     at_motor = frozenset(name for name, column in asked.items() if column.at == "motor")
@@ -256,7 +258,9 @@ def _clock(table: Table, asked: Column | None, units: Units, remarks: list[str])
     times = find_times([*table.values])
     if asked is None or (asked.column not in table.values and times):
         if not times:
-            raise BadFile(table.path, f"which column is the time? It has {listed([*table.values])}; name one as `time`")
+            raise BadFile(
+                table.path, f"which column is the time? It has {list_names([*table.values])}; name one as `time`"
+            )
         asked = Column(times[0])
     if asked.column not in table.values:
         raise UnknownName(f"column for {TIME!r} in {table.path}:", asked.column, table.values)

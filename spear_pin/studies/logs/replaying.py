@@ -18,7 +18,7 @@ from spear_pin.errors import BadValue, require
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.result import Moment
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
@@ -208,7 +208,7 @@ def _by_law(system: HybridSystem, arc: LogArc, touchdown: Array, y: Array) -> tu
     nv, reset = system.robot.nv, system.landing[1]
     clock = Clock(0.0, system.springs, system)
     rates = y[nv:].tolist()
-    held = latched({}, [reset], touchdown.tolist(), rates, system.law, begins=True, clock=clock)
+    held = latch_values({}, [reset], touchdown.tolist(), rates, system.law, begins=True, clock=clock)
     since = float(arc.t[0]) - arc.phase.begin
     run = simulate(system, Moment(y[:nv], y[nv:], str(reset.phase), held, since), samples=SAMPLES, progress=False)
     begins = float(arc.t[0]) - float(run.t[0])

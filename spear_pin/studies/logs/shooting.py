@@ -17,7 +17,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
-from spear_pin.hybrid.fields import flattened
+from spear_pin.hybrid.fields import flatten
 from spear_pin.hybrid.tangent.fields import Values, field_of
 from spear_pin.hybrid.tangent.seeds import numbers, seeds
 from spear_pin.studies.logs.log import Log
@@ -104,12 +104,12 @@ class Shooter:
         domain = next(each for each in self.system.domains if each.name == name)
         held = self.held(domain, latched)
         field, c = field_of(self.system, domain, held), dy.shape[1]
-        own = np.concatenate([self._numbers, flattened(held.values())])
+        own = np.concatenate([self._numbers, flatten(held.values())])
         slopes = np.zeros((len(own), c))
         slopes[: len(self._numbers), : len(self.over)] = self._seeds
         if dlatched is not None and held:  # what is held are coordinates
             slopes[len(self._numbers) :] = np.array(
-                [flattened(self.held(domain, each).values()) for each in dlatched.T]
+                [flatten(self.held(domain, each).values()) for each in dlatched.T]
             ).T
         zero, still = np.zeros(1), np.zeros(c)
 

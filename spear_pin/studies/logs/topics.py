@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadFile, MissingExtra, listed
+from spear_pin.errors import BadFile, MissingExtra, list_names
 from spear_pin.studies.tables.columns import Table
 from spear_pin.studies.tables.units import TIME
 
@@ -48,7 +48,7 @@ def read_topics(path: Path, wanted: Sequence[str]) -> list[Table]:
                     rows.setdefault(topic, []).append((message.log_time, dict(_numbers(topic, decode(message.data)))))
     except Exception as error:  # a damaged file may raise anything
         raise BadFile(path, f"not an MCAP file that can be read: {str(error) or type(error).__name__}") from None
-    remarks = (f"topics in neither JSON nor protobuf: {listed(sorted(closed))}",) if closed else ()
+    remarks = (f"topics in neither JSON nor protobuf: {list_names(sorted(closed))}",) if closed else ()
     return [_topic(path, each, remarks if i == 0 else ()) for i, each in enumerate(rows.values())]
 
 

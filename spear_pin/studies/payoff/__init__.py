@@ -11,7 +11,7 @@ from spear_pin.studies.payoff.figures import Figures
 from spear_pin.studies.payoff.gaits import Gaits
 from spear_pin.studies.payoff.grid import KINDS, Grid, Point
 from spear_pin.studies.payoff.hopping import hops
-from spear_pin.studies.payoff.motors import Motors, assumed, fitted, of_file
+from spear_pin.studies.payoff.motors import Motors, assume_motor, fit_motors, of_file
 from spear_pin.studies.payoff.rests import rests_of
 from spear_pin.studies.payoff.searches import Search, SearchEnd
 from spear_pin.studies.payoff.store import Store
@@ -30,9 +30,9 @@ __all__ = [
     "Store",
     "Study",
     "answer",
-    "assumed",
+    "assume_motor",
     "bounds",
-    "fitted",
+    "fit_motors",
     "hops",
     "of_file",
     "rests_of",

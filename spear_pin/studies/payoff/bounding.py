@@ -15,14 +15,14 @@ from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.settings import refuse_special
-from spear_pin.studies.bound import held_by
+from spear_pin.studies.bound import list_active_bounds
 from spear_pin.studies.design import motors_of
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import FIXED, Point
 from spear_pin.studies.payoff.motors import Motors
 from spear_pin.studies.payoff.searches import Search
-from spear_pin.studies.payoff.study import Study, studied
+from spear_pin.studies.payoff.study import Study, study_knees
 
 SHARES = (0.6, 0.7, 0.8, 0.9)  # of the speed that `Request.scaled` has
 FINER = (20,)  # intervals of each phase
@@ -79,7 +79,7 @@ def figures_of(gait: Gait, motors: Motors, request: Request) -> Figures:
     """
     trajectory = simulate(gait.system, gait.state, progress=False)
     stride = Sampled(gait.system.robot, trajectory)
-    held = held_by(gait, request, stride.largest("friction_used"))
+    held = list_active_bounds(gait, request, stride.largest("friction_used"))
     work, speed = stride.weight * stride.distance, stride.largest("mean_speed")
     return figures(gait, motors, trajectory, work=work, speed=speed, held=held)
 
@@ -138,11 +138,11 @@ def bounds(robot: Robot, path: Path, **options: Any) -> Study:
     Args:
         robot: a robot in its sagittal plane, as `spear_pin.sagittal` cuts it, or Q-SPEAR.
         path: path of the store; searches in it are not repeated.
-        **options: see `studied`; speeds are by default `SHARES` of that of `Request.scaled`.
+        **options: see `study_knees`; speeds are by default `SHARES` of that of `Request.scaled`.
 
     Raises:
-        NoGait, Infeasible, BadFile, BadValue: see `studied`.
+        NoGait, Infeasible, BadFile, BadValue: see `study_knees`.
         MissingExtra: CasADi, or for several processes joblib, is not installed.
     """
     refuse_special(robot, "the knees of this study replace")
-    return studied(BOUNDS, robot, path, **options)
+    return study_knees(BOUNDS, robot, path, **options)

@@ -12,7 +12,7 @@ from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
 from spear_pin.studies.design import joints_of
 from spear_pin.studies.payoff.gaits import Gaits
-from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, known, own_rotors
+from spear_pin.studies.payoff.motors import PARTS, Motors, assume_motor, known, own_rotors
 from spear_pin.studies.payoff.searcher import Tell
 from spear_pin.studies.payoff.store import Store
 
@@ -39,7 +39,7 @@ def motors_for(
         takes = _taken(gaits, robot, speeds, store, tell)
         for part in missing:
             torque, rate = takes["takes"][part]
-            found[part] = assumed(robot, part, torque, rate, bus)
+            found[part] = assume_motor(robot, part, torque, rate, bus)
             said[part] = "assumed"
             own += [part] * (part in own_rotors(robot))
     replaced = tuple(part for part in drives if part in own_rotors(robot))

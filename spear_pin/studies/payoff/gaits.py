@@ -16,7 +16,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.studies.payoff.figures import Figures
 from spear_pin.studies.payoff.grid import NONE, SWITCHED, Point
 from spear_pin.studies.payoff.motors import Motors
-from spear_pin.studies.payoff.searches import Search, SearchEnd, written
+from spear_pin.studies.payoff.searches import Search, SearchEnd, write_gait
 
 
 @dataclass(frozen=True)
@@ -139,4 +139,6 @@ def attempt(gaits: Gaits, robot: Robot, motors: Motors, asked: Search) -> Search
         gait, found, solution = gaits.search(robot, motors, asked)
     except (Infeasible, NoGait, BadValue) as error:  # the last where a cycle that was found is none
         return replace(finding, seconds=time.process_time() - begun, reason=str(error))
-    return replace(finding, seconds=time.process_time() - begun, figures=found, gait=written(gait), solution=solution)
+    return replace(
+        finding, seconds=time.process_time() - begun, figures=found, gait=write_gait(gait), solution=solution
+    )

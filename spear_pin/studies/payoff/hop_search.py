@@ -19,8 +19,8 @@ from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.codesign.optimize_design import optimize_design
 from spear_pin.gaits.codesign.problem import Problem
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.leading import Way, led
-from spear_pin.gaits.measures.catalogue import described, unit_in
+from spear_pin.gaits.leading import Way, lead_along
+from spear_pin.gaits.measures.catalogue import describe_measure, unit_in
 from spear_pin.gaits.search import gait_beside
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number, rebuilt
@@ -30,8 +30,8 @@ from spear_pin.model.motor import NO_MOTORS
 from spear_pin.model.robot import Robot
 from spear_pin.studies.hop_of_another import hop_of
 from spear_pin.studies.payoff.grid import Point
-from spear_pin.studies.payoff.knee import levers, released, tied, with_knee, with_values
-from spear_pin.studies.payoff.motors import PARTS, Motors, geared
+from spear_pin.studies.payoff.knee import levers, release_springs, tie_springs, with_knee, with_values
+from spear_pin.studies.payoff.motors import PARTS, Motors, make_geared
 
 TORQUE = "stance_torque"  # what is solved for the flight time
 FOOTING = 0.05  # of the weight: what the law lets rest on the toe at least while the knee flexes
@@ -101,7 +101,7 @@ def best_hop(task: Task, begun: Sequence[Gait]) -> Best:
     low, high = task.ranges[TORQUE]
     for start in starts(task, begun):
         try:
-            end = descended(task, start)
+            end = descend(task, start)
         except MissingExtra:
             raise
         except REFUSALS as error:
@@ -143,7 +143,7 @@ def _missed(design: codesign.Design, system: HybridSystem) -> str:
     worst = max(design.bounds, key=miss)
     value, bound = design.bounds[worst]
     measure = worst.rsplit(" ", 2)[0]
-    unit = "N" if measure == LOADED else unit_in(system, described(measure), measure)
+    unit = "N" if measure == LOADED else unit_in(system, describe_measure(measure), measure)
     return f"{measure.replace('_', ' ')} is {value:.3g} instead of {worst[len(measure) + 1 :]} {bound:.3g} {unit}"
 
 
@@ -176,7 +176,7 @@ def _led(solve: Callable[[float, Gait], Gait], begun: Gait) -> Way[Gait]:
         except REFUSALS as error:
             raise NoGait(str(error), np.inf) from None
 
-    return led(safely, begun, first=FIRST, shortest=SHORTEST)
+    return lead_along(safely, begun, first=FIRST, shortest=SHORTEST)
 
 
 def _hop(system: HybridSystem, near: Gait, flight_time: float) -> Gait:
@@ -185,7 +185,7 @@ def _hop(system: HybridSystem, near: Gait, flight_time: float) -> Gait:
     return gait_beside(begun, near.state, [TORQUE], {"flight_time": flight_time})
 
 
-def descended(task: Task, start: Gait) -> tuple[Gait, codesign.Design]:
+def descend(task: Task, start: Gait) -> tuple[Gait, codesign.Design]:
     """Leads a hop down to the minimum near it, with the task's flight time; within limits its spring then releases.
 
     Raises:
@@ -194,7 +194,7 @@ def descended(task: Task, start: Gait) -> tuple[Gait, codesign.Design]:
     """
     wanted = problem(task, start.system)
     design = optimize_design(
-        replace(start, system=tied(start.system)),
+        replace(start, system=tie_springs(start.system)),
         wanted.minimize,
         wanted.over,
         wanted.keep,
@@ -206,7 +206,7 @@ def descended(task: Task, start: Gait) -> tuple[Gait, codesign.Design]:
         tolerance=task.tolerance,
     )
     values = {name: number(design.gait.system, name) for name in wanted.names}
-    system = released(start.system) if design.missed <= MISSED else start.system
+    system = release_springs(start.system) if design.missed <= MISSED else start.system
     gait = gait_beside(with_values(system, values), design.gait.state, wanted.vary, wanted.keep)
     if max(float(np.abs(ours - its).max()) for ours, its in zip(gait.state, design.gait.state, strict=True)) > SAME:
         raise NoGait("the spring is slack in stance", gait.residual)
@@ -226,7 +226,7 @@ def problem(task: Task, system: HybridSystem) -> Problem:
     if system.spring.rest is None:
         at_least |= {f"deflection_{name}": TAUT for name in system.springs}
         at_least[f"deflection_{next(iter(system.springs))}"] *= float(np.linalg.norm(levers(system)))
-    drives = NO_MOTORS if task.motors is None else geared(task.motors, system.robot)
+    drives = NO_MOTORS if task.motors is None else make_geared(task.motors, system.robot)
     over = dict[str, tuple[float, float]]()
     for name in task.chosen:
         (least, most), value = task.ranges[name], number(system, name)
@@ -262,7 +262,7 @@ def limits(
     return at_most, at_least
 
 
-def led_to(point: Point, kind: str, gait: Gait) -> Gait:
+def lead_hop(point: Point, kind: str, gait: Gait) -> Gait:
     """Leads a hop to another point by small steps of stiffness and flight time; the kind changes without a spring.
 
     Springs act both ways on the way, where no cycle would close with springs that release.

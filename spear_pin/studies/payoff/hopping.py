@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, NoGait, UnknownName, listed
+from spear_pin.errors import BadValue, NoGait, UnknownName, list_names
 from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
@@ -34,11 +34,11 @@ from spear_pin.model.variants import parameters_of
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
-from spear_pin.studies.payoff.hop_search import NO_RANGES, TORQUE, Best, Task, best_hop, first_hops, led_to
+from spear_pin.studies.payoff.hop_search import NO_RANGES, TORQUE, Best, Task, best_hop, first_hops, lead_hop
 from spear_pin.studies.payoff.knee import levers
 from spear_pin.studies.payoff.motors import Motors, as_built
 from spear_pin.studies.payoff.searches import Search, rebuilt
-from spear_pin.studies.payoff.study import Study, studied
+from spear_pin.studies.payoff.study import Study, study_knees
 
 USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
@@ -159,11 +159,11 @@ def _begun(system: HybridSystem, asked: Search) -> list[Gait]:
     point, start, found, failures = asked.point, asked.start, list[Gait](), list[NoGait]()
     robot = system.robot
     if start is not None and start.gait is not None:
-        return [led_to(point, start.point.kind, rebuilt(Hops.kind, robot, start.gait))]
+        return [lead_hop(point, start.point.kind, rebuilt(Hops.kind, robot, start.gait))]
     try:
         for hop in first_hops(system, sorted({USUAL * scale_of(robot).time, point.speed})):
             try:
-                found.append(led_to(point, SWITCHED, hop))
+                found.append(lead_hop(point, SWITCHED, hop))
             except NoGait as error:
                 failures.append(error)
     except NoGait as error:
@@ -312,7 +312,7 @@ def along_of(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
     paths = {each: spring.path for each, spring in own.items() if spring.path is not None}
     known = [*paths, *[KNEE] * (not paths or (KNEE in own and own[KNEE].pulls))]
     if name is None and len(known) > 1:
-        raise BadValue("spring", None, f"the name of one, as the robot's file has several: {listed(known)}")
+        raise BadValue("spring", None, f"the name of one, as the robot's file has several: {list_names(known)}")
     name = known[0] if name is None else name
     if name not in (KNEE, *paths):
         raise UnknownName("spring", name, [KNEE, *paths])
@@ -357,14 +357,15 @@ def hops(
         over: least and greatest values of further numbers that each search chooses: of the robot, such as
             `knee_motor_size`, with the mass of that motor, or of the spring's path, such as `cable.end_z`. With ratios
             a motor keeps its greatest speed behind the greatest one. Costs refer to the work of the robot as it is.
-        **options: see `studied`; speeds are flight times, in s, by default `SHARES` of SPEAR-II's for the leg's size.
+        **options: see `study_knees`; speeds are flight times, in s, by default `SHARES` of SPEAR-II's for the leg's
+            size.
 
     Raises:
-        NoGait, BadFile, BadValue: see `studied`.
+        NoGait, BadFile, BadValue: see `study_knees`.
         UnknownName: the robot's file has no such spring.
         MissingExtra: heyoka, or for several processes joblib, is not installed.
     """
     along = along_of(robot, spring)
     batch.require()
     gaits = Hops(dict(over), along)
-    return studied(replace(gaits, words=words_for(gaits, robot)), robot, path, **options)
+    return study_knees(replace(gaits, words=words_for(gaits, robot)), robot, path, **options)

@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.hopping import commanded
-from spear_pin.gaits.reaching import posed
+from spear_pin.gaits.hopping import find_commanded
+from spear_pin.gaits.reaching import pose_leg
 from spear_pin.gaits.springing import paths_of
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset
 from spear_pin.hybrid.dual import ARRAYS
-from spear_pin.hybrid.parameters import changed, rebuilt, with_numbers
+from spear_pin.hybrid.parameters import change_system, rebuilt, with_numbers
 from spear_pin.hybrid.springs import values_along
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.path import Path, Posture
@@ -54,7 +54,7 @@ class AtTouchdown:
             return reset
 
         def landed(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-            at = dict(zip(("hip", "knee"), commanded(p), strict=True))
+            at = dict(zip(("hip", "knee"), find_commanded(p), strict=True))
             there = [at.get(name, q[i]) for i, name in enumerate(robot.coordinates)]
             return {**latch(q, v, held, p), **{rest: values_along(path, robot, there) for rest, path in rests.items()}}
 
@@ -66,9 +66,9 @@ def _held(mount: Mount) -> str:
     return mount.rest if isinstance(mount.rest, str) else f"{mount.name}_rest"
 
 
-def tied(system: HybridSystem) -> HybridSystem:
+def tie_springs(system: HybridSystem) -> HybridSystem:
     """Returns the system whose fixed springs, if it has any, move with the law's angles of touchdown."""
-    return system if system.spring.rest is None else changed(system, AtTouchdown())
+    return system if system.spring.rest is None else change_system(system, AtTouchdown())
 
 
 def with_values(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
@@ -85,7 +85,7 @@ def with_knee(system: HybridSystem, kind: str, stiffness: float) -> HybridSystem
     Args:
         system: the hop of a leg.
         kind: one of `KINDS` of `grid`.
-        stiffness: stiffness of its first spring, in N·m/rad, or N/m. It acts both ways, see `released`.
+        stiffness: stiffness of its first spring, in N·m/rad, or N/m. It acts both ways, see `release_springs`.
     """
     law, lacking = system.law, system.spring.stiffness - stiffness
     law = replace(law, virtual_stiffness=max(law.virtual_stiffness + lacking * float(levers(system)[-1]) ** 2, 0.0))
@@ -109,7 +109,7 @@ def _resting(system: HybridSystem) -> HybridSystem:
 
 def _lands(system: HybridSystem) -> Posture:
     """Returns the posture in which the law lets the leg land."""
-    return mechanism_of(system.robot).posed(posed(system.robot, *commanded(system.law)).tolist(), ARRAYS)
+    return mechanism_of(system.robot).posed(pose_leg(system.robot, *find_commanded(system.law)).tolist(), ARRAYS)
 
 
 def levers(system: HybridSystem) -> Array:
@@ -119,7 +119,7 @@ def levers(system: HybridSystem) -> Array:
     return np.array([slope.get(system.robot.index(joint), 0.0) for joint in ("hip", "knee")])
 
 
-def released(system: HybridSystem) -> HybridSystem:
+def release_springs(system: HybridSystem) -> HybridSystem:
     """Returns the system whose springs, unless they are fixed, are let go where they would push."""
     if system.spring.rest is not None:
         return system

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from spear_pin.errors import BadValue
-from spear_pin.model.catalogue import motor, scaled, sized
+from spear_pin.model.catalogue import motor, scale_motor, size_motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import MASS, motor_size, parameters_of, vary
@@ -76,7 +76,7 @@ def known(robot: Robot, part: str, bus: float | None = None) -> tuple[Drive, str
     return Drive(getattr(rig, part), gearbox, rig.battery.voltage if bus is None else bus), "SPEAR-II's"
 
 
-def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | None = None) -> Drive:
+def assume_motor(robot: Robot, part: str, torque: float, rate: float, bus: float | None = None) -> Drive:
     """Returns a catalogue motor scaled so that its continuous torque is `SPARE` times the rms torque of a gait.
 
     Gears and rotors of the robot's own file stay. The supply is the motor's, or as much as `SPARE` times the gait's
@@ -94,10 +94,10 @@ def assumed(robot: Robot, part: str, torque: float, rate: float, bus: float | No
     one = Drive(like, Gearbox(ratio or RATIO, EFFICIENCY), like.known("nominal_voltage"))
     power = like.known("rated_power") * SPARE * torque / one.continuous_torque
     needed = SPARE * rate * one.constant
-    return Drive(scaled(like, float(f"{power:.3g}")), one.gearbox, bus or max(one.bus, float(f"{needed:.3g}")))
+    return Drive(scale_motor(like, float(f"{power:.3g}")), one.gearbox, bus or max(one.bus, float(f"{needed:.3g}")))
 
 
-def fitted(robot: Robot, motors: Motors) -> Robot:
+def fit_motors(robot: Robot, motors: Motors) -> Robot:
     """Returns the robot with the motors' gears and rotors but for its file's; given motors bring their mass."""
     values: dict[str, float] = {}
     for part in PARTS:
@@ -111,7 +111,7 @@ def fitted(robot: Robot, motors: Motors) -> Robot:
     return vary(robot, **values)
 
 
-def geared(motors: Motors, robot: Robot) -> dict[str, Drive]:
+def make_geared(motors: Motors, robot: Robot) -> dict[str, Drive]:
     """Returns the drive of each part, of a motor of size 1, behind the robot's gears."""
     drives = {part: getattr(motors, part) for part in PARTS}
     return {
@@ -125,9 +125,9 @@ def as_built(motors: Motors, robot: Robot) -> Motors:
 
     def of(part: str, drive: Drive) -> Drive:
         size = motor_size(robot, joints_of(robot, part)[0])
-        return drive if size == 1.0 else replace(drive, motor=sized(drive.motor, size))
+        return drive if size == 1.0 else replace(drive, motor=size_motor(drive.motor, size))
 
-    drives = {part: of(part, drive) for part, drive in geared(motors, robot).items()}
+    drives = {part: of(part, drive) for part, drive in make_geared(motors, robot).items()}
     return replace(motors, knee=drives["knee"], hip=drives["hip"])
 
 

@@ -69,7 +69,7 @@ class SearchEnd:
         return np.inf if self.figures is None else self.figures.cost
 
 
-def written(gait: Gait) -> dict[str, Any]:
+def write_gait(gait: Gait) -> dict[str, Any]:
     """Returns the data of a gait that its robot does not give, as JSON."""
     return {
         "varied": dict(gait.system.robot.varied),
@@ -84,7 +84,7 @@ def written(gait: Gait) -> dict[str, Any]:
 
 
 def rebuilt(kind: str, robot: Robot, said: Mapping[str, Any]) -> Gait:
-    """Returns the gait of a robot that `written` wrote, of a kind among ``KINDS`` of `spear_pin.gaits.gait`."""
+    """Returns the gait of a robot that `write_gait` wrote, of a kind among ``KINDS`` of `spear_pin.gaits.gait`."""
     build, law_of = KINDS[kind]
     q, v = (np.array(part, dtype=float) for part in said["state"])
     multipliers = np.array([complex(*pair) for pair in said["multipliers"]])

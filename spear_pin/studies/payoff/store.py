@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from spear_pin.errors import BadFile, listed
+from spear_pin.errors import BadFile, list_names
 from spear_pin.files import parse_json, read_bytes, write_text
 
 FORMAT = "spear_pin payoff 2"
@@ -46,7 +46,7 @@ class Store:
             raise BadFile(path, "is not the store of a payoff study; give another --out, or remove it")
         if differing := [name for name in {**head, **found[0]} if head.get(name) != found[0].get(name)]:
             raise BadFile(
-                path, f"is of another study, which differs in {listed(differing)}; give another --out, or remove it"
+                path, f"is of another study, which differs in {list_names(differing)}; give another --out, or remove it"
             )
         self._lines = {line["key"]: line for line in found[1:]}
 

@@ -16,7 +16,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.studies.payoff.fitting import motors_for
 from spear_pin.studies.payoff.gaits import Gaits
 from spear_pin.studies.payoff.grid import KINDS, NONE, SWITCHED, Grid, Point
-from spear_pin.studies.payoff.motors import Motors, fitted
+from spear_pin.studies.payoff.motors import Motors, fit_motors
 from spear_pin.studies.payoff.searcher import Searcher, Tell
 from spear_pin.studies.payoff.searches import Search, SearchEnd, rebuilt
 from spear_pin.studies.payoff.store import Store
@@ -97,7 +97,7 @@ def cheapest(findings: Iterable[SearchEnd]) -> SearchEnd | None:
     return min(found, key=lambda each: each.cost, default=None)
 
 
-def studied(
+def study_knees(
     gaits: Gaits,
     robot: Robot,
     path: Path,
@@ -145,7 +145,7 @@ def studied(
     }
     store = Store(path, asked)
     motors = motors_for(gaits, robot, drives, bus, speeds, store, tell)
-    searcher = Searcher(gaits, fitted(robot, motors), motors, store, n_jobs, tell)
+    searcher = Searcher(gaits, fit_motors(robot, motors), motors, store, n_jobs, tell)
     gaits.suits(searcher.robot)
     work = _Work(searcher)
     first = gaits.first(robot, speeds)

@@ -1,11 +1,11 @@
 """The push test of Section 4.1: the leg is pushed down, held, and let go; and the knee's motion after that."""
 
 from spear_pin.studies.push_test.gears import RATIOS, GearRow, gear_study
-from spear_pin.studies.push_test.motion import simulated
+from spear_pin.studies.push_test.motion import simulate_release
 from spear_pin.studies.push_test.oscillation import BeltFrequencies, Swing, belt_frequencies, swing
 from spear_pin.studies.push_test.passive_knee import WITH_MOTOR, WITHOUT_MOTOR, PassiveKnee
 from spear_pin.studies.push_test.releases import DEPTHS, RATE, Release, release
-from spear_pin.studies.push_test.rest import equilibrium, pushed_angle, resting_at, spear_ii
+from spear_pin.studies.push_test.rest import equilibrium, find_pushed_angle, rest_at, spear_ii
 
 __all__ = [
     "DEPTHS",
@@ -21,10 +21,10 @@ __all__ = [
     "belt_frequencies",
     "equilibrium",
     "gear_study",
-    "pushed_angle",
+    "find_pushed_angle",
     "release",
-    "resting_at",
-    "simulated",
+    "rest_at",
+    "simulate_release",
     "spear_ii",
     "swing",
 ]

@@ -9,7 +9,7 @@ from spear_pin.kinds import typed
 from spear_pin.studies.push_test.oscillation import Swing, swing
 from spear_pin.studies.push_test.passive_knee import WITH_MOTOR, WITHOUT_MOTOR, PassiveKnee
 from spear_pin.studies.push_test.releases import Release, release
-from spear_pin.studies.push_test.rest import resting_at, spear_ii
+from spear_pin.studies.push_test.rest import rest_at, spear_ii
 
 RATIOS = (None, 15.0, 30.0, 66.0)  # of Fig. 4.6
 
@@ -59,6 +59,6 @@ def gear_study(
     for ratio in ratios:
         leg, knee = spear_ii(ratio), disengaged if ratio is None else engaged
         if static_rest:
-            knee = resting_at(leg, knee, knee.zero)
+            knee = rest_at(leg, knee, knee.zero)
         rows.append(GearRow(ratio, leg.rotor, knee, swing(leg, knee), release(leg, knee, depth, duration)))
     return rows

@@ -79,7 +79,7 @@ class KneeMotion:
 
 
 @typed
-def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool | None = None) -> HybridSystem:
+def make_released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool | None = None) -> HybridSystem:
     """Returns the system of the leg: let go as soon as a run begins in the phase "pushed", and swinging.
 
     The system has no section. A run ends when the duration is over, where dry friction holds the knee, or at the
@@ -97,7 +97,7 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
     def build(robot: Robot, law: PassiveKnee, spring: Spring, contact: Contact) -> HybridSystem:
         if contact != Contact():
             raise BadValue("contact", contact, "Contact(), because the toe is pinned")
-        return released(replace(leg, robot=robot), _with_spring(law, spring), duration, dry)
+        return make_released(replace(leg, robot=robot), _with_spring(law, spring), duration, dry)
 
     def engage(q: Sequence[float], v: Sequence[float], held: Held, p: PassiveKnee) -> Held:
         taut = not p.unilateral or q[row] > p.zero
@@ -142,7 +142,7 @@ def released(leg: PinnedLeg, knee: PassiveKnee, duration: float = 1.5, dry: bool
 
 
 @typed
-def simulated(
+def simulate_release(
     leg: PinnedLeg, knee: PassiveKnee, initial_angle: float, duration: float = 1.5, rate: float = 1000.0
 ) -> Trajectory:
     """Simulates the leg from its release at rest, and samples all of its motion, as for any other system.
@@ -159,7 +159,7 @@ def simulated(
     """
     require("duration", duration, lambda d: 0 < d <= 3600, "a number > 0, in s, at most an hour")
     _checked(leg, initial_angle, [0.0], (), RTOL)
-    system, samples = released(leg, knee, duration), max(1, round(rate * duration))
+    system, samples = make_released(leg, knee, duration), max(1, round(rate * duration))
     start = _pushed(leg, initial_angle)
     motion = simulate(system, start, 1, RTOL, max_evaluations=_work(duration), samples=samples, progress=False)
     over = ENDS.get(motion.reason) == "complete"  # what is no cycle ends by its time, or at rest
@@ -191,7 +191,7 @@ def move(
     """
     at = _checked(leg, initial_angle, times, wrt, rtol)
     duration = max(float(at[-1]), SHORTEST)
-    system = released(leg, knee, duration, knee.coulomb > 0.0 or "coulomb" in wrt)
+    system = make_released(leg, knee, duration, knee.coulomb > 0.0 or "coulomb" in wrt)
     start = _pushed(leg, initial_angle)
     result = run(system, start, 1, Options(rtol, max_evaluations=_work(duration), keep=True))
     reason = ENDS.get(result.reason, result.reason)

@@ -17,7 +17,7 @@ from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Motor
 from spear_pin.studies.push_test.passive_knee import WITH_MOTOR, WITHOUT_MOTOR, PassiveKnee
 from spear_pin.studies.push_test.releases import Release, release
-from spear_pin.studies.push_test.rest import resting_at, spear_ii
+from spear_pin.studies.push_test.rest import rest_at, spear_ii
 
 CASES: dict[str, State | None] = {
     "belt taken off": None,
@@ -47,7 +47,7 @@ class PowerOff:
 
 
 @typed
-def idling(
+def add_braking(
     knee: PassiveKnee, state: State, machine: Motor, ratio: float, battery: Battery, bridge: Bridge
 ) -> PassiveKnee:
     """Returns the knee with the braking of a motor without command.
@@ -97,9 +97,9 @@ def power_off(
     for label, state in CASES.items():
         leg, knee = spear_ii(None if state is None else ratio), WITHOUT_MOTOR if state is None else WITH_MOTOR
         if static_rest:
-            knee = resting_at(leg, knee, knee.zero)
+            knee = rest_at(leg, knee, knee.zero)
         if state is not None:
-            knee = idling(knee, state, machine, ratio, battery, bridge)
+            knee = add_braking(knee, state, machine, ratio, battery, bridge)
         motions[label] = release(leg, knee, depth, duration)
     reference = motions["motor, supply off"].height
     rows = []

@@ -12,7 +12,7 @@ from spear_pin.kinds import typed
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.push_test.motion import RTOL, KneeMotion, move
 from spear_pin.studies.push_test.passive_knee import PassiveKnee
-from spear_pin.studies.push_test.rest import equilibrium, pushed_angle
+from spear_pin.studies.push_test.rest import equilibrium, find_pushed_angle
 
 DEPTHS = (0.05, 0.075, 0.10)  # m, of Section 4.1.3
 RATE = 1000.0  # samples a second, as in Section 4.1.3
@@ -61,7 +61,7 @@ def release(
     """
     require("duration", duration, lambda d: 0 < d <= 3600, "a number > 0, in s, at most an hour")
     require("rate", rate, lambda r: 1 <= r * duration <= 1e7, "samples a second, such that there are 1 to 1e7 of them")
-    initial = pushed_angle(leg, knee, depth)
+    initial = find_pushed_angle(leg, knee, depth)
     t = np.arange(round(duration * rate) + 1) / rate
     motion = move(leg, knee, initial, t, rtol=rtol)
     force = leg.ground_force(motion.angle, motion.rate, motion.acceleration).T

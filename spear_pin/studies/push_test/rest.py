@@ -56,14 +56,14 @@ def equilibrium(leg: PinnedLeg, knee: PassiveKnee) -> float:
 
 
 @typed
-def resting_at(leg: PinnedLeg, knee: PassiveKnee, rest: float) -> PassiveKnee:
+def rest_at(leg: PinnedLeg, knee: PassiveKnee, rest: float) -> PassiveKnee:
     """Returns the knee whose spring's zero lets the leg rest at an angle, in rad, the second reading of RA."""
     require("stiffness", knee.stiffness, lambda k: k > 0, "a number > 0, in N·m/rad")
     return replace(knee, zero=rest + float(leg.gravity(rest)) / knee.stiffness)
 
 
 @typed
-def pushed_angle(leg: PinnedLeg, knee: PassiveKnee, depth: float) -> float:
+def find_pushed_angle(leg: PinnedLeg, knee: PassiveKnee, depth: float) -> float:
     """Returns the knee's angle with the hip a depth, in m, below its height at rest.
 
     Raises:

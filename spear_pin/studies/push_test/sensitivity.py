@@ -17,7 +17,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from spear_pin.arrays import Array
-from spear_pin.hybrid.tangent.collocation import carried, rule
+from spear_pin.hybrid.tangent.collocation import carry_along, rule
 from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.push_test.passive_knee import PassiveKnee
 
@@ -66,7 +66,7 @@ def derivatives(leg: PinnedLeg, knee: PassiveKnee, steps: Sequence[Step], wrt: S
     for first, last in pairwise([0, *turns, len(steps)]):
         if first:
             start = start * [[1.0], [_jump(leg, knee, steps[first - 1], steps[first])]]
-        parts.append(carried(slopes[first:last], h[first:last], start))
+        parts.append(carry_along(slopes[first:last], h[first:last], start))
         start = parts[-1].end
     starts = np.concatenate([part.begins[:-1] for part in parts])
     bends = rule(STAGES).legendre @ np.concatenate([part.K[:, 0] for part in parts])  # δ̈ h as Legendre series

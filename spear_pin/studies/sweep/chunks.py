@@ -24,7 +24,7 @@ from spear_pin.hybrid.result import Options, State
 from spear_pin.kinds import typed
 from spear_pin.studies import workers
 from spear_pin.studies.sweep import store
-from spear_pin.studies.sweep.job import Job, Rows, asked
+from spear_pin.studies.sweep.job import Job, Rows, check_job
 
 CHUNK = 512  # points, where they are solved together
 PURPOSE = "a sweep"
@@ -83,7 +83,7 @@ def sweep(
     workers.require(PURPOSE)
     out, target = Path(out), dict(target or {})
     Options(rtol)
-    job = asked(system, points, tuple(vary), target, rtol)
+    job = check_job(system, points, tuple(vary), target, rtol)
     if chunk is None:
         chunk = CHUNK if system.robot.planar else 1
     if chunk < 1 or chunk % 1:
@@ -92,10 +92,10 @@ def sweep(
     described = store.description(job, chunk, n, guess)
     system.robot.bias(*(guess or system.guess()))  # it says what is wrong with them
     if store.begin(out, described, resume):
-        start = store.started(out, lambda: _start(system, job, guess))
+        start = store.find_starts(out, lambda: _start(system, job, guess))
         begun, guess = with_parameters(system, start["values"]), (np.array(start["q"]), np.array(start["v"]))
         job = replace(job, parts=begun.parts, guess=guess)
-        missing = store.missing(out)
+        missing = store.list_missing(out)
         tasks = ((i, job.take(slice(i * chunk, (i + 1) * chunk))) for i in missing)
         done = n - sum(store.size(n, chunk, i) for i in missing)
         on_points(done, n)

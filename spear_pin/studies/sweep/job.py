@@ -20,7 +20,7 @@ from spear_pin.gaits.targets import check_wanted, measures_of
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.contact import OPEN
-from spear_pin.hybrid.parameters import Change, changed, parameter, replaced, with_parameters
+from spear_pin.hybrid.parameters import Change, change_system, find_replaced, parameter, with_parameters
 from spear_pin.hybrid.result import State
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import PARAMETERS, parameters_of, vary
@@ -67,7 +67,7 @@ class Job:
     def system(self, **varied: float) -> HybridSystem:
         """Returns the system with its varied robot."""
         bare = self.build(vary(self.robot, **varied), *self.parts.values())
-        return replace(reduce(changed, self.changes, bare), **self.replaced)
+        return replace(reduce(change_system, self.changes, bare), **self.replaced)
 
     def rows(self) -> Rows:
         """Solves, and returns a row for each point; lanes of the same robot are solved together."""
@@ -105,7 +105,7 @@ class Job:
         return rows
 
 
-def asked(
+def check_job(
     system: HybridSystem, points: Mapping[str, ArrayLike], vary: tuple[str, ...], target: Any, rtol: float
 ) -> Job:
     """Returns the checked job for a request; points of one robot stand together."""
@@ -140,7 +140,7 @@ def _check_system(system: HybridSystem) -> dict[str, Any]:
     named = getattr(system.made["builder"], "__qualname__", "")
     if not named or "<lambda>" in named:
         raise BadValue("system.build", system.build, "a function with a name, which identifies the sweep")
-    kept = replaced(system)
+    kept = find_replaced(system)
     for name in kept:
         if name not in CARRIED:
             expected = "the one it was built with: a replacement cannot be sent to other processes"

@@ -21,7 +21,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 import spear_pin
-from spear_pin.errors import BadFile, MissingExtra, listed
+from spear_pin.errors import BadFile, MissingExtra, list_names
 from spear_pin.files import atomic, parse_json, read_bytes, write_text
 from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.hybrid.result import State
@@ -123,7 +123,7 @@ def begin(out: Path, described: Mapping[str, Any], resume: bool) -> bool:
     return True
 
 
-def started(out: Path, start: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+def find_starts(out: Path, start: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     """Returns the start of every lane: found once, then read from the manifest, so that it is the same after a kill."""
     found = _manifest(out)
     if "start" not in found:
@@ -132,7 +132,7 @@ def started(out: Path, start: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     return dict(found["start"])
 
 
-def missing(out: Path) -> list[int]:
+def list_missing(out: Path) -> list[int]:
     """Returns the numbers of the chunks that are not on disk."""
     request = _manifest(out)["request"]
     count = -(-request["number"] // request["chunk"])
@@ -245,7 +245,7 @@ def _same(path: Path, before: Mapping[str, Any], now: Mapping[str, Any]) -> None
     differing = [name for name in now if before.get(name) != now[name]]
     if differing:
         raise BadFile(
-            path, f"is of another sweep, which differs in {listed(differing)}; give another path, or remove it"
+            path, f"is of another sweep, which differs in {list_names(differing)}; give another path, or remove it"
         )
 
 

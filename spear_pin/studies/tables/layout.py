@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from spear_pin.errors import BadFile, brief, listed
+from spear_pin.errors import BadFile, brief, list_names
 from spear_pin.studies.tables.units import find_times, find_unit
 
 HEAD = 1 << 16  # bytes of a file that are looked at to tell its format
@@ -83,7 +83,7 @@ def find_layout(path: Path, head: bytes) -> Layout:
     width = len(rows[first].fields) if data else len(above[-1].fields)
     names, units, taken = _names(above, width, comments, mark)
     if len(set(names)) < len(names):
-        raise BadFile(path, f"two columns have the same name among {listed(names)}; rename one", above[-1].number)
+        raise BadFile(path, f"two columns have the same name among {list_names(names)}; rename one", above[-1].number)
     titles = [lines[line.number - 1].strip() for line in above[: len(above) - taken]]
     commas = _decimal_commas(data) if mark == "," else any(re.search(r"\d,\d", lines[line.number - 1]) for line in data)
     begin = data[0] if data else _Line(len(lines) + 1, len(text), ())
@@ -96,7 +96,7 @@ def find_layout(path: Path, head: bytes) -> Layout:
         begin.number,
         mark or r"\s+",
         "," if commas else ".",
-        (f"passed over above the table: {listed([brief(title) for title in titles])}",) if titles else (),
+        (f"passed over above the table: {list_names([brief(title) for title in titles])}",) if titles else (),
         tuple(
             name
             for i, name in enumerate(names)

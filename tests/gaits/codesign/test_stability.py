@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from spear_pin.gaits.codesign.stability import borders, slopes
-from spear_pin.gaits.sensitivity.closing import closed, led
+from spear_pin.gaits.sensitivity.closing import close_cycle, find_changed
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
@@ -42,17 +42,17 @@ def test_smooth_where_real_multipliers_meet():
 @pytest.mark.extra("heyoka")
 @pytest.mark.parametrize("name", ["stiffness", "knee_touchdown"])
 def test_slopes_along_the_branch(hop, name):
-    begun = closed(Orbit(hop.system, hop.state, (*VARY, name)), KEEP)
+    begun = close_cycle(Orbit(hop.system, hop.state, (*VARY, name)), KEEP)
     found = slopes(begun, list(KEEP), 0.6)
     h = {"stiffness": 0.02, "knee_touchdown": 2e-4}[name]
-    ends = [borders(led(begun, KEEP, {name: k * h}).jacobian, 0.6) for k in (1, -1, 2, -2)]
+    ends = [borders(find_changed(begun, KEEP, {name: k * h}).jacobian, 0.6) for k in (1, -1, 2, -2)]
     expected = (8.0 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12.0 * h)
     assert found[:, 0] == pytest.approx(expected, rel=1e-4, abs=1e-5)
 
 
 @pytest.mark.extra("heyoka")
 def test_where_one_side_has_no_derivative_the_other_tells(hop, monkeypatch):
-    begun = closed(Orbit(hop.system, hop.state, (*VARY, "stiffness")), KEEP)
+    begun = close_cycle(Orbit(hop.system, hop.state, (*VARY, "stiffness")), KEEP)
     expected, beside = slopes(begun, list(KEEP), 0.6), Orbit.beside
 
     def below(self, change, *others):

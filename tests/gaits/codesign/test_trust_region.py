@@ -5,7 +5,7 @@ import pytest
 import scipy
 
 from spear_pin.gaits.codesign.step import Local
-from spear_pin.gaits.codesign.trust_region import CONVERGED, NO_VALUE, STUCK, UNSOLVED, minimised
+from spear_pin.gaits.codesign.trust_region import CONVERGED, NO_VALUE, STUCK, UNSOLVED, find_minimum
 
 
 def problem(f, g, c=lambda x: np.empty(0), A=lambda x: np.empty((0, 2)), inside=lambda x: True):
@@ -23,7 +23,7 @@ def rosenbrock(**more):
 
 
 def found(value, start, lower=(-2.0, -2.0), upper=(2.0, 2.0), **options):
-    return minimised(value, value(np.array(start)), np.array(lower), np.array(upper), tolerance=1e-9, **options)
+    return find_minimum(value, value(np.array(start)), np.array(lower), np.array(upper), tolerance=1e-9, **options)
 
 
 def test_rosenbrock_without_constraints():

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spear_pin.gaits.continuation.differences import differentiated
+from spear_pin.gaits.continuation.differences import differentiate_values
 from spear_pin.gaits.continuation.follow import Way, follow
 from spear_pin.gaits.continuation.problem import Local, NoValue
-from spear_pin.gaits.continuation.stepping import placed
+from spear_pin.gaits.continuation.stepping import orient_tangent
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.periodic import eigenvalues
 
@@ -24,7 +24,7 @@ class Plain:
 
     def local(self, u):
         x, n = u * self.scale, len(u)
-        _, jacobian, order = differentiated(self._values, u)
+        _, jacobian, order = differentiate_values(self._values, u)
         residual = self._values(u[None])[0][0]
         state = jacobian[:, :-1] / self.scale[:-1]
         return Local(u, residual, jacobian, np.eye(n), eigenvalues(state + np.eye(n - 1)), order, x)
@@ -59,7 +59,7 @@ class Plain:
         local = self.local(u)
         assert np.abs(local.residual).max() < 1e-9
         span = bounds[0] / self.scale[-1], bounds[1] / self.scale[-1]
-        return tuple(follow(self, placed(local, sign * row), span, longest, 500) for sign in (-1.0, 1.0))
+        return tuple(follow(self, orient_tangent(local, sign * row), span, longest, 500) for sign in (-1.0, 1.0))
 
 
 def kinds(way: Way) -> list[str]:

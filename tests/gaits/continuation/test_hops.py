@@ -6,7 +6,7 @@ import pytest
 from spear_pin import Gait, Ground, HoppingLaw, continue_gait, find_gait, hopping
 from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.continuation.continuing import _equations
-from spear_pin.hybrid.orders import differing, order_of
+from spear_pin.hybrid.orders import find_differing, order_of
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues, residual, return_map
 from spear_pin.hybrid.translation import translations
 
@@ -64,7 +64,7 @@ class TestEnds:
 def test_the_first_kind_crosses_a_border_where_the_toe_slips_as_it_lands(first):
     (border,) = [border for border in first.borders if border.kind == "continuous"]
     assert border.parameter == pytest.approx(9.49624, abs=1e-5)
-    assert differing(border.before, border.after) == ((), (("stance slip-", "stick"),))
+    assert find_differing(border.before, border.after) == ((), (("stance slip-", "stick"),))
     assert first.orders[border.index] == border.before and first.orders[border.beyond] == border.after
     assert first.values[border.beyond] == pytest.approx(border.parameter, abs=1e-3)
 

@@ -5,7 +5,7 @@ import pytest
 
 from spear_pin.gaits.continuation.follow import follow
 from spear_pin.gaits.continuation.problem import NoValue
-from spear_pin.gaits.continuation.stepping import placed
+from spear_pin.gaits.continuation.stepping import orient_tangent
 from tests.gaits.continuation.plain import Plain, kinds
 
 LEFT, RIGHT = (("left", "end"),), (("right", "end"),)
@@ -112,7 +112,7 @@ class TestEnds:
     def test_enough_points(self):
         plain = Plain(pieces(0.5, 0.5), np.ones(2))
         local = plain.local(np.array([1.0, 0.5]))
-        way = follow(plain, placed(local, np.array([0.0, 1.0])), (0.0, 9.0), 0.01, 7)
+        way = follow(plain, orient_tangent(local, np.array([0.0, 1.0])), (0.0, 9.0), 0.01, 7)
         assert way.end == "points" and len(way.points) == 7
 
     def test_a_start_on_the_range_s_end(self):

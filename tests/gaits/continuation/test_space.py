@@ -6,7 +6,7 @@ import pytest
 from spear_pin import Gait
 from spear_pin.errors import BadValue
 from spear_pin.gaits.continuation.continuing import _equations
-from spear_pin.gaits.continuation.stepping import placed, stepped
+from spear_pin.gaits.continuation.stepping import orient_tangent, step_along
 from spear_pin.hybrid.parameters import number
 from spear_pin.hybrid.periodic import residual
 
@@ -66,8 +66,8 @@ def test_a_number_of_a_body():
     value = number(gait.system, name)
     problem, state, values = _equations(gait, name, (0.98 * value, 1.02 * value), (), {}, 1e-9)
     u = problem.point(state, values)
-    start = placed(problem.local(u), np.eye(len(u))[-1])
-    points = [stepped(problem, start, length) for length in (-0.05, 0.05)]
+    start = orient_tangent(problem.local(u), np.eye(len(u))[-1])
+    points = [step_along(problem, start, length) for length in (-0.05, 0.05)]
     assert [point.local.order for point in points] == [start.local.order] * 2
     inertias, largest = [], []
     for point in points:

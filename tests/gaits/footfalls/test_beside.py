@@ -8,12 +8,12 @@ import pytest
 from spear_pin import load
 from spear_pin.errors import BadValue
 from spear_pin.gaits.footfalls.beside import law_of_pronk, pronk_beside
-from spear_pin.gaits.footfalls.collocate import collocated
+from spear_pin.gaits.footfalls.collocate import collocate
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.spatial.pronking import pronking
 from spear_pin.hybrid.periodic import chart, displacement, residual, return_map
-from spear_pin.hybrid.symmetry import headed
+from spear_pin.hybrid.symmetry import head_state
 
 pytestmark = [pytest.mark.slow, pytest.mark.extra("casadi")]
 
@@ -24,13 +24,13 @@ def lawful():
         warnings.simplefilter("ignore", DeprecationWarning)  # of CasADi's wrappers as they are imported
         import casadi  # noqa: F401
     asked = FootfallRequest(footfalls=FOOTFALLS["pronk"], law=StanceLaw(), swing=SwingLaw())
-    return collocated(load("q_spear_full", base="chain"), asked)
+    return collocate(load("q_spear_full", base="chain"), asked)
 
 
 def test_a_stride_of_the_event_exact_simulation_leads_nearly_back(lawful):
     last = lawful.stretches[-1]
     system = pronking(lawful.robot, law_of_pronk(lawful), lawful.request.spring)
-    start = chart(system, headed(last.q[-1], last.v[-1])).state(np.zeros(32))
+    start = chart(system, head_state(last.q[-1], last.v[-1])).state(np.zeros(32))
     run = return_map(system, start, 1e-8)
     assert run.durations["all_stance"] == pytest.approx(lawful.stretches[0].duration, abs=1e-3)
     assert run.durations["flight_1"] == pytest.approx(lawful.stretches[1].duration, abs=1e-3)
@@ -50,6 +50,6 @@ def test_refused(lawful):
 
 
 def test_asks_for_a_pronk():
-    gait = collocated(load("q_spear_full", base="chain"), FootfallRequest())
+    gait = collocate(load("q_spear_full", base="chain"), FootfallRequest())
     with pytest.raises(BadValue, match="pronk"):
         law_of_pronk(gait)

@@ -13,7 +13,7 @@ from spear_pin import load, trotting
 from spear_pin.errors import BadValue, Infeasible, NoGait
 from spear_pin.gaits.footfalls.beside import law_of_trot
 from spear_pin.gaits.footfalls.checking import violations
-from spear_pin.gaits.footfalls.collocate import collocated
+from spear_pin.gaits.footfalls.collocate import collocate
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, opposite
@@ -21,7 +21,7 @@ from spear_pin.gaits.objectives import in_its_unit
 from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.gaits.virtual_constraints import Evolution, Outputs, Sum, errors, value
 from spear_pin.hybrid.periodic import chart, displacement, return_map
-from spear_pin.hybrid.symmetry import headed, mirror_of, turned
+from spear_pin.hybrid.symmetry import head_state, mirror_of, turn_state
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.scale import scale_in_space
@@ -41,12 +41,12 @@ def robot():
 
 @pytest.fixture(scope="module")
 def trot(robot):
-    return collocated(robot, FootfallRequest(footfalls=COARSE, speed=2.0))
+    return collocate(robot, FootfallRequest(footfalls=COARSE, speed=2.0))
 
 
 @pytest.fixture(scope="module")
 def lawful(robot):
-    return collocated(robot, FootfallRequest(footfalls=COARSE, speed=2.0, law=StanceLaw()))
+    return collocate(robot, FootfallRequest(footfalls=COARSE, speed=2.0, law=StanceLaw()))
 
 
 def lacking(robot, stretch, node):
@@ -110,7 +110,7 @@ class TestTrot:
         assert found.torque == 0.0
 
     def test_from_another_one(self, robot, trot):
-        again = collocated(robot, trot.request, start=trot.solution)
+        again = collocate(robot, trot.request, start=trot.solution)
         assert again.effort_per_distance == pytest.approx(trot.effort_per_distance, rel=1e-6)
         assert again.solution.iterations < trot.solution.iterations
 
@@ -133,7 +133,7 @@ class TestLaw:
 
 @pytest.fixture(scope="module")
 def controlled(robot):
-    return collocated(robot, FootfallRequest(speed=2.0, law=StanceLaw(), swing=SwingLaw()))
+    return collocate(robot, FootfallRequest(speed=2.0, law=StanceLaw(), swing=SwingLaw()))
 
 
 @pytest.mark.slow
@@ -141,7 +141,7 @@ class TestLawInTheAir:
     def test_a_half_stride_of_the_event_exact_simulation_leads_nearly_back(self, robot, controlled):
         last, mirror = controlled.stretches[-1], mirror_of(robot)
         system = trotting(robot, law_of_trot(controlled), controlled.request.spring)
-        start = chart(system, headed(mirror(last.q[-1]), mirror(last.v[-1]))).state(np.zeros(32))
+        start = chart(system, head_state(mirror(last.q[-1]), mirror(last.v[-1]))).state(np.zeros(32))
         run = return_map(system, start, 1e-8)
         assert run.durations["diagonal_left_stance"] == pytest.approx(controlled.stretches[0].duration, abs=1e-3)
         assert run.durations["flight_2"] == pytest.approx(controlled.stretches[1].duration, abs=1e-3)
@@ -183,7 +183,7 @@ class TestWishes:
     """What a request for a bound may ask, a request in space may ask, too."""
 
     def wished(self, robot, trot, **wishes):
-        return collocated(robot, replace(trot.request, **wishes), start=trot.solution)
+        return collocate(robot, replace(trot.request, **wishes), start=trot.solution)
 
     def test_least_peak(self, robot, trot):
         found = self.wished(robot, trot, objective="peak")
@@ -221,20 +221,20 @@ class TestWishes:
 @pytest.mark.slow
 class TestOthers:
     def test_finer_meshes_are_truer(self, robot, trot):
-        coarse, fine = (violations(gait) for gait in (trot, collocated(robot, trot.request, meshes=(1, 3))))
+        coarse, fine = (violations(gait) for gait in (trot, collocate(robot, trot.request, meshes=(1, 3))))
         assert fine.slip < coarse.slip / 5.0
         assert fine.motion < coarse.motion / 3.0
 
     def test_the_whole_stride_is_the_mirrored_one(self, robot, trot):
-        whole = collocated(robot, replace(trot.request, footfalls=COARSE.unfolded), start=None)
+        whole = collocate(robot, replace(trot.request, footfalls=COARSE.unfolded), start=None)
         assert whole.effort_per_distance == pytest.approx(trot.effort_per_distance, rel=1e-3)
         assert whole.period == pytest.approx(trot.period, rel=1e-2)
 
     def test_turning(self, robot):
-        gait = collocated(robot, FootfallRequest(footfalls=COARSE.unfolded, turn=TURN))
+        gait = collocate(robot, FootfallRequest(footfalls=COARSE.unfolded, turn=TURN))
         first, last = gait.stretches[0], gait.stretches[-1]
         place = 2.0 * gait.period * np.sinc(0.5 * TURN / np.pi) * np.array([np.cos(0.5 * TURN), np.sin(0.5 * TURN)])
-        q, v = turned(first.q[0], first.v[0], TURN, place)
+        q, v = turn_state(first.q[0], first.v[0], TURN, place)
         np.testing.assert_allclose(last.q[-1], q, atol=1e-7)
         change = robot.mass_matrix(q) @ (v - last.v[-1])
         pushed = sum(robot.toe_jacobian(q, f"{leg}_toe").T @ impulse for leg, impulse in first.impulses.items())
@@ -242,7 +242,7 @@ class TestOthers:
 
     @pytest.mark.parametrize(("name", "speed"), [("pace", 2.0), ("pronk", 2.0), ("bound", 2.5)])
     def test_gaits(self, robot, name, speed):
-        gait = collocated(robot, FootfallRequest(footfalls=FOOTFALLS[name], speed=speed))
+        gait = collocate(robot, FootfallRequest(footfalls=FOOTFALLS[name], speed=speed))
         found = violations(gait)
         assert found.motion < 0.05 and found.slip < 0.05
         if name != "pace":
@@ -251,7 +251,7 @@ class TestOthers:
     @pytest.mark.extra("example-robot-data")
     def test_another_robot(self):
         solo = load("solo12", base="chain", motors="all", toes=[f"{leg}_FOOT" for leg in ("FL", "FR", "HL", "HR")])
-        gait = collocated(solo, FootfallRequest.scaled(solo))
+        gait = collocate(solo, FootfallRequest.scaled(solo))
         assert gait.request.speed == pytest.approx(1.419, abs=1e-3)
         assert violations(gait).slip < 0.02
 
@@ -263,9 +263,9 @@ def test_a_law_of_a_trot_asks_for_one_in_the_air(lawful):
 
 def test_says_what_is_missed(robot):
     with pytest.raises(NoGait, match="misses"):
-        collocated(robot, FootfallRequest(footfalls=COARSE), iterations=3)
+        collocate(robot, FootfallRequest(footfalls=COARSE), iterations=3)
 
 
 def test_refuses_no_mesh(robot):
     with pytest.raises(BadValue, match="meshes"):
-        collocated(robot, FootfallRequest(), meshes=())
+        collocate(robot, FootfallRequest(), meshes=())

@@ -5,7 +5,7 @@ import pytest
 
 from spear_pin import Spring, load
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.footfalls.limbs import hip_heights, legs_of, reaching
+from spear_pin.gaits.footfalls.limbs import find_limb_angles, hip_heights, legs_of
 from spear_pin.gaits.footfalls.obstacles import remedy
 from spear_pin.gaits.footfalls.plan import Plan
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
@@ -107,7 +107,7 @@ class TestLimbs:
         )
         for limb in limbs.values():
             q = np.zeros(robot.nq)
-            q[[limb.hip, limb.knee]] = reaching(limb, 0.05, 0.25)
+            q[[limb.hip, limb.knee]] = find_limb_angles(limb, 0.05, 0.25)
             toe = robot.toe_position(q, limb.toe) - robot.frame_position(q, limb.above)
             np.testing.assert_allclose(toe[[0, 2]], [0.05, -0.25], atol=1e-6)
 

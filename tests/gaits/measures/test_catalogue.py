@@ -3,7 +3,7 @@
 import pytest
 
 from spear_pin.errors import UnknownName
-from spear_pin.gaits.measures.catalogue import CATALOGUE, described, unit_on
+from spear_pin.gaits.measures.catalogue import CATALOGUE, describe_measure, unit_on
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.model.unit_masses import unit_masses
 from tests.gaits.bounding_gaits import gait, trajectory
@@ -27,12 +27,12 @@ from tests.gaits.bounding_gaits import gait, trajectory
     ],
 )
 def test_units(name, unit):
-    assert described(name).unit == unit
+    assert describe_measure(name).unit == unit
 
 
 def test_what_samples_give_is_in_it():
     found = Sampled(gait("long_stride").system.robot, trajectory("long_stride")).values()
-    assert {described(name).pattern for name in found} >= {"effort", "cost_of_transport", "friction_used_TOE"}
+    assert {describe_measure(name).pattern for name in found} >= {"effort", "cost_of_transport", "friction_used_TOE"}
 
 
 def test_each_says_what_it_is_in_a_sentence():
@@ -42,7 +42,7 @@ def test_each_says_what_it_is_in_a_sentence():
 
 def test_an_unknown_name():
     with pytest.raises(UnknownName, match="clearance"):
-        described("clearance_toe")
+        describe_measure("clearance_toe")
 
 
 @pytest.mark.parametrize(
@@ -55,6 +55,6 @@ def test_an_unknown_name():
 )
 def test_joints_that_slide_have_units_of_their_own(name, unit):
     both, rails = unit_masses(slide="m", turn="rad"), unit_masses(slide="m", lift="m")
-    assert unit_on(both, described(name), name) == unit
+    assert unit_on(both, describe_measure(name), name) == unit
     of_rails = {"effort": "N²·s", "effort_per_distance": "N²·s/m", "turn": "rad"}
-    assert {each: unit_on(rails, described(each), each) for each in of_rails} == of_rails
+    assert {each: unit_on(rails, describe_measure(each), each) for each in of_rails} == of_rails

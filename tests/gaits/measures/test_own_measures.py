@@ -8,19 +8,19 @@ import pytest
 
 from spear_pin import Gait, continue_gait, find_gait, hopping, load, optimize_design, simulate
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.measures.catalogue import Named, described, names_in, register
+from spear_pin.gaits.measures.catalogue import Named, describe_measure, names_in, register
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.targets import measure_of
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.studies.comparison import measures, sides_of
-from spear_pin.studies.explore.carried import carried
+from spear_pin.studies.explore.carried import carry_gait
 from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.gaits import gait_to_explore
 from spear_pin.studies.explore.tangents import tangents
 from spear_pin.studies.hop import summarize
-from spear_pin.studies.sweep.job import asked
+from spear_pin.studies.sweep.job import check_job
 from tests.cli.calls import run
 from tests.gaits.feeding import idle
 
@@ -43,7 +43,7 @@ def hop():
 
 
 def test_its_name_and_unit(hop):
-    assert described("impulse_toe").unit == "N·s" and "impulse_toe" in names_in(hop.system)
+    assert describe_measure("impulse_toe").unit == "N·s" and "impulse_toe" in names_in(hop.system)
     with pytest.raises(BadValue, match="does not have yet"):
         register(IMPULSE)
     with pytest.raises(BadValue, match="of is None"):
@@ -97,7 +97,7 @@ class TestWithDerivatives:
     @pytest.mark.slow
     def test_sweeps_take_it(self, hop):
         own = Orbit(hop.system, hop.state, ()).measures["impulse_toe"].value
-        job = asked(hop.system, {"impulse_toe": [own, 1.01 * own]}, ("stance_torque",), {}, 1e-9)
+        job = check_job(hop.system, {"impulse_toe": [own, 1.01 * own]}, ("stance_torque",), {}, 1e-9)
         rows = replace(job, guess=hop.state).rows()
         assert rows["residual"].max() < 1e-8
         assert rows["solved_stance_torque"][0] == pytest.approx(number(hop.system, "stance_torque"), rel=1e-6)
@@ -105,7 +105,7 @@ class TestWithDerivatives:
     @pytest.mark.slow
     def test_pages_show_it_with_its_slope(self):
         subject = gait_to_explore(Gait.load("long_stride"), "", over=("friction", "stiffness"))
-        motion = carried(subject.at())
+        motion = carry_gait(subject.at())
         assert figures(motion)["impulse"] > 0.0
         assert np.isfinite(tangents(motion).slopes["stiffness"]["impulse"])
 

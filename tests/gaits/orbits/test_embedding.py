@@ -9,11 +9,11 @@ import pytest
 from spear_pin import Gait, SpatialLaw
 from spear_pin.errors import BadValue
 from spear_pin.gaits import library
-from spear_pin.gaits.orbits.embedding import embedded
-from spear_pin.gaits.spatial.legs import pairs_of, placed
+from spear_pin.gaits.orbits.embedding import embed
+from spear_pin.gaits.spatial.legs import pairs_of, place_in_space
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart, residual, return_map
-from spear_pin.hybrid.symmetry import mirror_of, turned
+from spear_pin.hybrid.symmetry import mirror_of, turn_state
 
 ACROSS = [1, 3, 5]  # y, yaw, roll
 FEW = 3, 9  # seeds of the gate; the nightly has more
@@ -31,7 +31,7 @@ def planar(name):
 @cache
 def spatial(name):
     gait = planar(name)
-    return embedded(gait, SpatialLaw(gait.system.law))
+    return embed(gait, SpatialLaw(gait.system.law))
 
 
 @cache
@@ -95,8 +95,8 @@ class TestSymmetry:
     @each_seed
     def test_turned_and_moved(self, seed):
         system, state = perturbed(seed)
-        here, there = perturbed_stride(seed), return_map(system, turned(*state, 1.1, (3.0, -2.0)), 1e-12)
-        for one, other in zip(turned(*here.state, 1.1, (3.0, -2.0)), there.state, strict=True):
+        here, there = perturbed_stride(seed), return_map(system, turn_state(*state, 1.1, (3.0, -2.0)), 1e-12)
+        for one, other in zip(turn_state(*here.state, 1.1, (3.0, -2.0)), there.state, strict=True):
             np.testing.assert_allclose(one, other, rtol=0, atol=1e-11)
 
     @pytest.mark.slow
@@ -131,7 +131,7 @@ class TestSlip:
         touchdown = there.event("posterior_touchdown")
         pairs = pairs_of(system.robot)
         for part, wanted in zip(here.state, (touchdown.q, touchdown.v_before), strict=True):
-            np.testing.assert_allclose(part, placed(system.robot, pairs, wanted), rtol=0, atol=1e-8)
+            np.testing.assert_allclose(part, place_in_space(system.robot, pairs, wanted), rtol=0, atol=1e-8)
         slipped = here.work[0].sum() - here.change[0]
         assert abs(slipped) <= 1e-8
 
@@ -154,7 +154,7 @@ class TestRefused:
 
     def test_other_gaits(self):
         with pytest.raises(BadValue, match="plane"):
-            embedded(planar("long_stride"), SpatialLaw(planar("least_effort").system.law))
+            embed(planar("long_stride"), SpatialLaw(planar("least_effort").system.law))
 
 
 @pytest.mark.slow

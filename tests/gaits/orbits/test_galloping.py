@@ -7,9 +7,9 @@ import pytest
 
 from spear_pin import Gait
 from spear_pin.errors import BadValue
-from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.feedback import add_feedback
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS
-from spear_pin.gaits.orbits.galloping import galloping
+from spear_pin.gaits.orbits.galloping import find_gallop
 from spear_pin.gaits.orbits.strides import first_times, footfall_gap
 from spear_pin.gaits.spatial.automaton import forward_speed
 from spear_pin.hybrid.periodic import chart, residual, return_map
@@ -63,16 +63,16 @@ class TestShipped:
 class TestRefused:
     def test_others(self):
         with pytest.raises(BadValue, match="gait"):
-            galloping(Gait.load("trot"), (0.02, 0.02))
+            find_gallop(Gait.load("trot"), (0.02, 0.02))
         with pytest.raises(BadValue, match="heading"):
-            regulated(gallop(), heading=1.0)
+            add_feedback(gallop(), heading=1.0)
 
     def test_times(self):
         bound = Gait.load("turn_4")
         with pytest.raises(BadValue, match="landing"):
-            galloping(bound, (0.02,))
+            find_gallop(bound, (0.02,))
         with pytest.raises(BadValue, match="landing"):
-            galloping(bound, (0.02, np.nan))
+            find_gallop(bound, (0.02, np.nan))
 
 
 @pytest.mark.slow

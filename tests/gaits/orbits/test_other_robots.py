@@ -9,7 +9,7 @@ from spear_pin.hybrid.event_feedback import feedback_of, with_feedback
 from spear_pin.hybrid.periodic import chart, residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
-from spear_pin.hybrid.symmetry import asymmetry, headed
+from spear_pin.hybrid.symmetry import asymmetry, head_state
 from tests.solve.gaits import (
     anymal_b_bound,
     anymal_b_bound_upright,
@@ -59,7 +59,7 @@ class TestTrot:
         assert "slip" not in {event.name for event in stride.events}
         np.testing.assert_allclose(np.abs(solo12_trot().multipliers[:3]), [17.4, 6.84, 1.034], rtol=0.02)
         between = np.concatenate(halfway(solo12_trot().system, stride))
-        assert 1e-6 < np.abs(between - np.concatenate(headed(*solo12_trot().state))).max() < 0.01
+        assert 1e-6 < np.abs(between - np.concatenate(head_state(*solo12_trot().state))).max() < 0.01
 
     def test_feedback_twice_a_stride_holds_it(self):
         steady = solo12_trot_steady()

@@ -10,12 +10,12 @@ import pytest
 
 from spear_pin import Gait, SpatialLaw
 from spear_pin.errors import BadValue
-from spear_pin.gaits.orbits.embedding import embedded
-from spear_pin.gaits.orbits.turning import turning
+from spear_pin.gaits.orbits.embedding import embed
+from spear_pin.gaits.orbits.turning import find_turn
 from spear_pin.gaits.spatial.law import ACROSS
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import residual, return_map
-from spear_pin.hybrid.symmetry import mirror_of, turned
+from spear_pin.hybrid.symmetry import mirror_of, turn_state
 from tests.cli.calls import printed
 from tests.gaits.orbits.test_embedding import planar
 from tests.solve.gaits import turn_3
@@ -28,7 +28,7 @@ TURN = np.radians(3.0)  # a stride
 def straight():
     plane = planar("long_stride")
     law = SpatialLaw(plane.system.law, adduction_stiffness=0.0, adduction_damping=0.0)
-    return Gait(*embedded(plane, law), {}, 1e-11, np.array([np.nan + 0j]), {})
+    return Gait(*embed(plane, law), {}, 1e-11, np.array([np.nan + 0j]), {})
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ class TestTurn:
         assert residual(right, tuple(mirror(part) for part in left.state)) <= 1e-9
 
     def test_wherever_it_is_it_is_the_same_orbit(self, left):
-        assert residual(left.system, turned(*left.state, 2.0, (1.0, -3.0))) <= 1e-9
+        assert residual(left.system, turn_state(*left.state, 2.0, (1.0, -3.0))) <= 1e-9
 
     def test_ledger(self, left):
         run = return_map(left.system, left.state)
@@ -72,4 +72,4 @@ def test_the_command_finds_it_and_plays_what_it_has_kept(left, capsys, tmp_path)
 
 def test_too_tight_a_turn_is_refused():
     with pytest.raises(BadValue, match="turn"):
-        turning(straight(), 2.0)
+        find_turn(straight(), 2.0)

@@ -9,7 +9,7 @@ from spear_pin import find_gait, hopping, load
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.periodic import differentiate_return_map, return_map
-from spear_pin.hybrid.rules.latching import latched
+from spear_pin.hybrid.rules.latching import latch_values
 from spear_pin.hybrid.tangent.record import Recorder
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -42,6 +42,6 @@ def test_a_flight_that_counts_as_a_bounce_closes_no_cycle():
     phase, resets = Recorder(gait.system).start
     for shortest, closes in ((0.05, True), (0.3, False)):
         recorder = Recorder(replace(gait.system, shortest_flight=shortest))
-        held = latched({}, resets, y[:3].tolist(), y[3:].tolist(), recorder.law)
+        held = latch_values({}, resets, y[:3].tolist(), y[3:].tolist(), recorder.law)
         assert (recorder._fast.lap(phase, y, held) is not None) == closes
         assert (return_map(recorder.system, gait.state).cycles == 1) == closes

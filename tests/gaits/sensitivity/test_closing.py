@@ -5,7 +5,7 @@ import pytest
 
 from spear_pin import find_gait
 from spear_pin.errors import NoGait
-from spear_pin.gaits.sensitivity.closing import closed, led
+from spear_pin.gaits.sensitivity.closing import close_cycle, find_changed
 from spear_pin.gaits.sensitivity.orbit import Orbit, branch
 from spear_pin.hybrid.parameters import number, with_numbers
 
@@ -16,7 +16,7 @@ OVER = ("stiffness", "knee_ratio", "knee_touchdown")
 
 @pytest.fixture(scope="module")
 def begun(hop):
-    return closed(Orbit(hop.system, hop.state, (*VARY, *OVER)), KEEP)
+    return close_cycle(Orbit(hop.system, hop.state, (*VARY, *OVER)), KEEP)
 
 
 def test_a_gait_is_one_as_it_is(hop, begun):
@@ -27,7 +27,7 @@ def test_a_gait_is_one_as_it_is(hop, begun):
 def test_is_the_gait_that_a_search_finds(hop, begun):
     change = {"stiffness": 2.0, "knee_ratio": 0.7, "knee_touchdown": -0.05}
     cycles = []
-    there = led(begun, KEEP, change, lambda: cycles.append(1))
+    there = find_changed(begun, KEEP, change, lambda: cycles.append(1))
     system = with_numbers(hop.system, {name: number(hop.system, name) + change[name] for name in OVER})
     found = find_gait(system, VARY, KEEP, guess=there.state, rtol=1e-11)
     assert number(there.system, "stance_torque") == pytest.approx(found.parameters["stance_torque"], abs=1e-8)
@@ -50,6 +50,6 @@ def test_newton_converges_quadratically(begun):
 
 def test_says_why_there_is_none(begun):
     with pytest.raises(NoGait):
-        led(begun, KEEP, {"stiffness": -30.0, "knee_ratio": 0.0, "knee_touchdown": 0.0})
+        find_changed(begun, KEEP, {"stiffness": -30.0, "knee_ratio": 0.0, "knee_touchdown": 0.0})
     with pytest.raises(NoGait, match="knee_ratio"):
-        led(begun, KEEP, {"stiffness": 0.0, "knee_ratio": -30.0, "knee_touchdown": 0.0})
+        find_changed(begun, KEEP, {"stiffness": 0.0, "knee_ratio": -30.0, "knee_touchdown": 0.0})

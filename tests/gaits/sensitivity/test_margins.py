@@ -7,12 +7,12 @@ import pytest
 
 from spear_pin import Gait, find_gait, simulate
 from spear_pin.gaits.sensitivity import margins as module
-from spear_pin.gaits.sensitivity.closing import closed, led
+from spear_pin.gaits.sensitivity.closing import close_cycle, find_changed
 from spear_pin.gaits.sensitivity.margins import margins, of_motion
 from spear_pin.gaits.sensitivity.orbit import Orbit, branch
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.tangent.collocation import TAIL, Fineness
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.record import Recorder
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -21,7 +21,7 @@ VARY, KEEP, OVER = ("stance_torque",), {"flight_time": 0.2}, ("stiffness", "knee
 
 @pytest.fixture(scope="module")
 def begun(hop):
-    return closed(Orbit(hop.system, hop.state, (*VARY, *OVER)), KEEP)
+    return close_cycle(Orbit(hop.system, hop.state, (*VARY, *OVER)), KEEP)
 
 
 def test_the_chain_is_all_but_slack_as_the_toe_leaves(hop, begun):
@@ -58,7 +58,7 @@ def test_what_an_event_comes_near_to_on_its_way(monkeypatch, happens, values):
     arc = SimpleNamespace(domain=SimpleNamespace(guards=(guard,)), event=guard if happens else None)
     course = [5.0, 2.0, 7.0, 0.5]
     monkeypatch.setattr(module, "long", lambda motion: motion)
-    monkeypatch.setattr(module, "guarded", lambda stretch, g: SimpleNamespace(values=np.array(course)))
+    monkeypatch.setattr(module, "evaluate_guard", lambda stretch, g: SimpleNamespace(values=np.array(course)))
     monkeypatch.setattr(module, "extremes_of", lambda pieces: iter([(each, np.zeros(1)) for each in course]))
     found = [value for _, value, _ in of_motion([SimpleNamespace(arc=arc)])]
     assert found == values
@@ -73,7 +73,7 @@ def test_derivatives_against_gaits_nearby(begun, j):
     name, value = OVER[j], number(begun.system, OVER[j])
     h = 2e-4 * value
     others = dict.fromkeys(OVER, 0.0)
-    ends = [led(begun, KEEP, {**others, name: k * h}) for k in (1, -1, 2, -2)]
+    ends = [find_changed(begun, KEEP, {**others, name: k * h}) for k in (1, -1, 2, -2)]
 
     for margin, found in begun.margins.items():
         a, b, c, d = (each.margins[margin].value for each in ends)
@@ -85,13 +85,13 @@ def test_derivatives_against_gaits_nearby(begun, j):
 def test_an_event_at_once_by_derivatives_against_gaits_nearby(hop):
     """With less torque the toe lifts off as that switches, the time of which moves with the frequency."""
     other, over = find_gait(with_numbers(hop.system, {"stance_torque": 6.5})), ("stiffness", "frequency")
-    begun = closed(Orbit(other.system, other.state, over), {})
+    begun = close_cycle(Orbit(other.system, other.state, over), {})
     _, found, change = at_once(begun)
     assert found == pytest.approx(-begun.cycle.stretches[-2].end.guards[0]) and found > 1.0
     for j, name in enumerate(over):
         h = 2e-4 * number(begun.system, name)
         others = dict.fromkeys(over, 0.0)
-        a, b, c, d = (at_once(led(begun, {}, {**others, name: k * h}))[1] for k in (1, -1, 2, -2))
+        a, b, c, d = (at_once(find_changed(begun, {}, {**others, name: k * h}))[1] for k in (1, -1, 2, -2))
         along = change @ branch(begun, ())[:, j]
         assert h * along == pytest.approx((8.0 * (a - b) - (c - d)) / 12.0, rel=1e-5, abs=1e-9 * found)
 
@@ -102,9 +102,9 @@ def test_panels_do_not_matter():
     orbit = Orbit(gait.system, gait.state, ("posterior_hip_torque",))
     start, seeds = np.concatenate(gait.state), orbit.seeds
     coarse = margins(
-        differentiated(gait.system, Recorder(gait.system), start, orbit.start, seeds, Fineness(100.0 * TAIL, 6))
+        differentiate_cycle(gait.system, Recorder(gait.system), start, orbit.start, seeds, Fineness(100.0 * TAIL, 6))
     )
-    fine = margins(differentiated(gait.system, Recorder(gait.system), start, orbit.start, seeds))
+    fine = margins(differentiate_cycle(gait.system, Recorder(gait.system), start, orbit.start, seeds))
     assert list(coarse) == list(fine)
     for name, margin in fine.items():
         assert coarse[name].value == pytest.approx(margin.value, rel=1e-6), name

@@ -10,7 +10,7 @@ from spear_pin import Gait, find_gait, hopping, load, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.orbit import Orbit
-from spear_pin.gaits.sensitivity.samples import found_anew
+from spear_pin.gaits.sensitivity.samples import find_anew
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.viz.notebook import card
 from spear_pin.viz.plots import save_figure
@@ -135,7 +135,7 @@ def test_where_two_events_meet_each_has_its_own_time():
     assert "posterior_lift_off" in table.one_sided
     beside = table.uncertainty({"knee_touchdown": 1e-3}).local
     h = np.array([-2e-5, -1e-5])
-    found = found_anew(beside, beside.values + h[:, None])
+    found = find_anew(beside, beside.values + h[:, None])
     assert found.alike.all()
     for name in ("period", "stride", "mean_speed", "work", "positive_work", "rms_torque_posterior_knee"):
         far, near = (found.outputs[name] - table.outputs[name]) / h

@@ -12,7 +12,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.lane_measures import MEASURES
 from spear_pin.gaits.many import find_many
 from spear_pin.gaits.sensitivity import samples
-from spear_pin.gaits.sensitivity.samples import found_anew, side_by_side
+from spear_pin.gaits.sensitivity.samples import find_anew, side_by_side
 from spear_pin.gaits.sensitivity.spread import covariance_of, factor
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.parameters import with_numbers
@@ -181,7 +181,7 @@ class TestMonteCarlo:
     def test_what_is_found_in_lanes_is_found_alone(self, spread):
         chosen = spread.local.values + np.array([[0.4, 0.02, -0.002], [-0.6, -0.03, 0.003]])
         assert side_by_side(spread.local)
-        lanes, alone = found_anew(spread.local, chosen), samples._one_by_one(spread.local, chosen, lambda n: None)
+        lanes, alone = find_anew(spread.local, chosen), samples._one_by_one(spread.local, chosen, lambda n: None)
         assert lanes.alike.all() and alone.alike.all()
         assert set(lanes.outputs) == set(alone.outputs)
         for name, values in lanes.outputs.items():

@@ -8,9 +8,9 @@ import pytest
 
 from spear_pin import Contact, Gait, SpatialLaw, simulate
 from spear_pin.errors import BadValue
-from spear_pin.gaits.orbits.embedding import embedded
+from spear_pin.gaits.orbits.embedding import embed
 from spear_pin.hybrid.periodic import return_map
-from spear_pin.hybrid.rules.guards import unloading
+from spear_pin.hybrid.rules.guards import make_unloading_guard
 from spear_pin.hybrid.symmetry import mirror_of
 from spear_pin.studies.bound.in_space import summarize_in_space
 from tests.gaits.orbits.test_embedding import planar, spatial
@@ -41,7 +41,7 @@ def test_what_was_replaced_in_the_plane_is_not_lost():
     plane = planar("long_stride")
     changed = replace(plane, system=replace(plane.system, shortest_flight=0.01))
     with pytest.raises(BadValue, match="without"):
-        embedded(changed, SpatialLaw(plane.system.law))
+        embed(changed, SpatialLaw(plane.system.law))
 
 
 @pytest.mark.slow
@@ -59,7 +59,7 @@ def test_the_period_is_that_of_whole_strides():
 def test_painleves_pole_is_no_lift_off():
     """Where a slipping toe's pivot ends its force goes over from +∞ to -∞; what tells its lift-off stays positive."""
     past = SimpleNamespace(force=lambda toe: (0.0, 0.0, -1e6), pivot=lambda toe: -1e-6)
-    assert unloading("toe")(0.0, (), (), {}, None, past, None) > 0.0
+    assert make_unloading_guard("toe")(0.0, (), (), {}, None, past, None) > 0.0
 
 
 @pytest.mark.slow

@@ -7,9 +7,9 @@ import pytest
 
 from spear_pin import SpatialLaw, load, sagittal
 from spear_pin.errors import BadValue
-from spear_pin.gaits.orbits.embedding import embedded, whole
+from spear_pin.gaits.orbits.embedding import embed, whole
 from spear_pin.gaits.spatial.automaton import Automaton
-from spear_pin.gaits.spatial.legs import Group, diagonals_of, moving, pairs_of, placed, together
+from spear_pin.gaits.spatial.legs import Group, diagonals_of, move_in_space, pairs_of, place_in_space, together
 from spear_pin.gaits.virtual_constraints import jet, value
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.symmetry import asymmetry, mirror_of
@@ -43,7 +43,7 @@ class TestConvention:
         plane, robot = made(tmp_path, **of_leg)
         pairs = pairs_of(robot)
         planar_q = np.random.default_rng(1).uniform(-1.0, 1.0, 7)
-        q = placed(robot, pairs, planar_q)
+        q = place_in_space(robot, pairs, planar_q)
         for end, pair in zip(("posterior", "anterior"), pairs, strict=True):
             place = plane.toe_position(planar_q, f"{end}_toe")
             hip = plane.frame_position(planar_q, f"{end}_hip")
@@ -58,7 +58,7 @@ class TestConvention:
         plane, robot = made(tmp_path, **of_leg)
         pairs = pairs_of(robot)
         planar_q, planar_v = np.random.default_rng(2).uniform(-1.0, 1.0, (2, 7))
-        q, v = placed(robot, pairs, planar_q), moving(robot, pairs, planar_v)
+        q, v = place_in_space(robot, pairs, planar_q), move_in_space(robot, pairs, planar_v)
         for end, pair in zip(("posterior", "anterior"), pairs, strict=True):
             for leg in pair:
                 found = robot.toe_jacobian(q, leg.toe) @ v
@@ -110,7 +110,7 @@ def test_whatever_the_legs_are_called(tmp_path):
     """A stride of Q-SPEAR, pushed to the side, with joints that turn the other way and toes in another order."""
     system, (q, v) = spatial("long_stride")
     robot = renamed(tmp_path)
-    other, state = embedded(planar("long_stride"), robot=robot)
+    other, state = embed(planar("long_stride"), robot=robot)
     assert other.law == system.law and other.overlap == system.overlap
     signs = np.r_[np.ones(6), -np.ones(12)]
     names = [

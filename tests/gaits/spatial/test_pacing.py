@@ -9,7 +9,7 @@ from spear_pin import Gait, pacing
 from spear_pin.hybrid.periodic import residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
-from spear_pin.hybrid.symmetry import headed, mirror_of
+from spear_pin.hybrid.symmetry import head_state, mirror_of
 from tests.solve.gaits import pace_steady
 
 
@@ -29,7 +29,7 @@ class TestOrbit:
     def test_half_a_stride_is_the_mirror_image_of_the_other(self):
         mirror = mirror_of(pace().system.robot)
         half = return_map(pace().system, pace().state, 1e-11)
-        for part, own in zip(headed(*half.state), headed(*pace().state), strict=True):
+        for part, own in zip(head_state(*half.state), head_state(*pace().state), strict=True):
             np.testing.assert_allclose(part, mirror(own), rtol=0, atol=1e-8)
 
     def test_legs_of_a_side_bear_together(self):

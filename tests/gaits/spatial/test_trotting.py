@@ -8,13 +8,13 @@ import pytest
 
 from spear_pin import Gait, Robot, TrotLaw, simulate
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.feedback import regulated
+from spear_pin.gaits.feedback import add_feedback
 from spear_pin.gaits.linear import linear
 from spear_pin.hybrid.newton import STEP
 from spear_pin.hybrid.periodic import chart, eigenvalues, residual, return_map
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
-from spear_pin.hybrid.symmetry import headed, mirror_of
+from spear_pin.hybrid.symmetry import head_state, mirror_of
 from tests.solve.gaits import trot_steady
 from tests.solve.kept import jacobian
 
@@ -48,13 +48,13 @@ class TestOrbit:
     def test_half_a_stride_is_the_mirror_image_of_the_other(self):
         system, mirror = trot().system, mirror_of(trot().system.robot)
         half = return_map(system, trot().state, 1e-11)
-        for part, own in zip(headed(*half.state), headed(*trot().state), strict=True):
+        for part, own in zip(head_state(*half.state), head_state(*trot().state), strict=True):
             np.testing.assert_allclose(part, mirror(own), rtol=0, atol=1e-8)
             assert abs(part - own).max() > 1e-3
 
     @pytest.mark.slow
     def test_a_whole_stride_leads_back(self):
-        for part, own in zip(headed(*stride().state), headed(*trot().state), strict=True):
+        for part, own in zip(head_state(*stride().state), head_state(*trot().state), strict=True):
             np.testing.assert_allclose(part, own, rtol=0, atol=1e-7)
         assert stride().state[0][3] - trot().state[0][3] == pytest.approx(0.0, abs=1e-8)
 
@@ -126,9 +126,9 @@ class TestRefused:
         with pytest.raises(BadValue, match="gait"):
             linear(trot(), (), lateral=True)
         with pytest.raises(BadValue, match="heading"):
-            regulated(trot(), heading=1.0)
+            add_feedback(trot(), heading=1.0)
         with pytest.raises(UnknownName, match="input"):
-            regulated(trot(), ("posterior_adduction",))
+            add_feedback(trot(), ("posterior_adduction",))
 
     def test_no_guess(self):
         with pytest.raises(BadValue, match="nominal"):

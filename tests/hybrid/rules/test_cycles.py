@@ -20,9 +20,9 @@ from spear_pin.hybrid.rules.cycles import (
     INSTANT,
     INSTANT_EVENTS,
     RETOUCH,
+    count_crowd,
     counts_to,
     creeps,
-    crowded,
     due,
     flight_times,
     left_at_once,
@@ -184,8 +184,8 @@ class TestTime:
     def test_events_of_an_instant(self, n):
         before, since = np.arange(n), np.where(np.arange(n) % 2, INSTANT, 0.5 * INSTANT)
         expected = [0 if i % 2 else i + 1 for i in range(n)]
-        assert crowded(before, since).tolist() == expected
-        assert [crowded(int(i), float(t)) for i, t in zip(before, since, strict=True)] == expected
+        assert count_crowd(before, since).tolist() == expected
+        assert [count_crowd(int(i), float(t)) for i, t in zip(before, since, strict=True)] == expected
 
     def test_creeping(self):
         assert creeps([i * 0.9 * INSTANT / (CREEP - 1) for i in range(CREEP)])

@@ -14,9 +14,9 @@ from spear_pin.hybrid.rules.entry import (
     NONE,
     ahead,
     at_once,
-    bent,
     clear,
     falls,
+    is_bent,
     stays_on_zero,
     thresholds,
 )
@@ -83,7 +83,7 @@ def test_clear():
     assert np.isfinite(thresholds([LEAVING, OBSERVED])).tolist() == [True, False]
     values, kinks = (np.array(list(numbers)).T for numbers in zip(*cases, strict=True))
     np.testing.assert_array_equal(clear(values, kinks), [True, False, False, False])
-    assert bent(BENT) and bent(-BENT) and not bent(2.0 * BENT)
+    assert is_bent(BENT) and is_bent(-BENT) and not is_bent(2.0 * BENT)
 
 
 def test_a_step_ahead_is_of_fourth_order():

@@ -24,9 +24,9 @@ from spear_pin.hybrid.rules.footing import (
     Footing,
     Rubbing,
     fitness,
-    footing,
+    is_torn_off,
+    make_footing,
     shared,
-    torn_off,
 )
 
 MODES = STICK, SLIP_FORWARD, SLIP_BACKWARD
@@ -143,16 +143,16 @@ class Said:
 
 
 def test_footing_is_along_the_mode():
-    assert footing(Said(), "toe", STICK) == Footing(0.2, -8.0, 20.0, 10.0)
-    assert footing(Said(), "toe", SLIP_FORWARD) == Footing(0.2, -8.0, 20.0, 10.0, 3.0, 0.7)
-    assert footing(Said(), "toe", SLIP_BACKWARD) == Footing(-0.2, -8.0, 20.0, 10.0, -3.0, 0.7)
+    assert make_footing(Said(), "toe", STICK) == Footing(0.2, -8.0, 20.0, 10.0)
+    assert make_footing(Said(), "toe", SLIP_FORWARD) == Footing(0.2, -8.0, 20.0, 10.0, 3.0, 0.7)
+    assert make_footing(Said(), "toe", SLIP_BACKWARD) == Footing(-0.2, -8.0, 20.0, 10.0, -3.0, 0.7)
 
 
 def test_torn_off():
     for mode, bore, after, bears in product((OPEN, *MODES), (0.0, BORE, 1.0), (OPEN, *MODES), (-1.0, 0.0, 1.0)):
         expected = mode == STICK and bore > BORE and after in (SLIP_FORWARD, SLIP_BACKWARD) and bears <= 0.0
-        assert torn_off(mode, bore, after, bears) == expected
-    assert torn_off(STICK, np.array([1.0, 0.0]), SLIP_FORWARD, np.array([-1.0, -1.0])).tolist() == [True, False]
+        assert is_torn_off(mode, bore, after, bears) == expected
+    assert is_torn_off(STICK, np.array([1.0, 0.0]), SLIP_FORWARD, np.array([-1.0, -1.0])).tolist() == [True, False]
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from spear_pin import load
-from spear_pin.hybrid.rules.impact import joint_impact, landed, plastic_impact
+from spear_pin.hybrid.rules.impact import joint_impact, land_toes, plastic_impact
 from tests.hybrid.impacts import MODERATE, impacts, inverse_mass, many
 
 
@@ -211,7 +211,7 @@ class TestLanded:
     def test_they_rise_no_more(self, seed):
         D, J, v = quadruped(seed)
         v = v + np.linalg.pinv(J) @ (np.array([0.3, 2e-6, -0.1, 5e-5]) - J @ v)
-        after, impulse = landed(D, J, v, [True, True])
+        after, impulse = land_toes(D, J, v, [True, True])
         np.testing.assert_allclose((J @ after)[1::2], 0.0, atol=1e-15)
         np.testing.assert_allclose(D @ (after - v), J[1::2].T @ impulse, rtol=0, atol=1e-12)
         lost = energy(D, v) - energy(D, after)
@@ -222,7 +222,7 @@ class TestLanded:
         D, J, v = quadruped(0)
         for speeds, lands in (((0.0, -0.5), (True, True)), ((1e-3, 0.0), (False, True))):
             before = v + np.linalg.pinv(J[1::2]) @ (np.array(speeds) - J[1::2] @ v)
-            after, impulse = landed(D, J, before, lands)
+            after, impulse = land_toes(D, J, before, lands)
             np.testing.assert_array_equal(after, before)
             assert not impulse.any()
 

@@ -11,7 +11,7 @@ from spear_pin.errors import BadValue
 from spear_pin.hybrid.rules.impact import plastic_impact
 from spear_pin.hybrid.rules.sliding_impact import sliding_impact
 from spear_pin.hybrid.rules.spatial_impact import spatial_impact
-from spear_pin.hybrid.strikes import Overlap, struck
+from spear_pin.hybrid.strikes import Overlap, strike_toes
 from tests.hybrid.rules.test_spatial_impact import ROBOT
 
 
@@ -134,7 +134,7 @@ def test_a_system_has_it_for_one_toe_alone():
     found = {}
     for law in ("moreau", "keller"):
         system = replace(gait.system, impact_law=law)
-        found[law] = struck(system, domain, guard.reset, q + 1.0 * np.eye(len(q))[2], v, Overlap(0.0), 0.0)
+        found[law] = strike_toes(system, domain, guard.reset, q + 1.0 * np.eye(len(q))[2], v, Overlap(0.0), 0.0)
     friction = gait.system.contact.friction
     D = gait.system.robot.mass_matrix(q)
     np.testing.assert_allclose(found["keller"].v, sliding_impact(D, jacobian, v, friction).v, rtol=0, atol=1e-9)

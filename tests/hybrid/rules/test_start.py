@@ -5,8 +5,8 @@ import pytest
 
 from spear_pin.hybrid.rules.footing import AT_REST
 from spear_pin.hybrid.rules.guards import NEAR_GROUND, ON_GROUND
-from spear_pin.hybrid.rules.latching import latched
-from spear_pin.hybrid.rules.start import FALLING, PLACED, STATE_AT_REST, aloft, below_ground, placed, rests, start
+from spear_pin.hybrid.rules.latching import latch_values
+from spear_pin.hybrid.rules.start import FALLING, PLACED, STATE_AT_REST, below_ground, is_aloft, is_placed, rests, start
 
 HEIGHTS = {-2.0 * ON_GROUND: True, -ON_GROUND: True, 0.0: True, ON_GROUND: True, 2.0 * ON_GROUND: False}
 SPEEDS = {0.0: True, AT_REST: True, -AT_REST: True, 2.0 * AT_REST: False, -0.5: False}
@@ -25,7 +25,7 @@ def test_rests(n):
 @pytest.mark.parametrize("n", [1, 64])
 def test_placed(n):
     for height, on_it in {0.0: True, 0.5 * PLACED: True, -0.5 * PLACED: True, PLACED: False, -PLACED: False}.items():
-        assert placed(height) == on_it and (placed(np.full(n, height)) == on_it).all()
+        assert is_placed(height) == on_it and (is_placed(np.full(n, height)) == on_it).all()
 
 
 @pytest.mark.parametrize("n", [1, 64])
@@ -33,8 +33,8 @@ def test_a_toe_that_bounces_is_aloft_until_it_has_struck_the_ground(n):
     speeds = {0.0: False, AT_REST: False, 2.0 * AT_REST: True, -0.5 * FALLING: False, -2.0 * FALLING: True}
     for rising, moves in speeds.items():
         for height, above in {-NEAR_GROUND: False, NEAR_GROUND: False, 2.0 * NEAR_GROUND: True}.items():
-            assert aloft(height, rising) == (above or moves)
-            assert (aloft(np.full(n, height), np.full(n, rising)) == (above or moves)).all()
+            assert is_aloft(height, rising) == (above or moves)
+            assert (is_aloft(np.full(n, height), np.full(n, rising)) == (above or moves)).all()
 
 
 def test_as_if_the_phase_had_just_begun(hop):
@@ -47,6 +47,9 @@ def test_as_if_the_phase_had_just_begun(hop):
 def test_later_latches_see_earlier_ones(hop):
     _, resets = start(hop.system, True)
     q, v = (part.tolist() for part in hop.state)
-    held = latched({"kept": 1.0}, resets, q, v, hop.system.law)
+    held = latch_values({"kept": 1.0}, resets, q, v, hop.system.law)
     assert held["kept"] == 1.0 and len(held) > 1
-    assert latched(latched({"kept": 1.0}, resets[:1], q, v, hop.system.law), resets[1:], q, v, hop.system.law) == held
+    assert (
+        latch_values(latch_values({"kept": 1.0}, resets[:1], q, v, hop.system.law), resets[1:], q, v, hop.system.law)
+        == held
+    )

@@ -9,7 +9,7 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.section import chart
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.seeds import seeds
@@ -43,7 +43,7 @@ def derivative(system: HybridSystem, y: Array, names: tuple[str, ...] = ()) -> t
     columns, numbers = tangents(around, nv), seeds(system, names).numbers
     dy = np.concatenate([columns, np.zeros((2 * nv, len(names)))], axis=1)
     along = np.concatenate([np.zeros((len(numbers), columns.shape[1])), numbers], axis=1)
-    return differentiated(system, recorder, y, dy, along), around, recorder
+    return differentiate_cycle(system, recorder, y, dy, along), around, recorder
 
 
 def end(system: HybridSystem, y: Array) -> Array:

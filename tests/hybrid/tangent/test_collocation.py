@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from spear_pin.hybrid.tangent.collocation import POINTS, TAIL, carried, roughness, rule
+from spear_pin.hybrid.tangent.collocation import POINTS, TAIL, carry_along, roughness, rule
 
 
 @pytest.mark.parametrize("shares", [[1.0], [0.2, 0.3, 0.5]], ids=["one panel", "panels of different lengths"])
@@ -17,7 +17,7 @@ def test_carries_like_the_exponential(shares):
     whole[nv : 2 * nv, 2 * nv :] = drive
     lengths = length * np.array(shares)
     same = np.broadcast_to(np.hstack([by_state, drive]), (len(lengths), POINTS, nv, 2 * nv + c))
-    found = carried(same, lengths, start)
+    found = carry_along(same, lengths, start)
 
     def exact(t):
         return (scipy.linalg.expm(whole * t) @ np.concatenate([start, np.eye(c)]))[: 2 * nv]
@@ -49,7 +49,7 @@ def test_carries_what_changes_over_time():
     expected = scipy.integrate.solve_ivp(
         slope, (0.0, h * panels), start.ravel(), "DOP853", [*points, h * panels], rtol=1e-12, atol=1e-13
     ).y.reshape(2 * nv, c, -1)
-    found = carried(slopes, np.full(panels, h), start)
+    found = carry_along(slopes, np.full(panels, h), start)
     np.testing.assert_allclose(found.end, expected[..., -1], rtol=0, atol=1e-10)
     np.testing.assert_allclose(found.inside(), expected[..., :-1].swapaxes(1, 2), rtol=0, atol=1e-10)
 
@@ -59,13 +59,13 @@ def test_equations_that_are_singular_are_refused():
     slopes = np.zeros((1, POINTS, 2, 5))
     slopes[0, 0, :, 2:4] = 1e30
     with pytest.raises(np.linalg.LinAlgError, match="singular"):
-        carried(slopes, np.ones(1), np.zeros((4, 1)))
+        carry_along(slopes, np.ones(1), np.zeros((4, 1)))
 
 
 def test_ends_have_twice_as_many_digits():
     """S'' = -400 S over one panel of ten radians; at the points errors are those of polynomials."""
     h, k = 0.5, rule().nodes
-    found = carried(np.full((1, POINTS, 1, 3), [-400.0, 0.0, 0.0]), np.array([h]), np.array([[1.0], [0.0]]))
+    found = carry_along(np.full((1, POINTS, 1, 3), [-400.0, 0.0, 0.0]), np.array([h]), np.array([[1.0], [0.0]]))
     at_points = np.abs(found.inside()[0, :, 0] - np.cos(20.0 * h * k)).max()
     at_end = abs(found.end[0, 0] - np.cos(20.0 * h))
     assert 1e-9 < at_points < 1e-6 and at_end < 1e-12

@@ -9,7 +9,7 @@ from spear_pin import Gait
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.engines.structure import Structure
 from spear_pin.hybrid.parameters import number, with_numbers
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.fields import tangent_field
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
@@ -76,9 +76,9 @@ def test_an_engine_that_goes_on_elsewhere_is_noticed(hop):
 
     y = np.concatenate(hop.state)
     still = np.zeros((len(numbers(hop.system)), 1))
-    assert differentiated(hop.system, Recorder(hop.system), y, np.zeros((len(y), 1)), still).y.shape == y.shape
+    assert differentiate_cycle(hop.system, Recorder(hop.system), y, np.zeros((len(y), 1)), still).y.shape == y.shape
     with pytest.raises(NotDifferentiable, match="by its rule"):
-        differentiated(hop.system, Elsewhere(hop.system), y, np.zeros((len(y), 1)), still)
+        differentiate_cycle(hop.system, Elsewhere(hop.system), y, np.zeros((len(y), 1)), still)
 
 
 def test_domains_of_two_phases_may_have_one_name(hop):

@@ -7,7 +7,7 @@ import pytest
 
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.domain import Guard, Reset
-from spear_pin.hybrid.parameters import changed
+from spear_pin.hybrid.parameters import change_system
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 pytestmark = pytest.mark.extra("heyoka")
@@ -45,7 +45,7 @@ def ceiling(height):
 
 
 def gated(hop, guard, over=()):
-    return Orbit(changed(hop.system, Gate(guard)), hop.state, over)
+    return Orbit(change_system(hop.system, Gate(guard)), hop.state, over)
 
 
 @pytest.mark.parametrize("rate", [1e-1, 1e-4, 1e-7])
@@ -114,7 +114,7 @@ class Meeting:
 
 def test_an_event_that_meets_another_has_a_time_of_its_own(hop):
     height = gated(hop, ceiling(10.0)).measures["apex_height"].value - 0.01  # m
-    orbit = Orbit(changed(hop.system, Meeting(height)), hop.state, ("frequency",))
+    orbit = Orbit(change_system(hop.system, Meeting(height)), hop.state, ("frequency",))
     plain = gated(hop, ceiling(height), ("frequency",)).cycle.durations["flight"]
     (stretch,) = [each for each in orbit.cycle.stretches if each.arc.event.name == "passed"]
     speed = stretch.state[orbit.system.robot.nv + BOOM_Z]

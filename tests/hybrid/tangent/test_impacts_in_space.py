@@ -7,7 +7,7 @@ from spear_pin.hybrid.rules.guards import rise, struck
 from spear_pin.hybrid.rules.spatial_impact import find_impulses, spatial_impact
 from spear_pin.hybrid.strikes import Overlap
 from spear_pin.hybrid.tangent.fields import ToeNumbers
-from spear_pin.hybrid.tangent.resets import NotDifferentiable, stopped, struck_in_space
+from spear_pin.hybrid.tangent.resets import NotDifferentiable, differentiate_stop, differentiate_strike_in_space
 
 NV, H = 9, 1e-6
 TOES = ("left", "right")
@@ -56,7 +56,7 @@ def test_against_differences(friction, overlaps):
 
         feet, slopes = toes(at)
         received = np.stack([at(0.0)[4], slope(lambda s, at=at: at(s)[4])], axis=-1) * overlaps
-        found = struck_in_space(feet, slopes, TOES, ("left",), ("right",), received)
+        found = differentiate_strike_in_space(feet, slopes, TOES, ("left",), ("right",), received)
         v = at(0.0)[2]
         np.testing.assert_allclose(v + found.v, impact(0.0).v, rtol=0, atol=1e-10)
         wanted = slope(lambda s, at=at: impact(s).v - at(s)[2])
@@ -75,7 +75,7 @@ def test_a_toe_that_leaves_rises_by_its_derivative():
     for seed in range(40):
         at = randomly(seed, 0.6)
         feet, slopes = toes(at)
-        found = struck_in_space(feet, slopes, TOES, TOES, (), np.zeros((2, 3, 2)))
+        found = differentiate_strike_in_space(feet, slopes, TOES, TOES, (), np.zeros((2, 3, 2)))
         leaves = spatial_impact(*at(0.0)[:4]).leaves
         if any(leaves):
             break
@@ -99,7 +99,7 @@ def test_the_end_of_sliding_against_differences():
         response = np.linalg.solve(D, J.T)
         return -response @ np.linalg.solve(J @ response, J @ v)
 
-    change, slope_of_it = stopped(feet, slopes, rows)
+    change, slope_of_it = differentiate_stop(feet, slopes, rows)
     np.testing.assert_allclose(change, after(0.0), rtol=0, atol=1e-12)
     np.testing.assert_allclose(slope_of_it[:, 0], slope(after), rtol=0, atol=1e-6)
 
@@ -128,13 +128,13 @@ class TestRefused:
         friction = max(np.hypot(x, y) / z for x, y, z in impulse)
         edge = feet._replace(friction=np.array(friction * (1.0 + 1e-13)))
         with pytest.raises(NotDifferentiable, match="border"):
-            struck_in_space(edge, slopes, TOES, TOES, (), np.zeros((2, 3, 2)))
+            differentiate_strike_in_space(edge, slopes, TOES, TOES, (), np.zeros((2, 3, 2)))
 
     def test_toes_that_depend_on_each_other(self):
         feet, slopes = toes(randomly(1, 5.0))
         twice = feet._replace(inverse_inertia=np.tile(feet.inverse_inertia[:3, :3], (2, 2)))
         with pytest.raises(NotDifferentiable, match="independently"):
-            struck_in_space(twice, slopes, TOES, TOES, (), np.zeros((2, 3, 2)))
+            differentiate_strike_in_space(twice, slopes, TOES, TOES, (), np.zeros((2, 3, 2)))
 
     def test_a_slide_whose_direction_turns_in_the_impact(self):
         feet, slopes = toes(randomly(1, 0.05))
@@ -143,4 +143,4 @@ class TestRefused:
             feet.speeds[:3],
         )  # fmt: skip
         with pytest.raises(NotDifferentiable, match="Keller"):
-            struck_in_space(one, slopes, ("left",), ("left",), (), None)
+            differentiate_strike_in_space(one, slopes, ("left",), ("left",), (), None)

@@ -11,7 +11,7 @@ from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, plastic_impact
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.hybrid.tangent.record import Recorder
-from spear_pin.hybrid.tangent.resets import NotDifferentiable, struck
+from spear_pin.hybrid.tangent.resets import NotDifferentiable, differentiate_strike
 
 TOES = ("first", "second")
 STEP = 1e-3
@@ -52,7 +52,7 @@ class Line:
 
     def struck(self, toes):
         """Velocity after the impact and what is held, and derivatives of them by s."""
-        change, slope, held = struck(*self.dual, toes, toes, range(len(toes)))
+        change, slope, held = differentiate_strike(*self.dual, toes, toes, range(len(toes)))
         speeds = [held[rise(toe)] for toe in toes if held]
         slopes = [*(self.v[1] + slope[:, 0]), *(float(np.sum(derivative_of(x))) for x in speeds)]
         return np.array([*(self.v[0] + change), *map(value_of, speeds)]), np.array(slopes)
@@ -134,7 +134,7 @@ def test_q_spear_lands_on_both_toes():
         state = np.concatenate([q, v])
         seeds = np.zeros((len(recorder.numbers), 1))
         feet, changes = recorder.feet(toes).at(state, recorder.numbers, direction[:, None], seeds)
-        _, slope, _ = struck(feet, changes, toes, toes, range(len(toes)))
+        _, slope, _ = differentiate_strike(feet, changes, toes, toes, range(len(toes)))
         expected = richardson(lambda s, outcome=outcome: outcome(s)[0])
         np.testing.assert_allclose(slope[:, 0] + direction[7:], expected, rtol=0, atol=1e-8 * np.abs(expected).max())
 

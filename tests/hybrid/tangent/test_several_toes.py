@@ -10,7 +10,7 @@ from spear_pin import Contact, HoppingLaw, Spring, load
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.result import FINEST, Moment, Options
 from spear_pin.hybrid.run import run
-from spear_pin.hybrid.tangent.cycle import differentiated
+from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.seeds import seeds
 from tests.hybrid.test_double_stance import POSTURE, dropped, standing
@@ -69,7 +69,7 @@ def test_against_differences(case):
     along = np.concatenate([np.zeros((7, 2)), still @ np.random.default_rng(0).normal(size=(still.shape[1], 2))])
     dy = np.concatenate([along, np.zeros((14, len(OVER)))], axis=1)
     raw = np.concatenate([np.zeros((len(recorder.numbers), 2)), seeds(system, OVER).numbers], axis=1)
-    found = differentiated(system, recorder, y, dy, raw)
+    found = differentiate_cycle(system, recorder, y, dy, raw)
     events = [(each.arc.domain.phase, each.arc.event.name) for each in found.stretches]
     assert ("posterior", "anterior_touchdown") in events
     assert (events[-1] == ("anterior", "posterior_touchdown")) == (case == "onto both")

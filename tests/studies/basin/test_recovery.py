@@ -8,7 +8,7 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.periodic import displacement
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
-from spear_pin.studies.basin import airborne, basin, midway, pushed, recover
+from spear_pin.studies.basin import airborne, basin, midway, push_moment, recover
 
 
 @pytest.fixture(scope="module")
@@ -41,12 +41,12 @@ class TestMoments:
 
     def test_a_push_is_added(self, gait: Gait) -> None:
         moment = midway(gait, "flight_1")
-        harder = pushed(gait, moment, q={"pitch": 0.02}, v={"torso_x": 0.3, "torso_z": -0.1})
+        harder = push_moment(gait, moment, q={"pitch": 0.02}, v={"torso_x": 0.3, "torso_z": -0.1})
         assert np.flatnonzero(harder.q - moment.q).tolist() == [gait.system.robot.index("pitch")]
         assert harder.v - moment.v == pytest.approx([0.3, -0.1, *np.zeros(len(moment.v) - 2)])
         assert (harder.phase, harder.held, harder.t) == (moment.phase, moment.held, moment.t)
         with pytest.raises(UnknownName, match="roll"):
-            pushed(gait, moment, v={"roll": 1.0})
+            push_moment(gait, moment, v={"roll": 1.0})
 
 
 class TestRecovery:
@@ -60,7 +60,7 @@ class TestRecovery:
         ids=str,
     )
     def test_regulated_it_comes_back(self, stabilised: Gait, q: dict[str, float], v: dict[str, float]) -> None:
-        found = recover(stabilised, pushed(stabilised, midway(stabilised, "flight_1"), q, v), 10, 1e-7)
+        found = recover(stabilised, push_moment(stabilised, midway(stabilised, "flight_1"), q, v), 10, 1e-7)
         assert found.recovered and found.strides is not None and found.strides <= 8
         assert found.reason == "complete" and len(found.errors) == 11
         assert (found.errors[found.strides :] <= 0.01 * found.errors[0]).all()
@@ -68,13 +68,15 @@ class TestRecovery:
 
     @pytest.mark.slow
     def test_without_feedback_it_does_not(self, gait: Gait) -> None:
-        found = recover(gait, pushed(gait, midway(gait, "flight_1"), v={"torso_x": 0.02}), 4, 1e-7)
+        found = recover(gait, push_moment(gait, midway(gait, "flight_1"), v={"torso_x": 0.02}), 4, 1e-7)
         assert not found.recovered
         assert found.errors[-1] > 0.5 * found.errors[0] > 0.0
 
     @pytest.mark.slow
     def test_a_hard_push_goes_through_other_domains_and_is_lost(self, stabilised: Gait) -> None:
-        found = recover(stabilised, pushed(stabilised, midway(stabilised, "flight_1"), v={"torso_z": -1.2}), 4, 1e-7)
+        found = recover(
+            stabilised, push_moment(stabilised, midway(stabilised, "flight_1"), v={"torso_z": -1.2}), 4, 1e-7
+        )
         assert not found.recovered
         assert any("double" in name for name in found.domains) and any("slip" in name for name in found.domains)
         assert found.reason != "complete" and found.message
@@ -95,7 +97,9 @@ class TestBasin:
         inner = np.delete(strides[:2].ravel(), 4)
         assert ((inner >= 1) & (inner <= 8)).all()
         assert np.isnan(strides[2]).all()
-        one = recover(stabilised, pushed(stabilised, midway(stabilised, "flight_1"), v={"torso_x": -0.05}), 8, 1e-7)
+        one = recover(
+            stabilised, push_moment(stabilised, midway(stabilised, "flight_1"), v={"torso_x": -0.05}), 8, 1e-7
+        )
         assert strides[0, 1] == one.strides
 
     def test_needs_two_axes(self, gait: Gait) -> None:

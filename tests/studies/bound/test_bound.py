@@ -187,7 +187,9 @@ class TestAnotherSpeed:
             return replace(gait, system=system)
 
         monkeypatch.setattr(continuation, "find_gait", find)
-        monkeypatch.setattr(continuation, "regulated", lambda gait, inputs: gait.system.law.nominal == own and inputs)
+        monkeypatch.setattr(
+            continuation, "add_feedback", lambda gait, inputs: gait.system.law.nominal == own and inputs
+        )
         monkeypatch.setattr(continuation, "speed_regulated", lambda gait, gain: gain)
         result = at_speed(regulated, 3.1)
         assert asked == pytest.approx([2.75, 3.0, 3.1], abs=1e-4)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from spear_pin.gaits.library import REQUESTS
-from spear_pin.studies.bound import held_by
+from spear_pin.studies.bound import list_active_bounds
 from tests.gaits.bounding_gaits import gait
 
 NAME = "long_stride"
@@ -29,11 +29,11 @@ def asked():
 def test_said(asked, tight, friction, said):
     own = gait(NAME)
     values = {**own.durations, **vars(own.system.law)}
-    found = held_by(own, replace(asked, **{name: values[value] for name, value in tight.items()}), friction)
+    found = list_active_bounds(own, replace(asked, **{name: values[value] for name, value in tight.items()}), friction)
     assert found == said if isinstance(said, tuple) else any(each.startswith(said) for each in found)
 
 
 def test_a_flight_that_is_as_short_as_it_may_be(asked):
     own = gait(NAME)
     short = replace(own, durations=own.durations | {"flight_2": 0.0201})
-    assert held_by(short, asked, 0.5) == ("flight 2 is as short as it may be",)
+    assert list_active_bounds(short, asked, 0.5) == ("flight 2 is as short as it may be",)

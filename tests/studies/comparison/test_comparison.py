@@ -14,7 +14,7 @@ from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.hybrid.trajectory import SAMPLED
 from spear_pin.studies.bound import summarize
-from spear_pin.studies.comparison import Measure, differences, measures, read, said, sides_of
+from spear_pin.studies.comparison import Measure, describe_differences, differences, measures, read, sides_of
 from spear_pin.studies.comparison.sides import parameters
 
 
@@ -83,7 +83,7 @@ def test_only_parameters_that_differ_are_told(sides):
 
 
 def test_sentences_tell_who_is_stable_and_the_main_differences(sides):
-    task, first, second = said(sides, measures(sides))
+    task, first, second = describe_differences(sides, measures(sides))
     assert task == "Not the same task: mean speeds 2.500 and 3.000 m/s."
     assert "long_stride is unstable (largest multiplier 1.067)" in first
     assert "long_stride_3.00 against long_stride: mean speed +20 % (3 against 2.5 m/s)" in second
@@ -93,40 +93,44 @@ def test_hops_of_other_flight_times_are_not_the_same_task(tmp_path, hop):
     """Said first, of gaits and of their motions."""
     shorter = replace(hop, durations={**hop.durations, "flight": 0.187})
     sides = sides_of([hop, shorter], ["one", "other"], cycles=1)
-    assert said(sides, measures(sides))[0] == "Not the same task: flight times 0.2000 and 0.1870 s."
+    assert describe_differences(sides, measures(sides))[0] == "Not the same task: flight times 0.2000 and 0.1870 s."
     file = sides[0].run.save(tmp_path / "hop.npz")
     sides = sides_of([file, shorter], cycles=1)
-    assert said(sides, measures(sides))[0] == "Not the same task: flight times 0.2000 and 0.1870 s."
+    assert describe_differences(sides, measures(sides))[0] == "Not the same task: flight times 0.2000 and 0.1870 s."
     sides = sides_of([file, hop], cycles=1)
-    assert not any("task" in sentence for sentence in said(sides, measures(sides)))
+    assert not any("task" in sentence for sentence in describe_differences(sides, measures(sides)))
 
 
 def test_slopes_and_kinds_are_of_the_task(sides, hop):
     both = [sides[0], sides_of([hop] * 2, cycles=1)[0]]
-    assert said(both, measures(both))[0].startswith("Not the same task: gaits of different kinds (bounding, hopping)")
+    assert describe_differences(both, measures(both))[0].startswith(
+        "Not the same task: gaits of different kinds (bounding, hopping)"
+    )
     run = sides[0].run
     uphill = replace(sides[0], gait=None, run=replace(run, ground=Ground(slope=0.1)))
     both = [replace(sides[0], gait=None), uphill]
-    assert "slopes 0.000 and 0.1000 rad" in said(both, measures(both))[0]
+    assert "slopes 0.000 and 0.1000 rad" in describe_differences(both, measures(both))[0]
 
 
 @pytest.mark.slow
 def test_turns_are_of_the_task():
     sides = sides_of([Gait.load("turn_4"), Gait.load("turn_9")], cycles=1)
-    assert "turns a cycle 4.000 and 9.000 °" in said(sides, measures(sides))[0]
+    assert "turns a cycle 4.000 and 9.000 °" in describe_differences(sides, measures(sides))[0]
     sides = sides_of(["trot", "trot"], cycles=1)
-    assert not any("task" in sentence for sentence in said(sides, measures(sides)))
+    assert not any("task" in sentence for sentence in describe_differences(sides, measures(sides)))
 
 
 def test_two_of_the_same_differ_in_nothing(sides):
     same = [sides[0], sides[0]]
     assert all(change in (0.0, None) for each in measures(same) for change in each.changes)
-    assert "by less than 1 % in period, mean speed" in said(same, measures(same))[1]
+    assert "by less than 1 % in period, mean speed" in describe_differences(same, measures(same))[1]
 
 
 def test_one_that_stands_is_not_said_to_move_alike(sides):
     standing, moving = sides_of(["q_spear"] * 2)[0], sides[0]
-    assert not any("less than" in sentence for sentence in said([standing, moving], measures([standing, moving])))
+    assert not any(
+        "less than" in sentence for sentence in describe_differences([standing, moving], measures([standing, moving]))
+    )
 
 
 def test_robots_are_compared_as_they_stand():
@@ -134,7 +138,7 @@ def test_robots_are_compared_as_they_stand():
     rows = measures(sides)
     assert row(rows, "mass").values == (pytest.approx(6.8), pytest.approx(43.76))
     assert {each.group for each in rows} == {"robot"}
-    assert said(sides, rows)[-1] == "The robots are different: spear_ii, q_spear."
+    assert describe_differences(sides, rows)[-1] == "The robots are different: spear_ii, q_spear."
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.studies.explore import carried as module
 from spear_pin.studies.explore.bounds import bound_to_explore
-from spear_pin.studies.explore.carried import LATE, Underway, carried
+from spear_pin.studies.explore.carried import LATE, Underway, carry_gait
 from spear_pin.studies.explore.figures import figures, script
 from spear_pin.studies.explore.gaits import gait_to_explore
 from spear_pin.studies.explore.tangents import tangents
@@ -28,7 +28,7 @@ def subject():
 
 
 def test_at_first_it_is_the_gait_itself(subject):
-    motion = carried(subject.at())
+    motion = carry_gait(subject.at())
     assert motion.gait.system.law.posterior_hip_torque == subject.gait.system.law.posterior_hip_torque
     assert motion.verdict == "periodic" and "unstable: the largest multiplier is 1.067" in motion.message
     assert figures(motion)["speed"] == pytest.approx(2.5, abs=1e-6)
@@ -59,7 +59,7 @@ def test_event_feedback_is_left_out():
 @pytest.mark.slow
 def test_a_gait_at_another_speed_is_the_one_that_find_gait_finds(subject):
     found = find_gait(subject.gait.system, ["posterior_hip_torque"], {"mean_speed": 2.54}, guess=subject.start)
-    motion = carried(subject.at(speed=2.54))
+    motion = carry_gait(subject.at(speed=2.54))
     assert figures(motion)["speed"] == pytest.approx(2.54, abs=1e-6)
     assert motion.gait.parameters == pytest.approx(found.parameters, abs=1e-5)
     assert abs(motion.gait.multipliers[0]) == pytest.approx(abs(found.multipliers[0]), abs=1e-3)
@@ -69,7 +69,7 @@ def test_a_gait_at_another_speed_is_the_one_that_find_gait_finds(subject):
 def test_where_there_is_no_gait_it_says_how_far_the_way_led(subject, monkeypatch):
     monkeypatch.setattr(module, "PATIENCE", 0.06)
     with pytest.raises(NoGait, match="There is a gait at .*, and none was found beyond: "):
-        carried(subject.at(friction=0.1))
+        carry_gait(subject.at(friction=0.1))
 
 
 @pytest.mark.slow
@@ -79,14 +79,14 @@ def test_without_time_the_way_found_so_far_is_kept(subject, monkeypatch):
     monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: float(len(subject.known) - begun)))
     monkeypatch.setattr(module, "PATIENCE", 0.01)
     with pytest.raises(Underway, match=f"There is a gait at mean speed 2.[678].*{LATE}"):
-        carried(subject.at(speed=2.9))
+        carry_gait(subject.at(speed=2.9))
     assert len(subject.known) == begun + 1
 
 
 @pytest.mark.slow
 def test_the_saved_program_computes_what_was_shown(subject, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    motion = carried(subject.at(speed=1.6, friction=0.7, knee_ratio=15.5))
+    motion = carry_gait(subject.at(speed=1.6, friction=0.7, knee_ratio=15.5))
     (tmp_path / "explored_bound.py").write_text(script(motion), encoding="utf-8")
     done = runpy.run_path(str(tmp_path / "explored_bound.py"))
     assert done["gait"].parameters == pytest.approx(motion.gait.parameters, rel=1e-6)
@@ -105,7 +105,7 @@ class TestAnyGait:
     @pytest.mark.slow
     def test_it_is_the_gait_that_is_found_with_the_number(self, free):
         value = 1.02 * free.knobs["knee_mass"].default
-        motion = carried(free.at(knee_mass=value))
+        motion = carry_gait(free.at(knee_mass=value))
         expected = find_gait(with_numbers(free.gait.system, {"knee_mass": value}), guess=free.start)
         assert number(motion.gait.system, "knee_mass") == value and motion.verdict == "periodic"
         assert figures(motion)["period"] == pytest.approx(expected.period, rel=1e-8)
@@ -116,8 +116,8 @@ class TestAnyGait:
         knob, at = free.knobs[name], {"knee_mass": 1.01 * free.knobs["knee_mass"].default}
         h = 1e-3 * knob.default
         middle = free.at(**at)
-        slopes = tangents(carried(middle)).slopes[name]
-        a, b = (figures(carried(middle.turned(**{name: middle.values[name] + d}))) for d in (h, -h))
+        slopes = tangents(carry_gait(middle)).slopes[name]
+        a, b = (figures(carry_gait(middle.turned(**{name: middle.values[name] + d}))) for d in (h, -h))
         assert {"period", "peak_force", "peak_torque", "positive_work", "effort"} <= set(slopes)
         for figure in ("period", "peak_force", "peak_torque"):  # integrals of so few samples are too coarse
             assert slopes[figure] == pytest.approx((a[figure] - b[figure]) / (2 * h), rel=1e-3), figure
@@ -127,7 +127,7 @@ class TestAnyGait:
         monkeypatch.chdir(tmp_path)
         free = find_gait(hopping(load("spear_ii")))
         free.save(tmp_path / "gait.json")
-        motion = carried(
+        motion = carry_gait(
             gait_to_explore(free, "a hop", ["knee_mass"]).at(knee_mass=1.02 * number(free.system, "knee_mass"))
         )
         (tmp_path / "explored.py").write_text(script(motion), encoding="utf-8")
@@ -138,7 +138,7 @@ class TestAnyGait:
     @pytest.mark.slow
     def test_a_trot_is_carried(self):
         subject = gait_to_explore(Gait.load("trot"), "a trot", ["hip_spacing"])
-        motion = carried(subject.at(hip_spacing=1.01 * subject.knobs["hip_spacing"].default))
+        motion = carry_gait(subject.at(hip_spacing=1.01 * subject.knobs["hip_spacing"].default))
         assert motion.verdict == "periodic" and abs(motion.gait.multipliers[0]) == pytest.approx(3.7, abs=0.1)
         assert f"cycles={motion.trajectory.cycles}" in script(motion) and motion.trajectory.cycles == 2
         shown, slopes = figures(motion), tangents(motion).slopes["hip_spacing"]
@@ -174,6 +174,6 @@ class TestAnyGait:
         assert list(subject.knobs)[:6] == ["stiffness", "damping", "on_delay", "off_delay", "pitch", "friction"]
         assert subject.knobs["on_delay"].unit == "s" and subject.knobs["pitch"].unit == "rad"
         h, at = 1e-5, subject.at(pitch=0.04)
-        slopes = tangents(carried(at)).slopes["pitch"]
-        a, b = (carried(at.turned(pitch=0.04 + d)).gait.period for d in (h, -h))
+        slopes = tangents(carry_gait(at)).slopes["pitch"]
+        a, b = (carry_gait(at.turned(pitch=0.04 + d)).gait.period for d in (h, -h))
         assert slopes["period"] == pytest.approx((a - b) / (2 * h), rel=1e-3) and abs(slopes["period"]) > 1e-4

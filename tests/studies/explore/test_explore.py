@@ -16,7 +16,7 @@ from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.model.spring import Spring
 from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.studies.explore.figures import figures, script
-from spear_pin.studies.explore.hops import NEAR, settled, transient
+from spear_pin.studies.explore.hops import NEAR, settle_hops, transient
 from spear_pin.studies.explore.legs import KNOBS, spear_ii_hop
 from spear_pin.studies.explore.motion import kind_of
 
@@ -103,7 +103,7 @@ class TestKnobs:
 class TestSettled:
     @pytest.mark.slow
     def test_a_periodic_hop_is_the_one_found_from_cold(self, engine):
-        hops = settled(STIFFER, engine)
+        hops = settle_hops(STIFFER, engine)
         found = find_gait(STIFFER.system)
         assert hops.verdict == "periodic" and "stable" in hops.message
         np.testing.assert_allclose(np.concatenate(hops.gait.state), np.concatenate(found.state), atol=1e-7)
@@ -114,7 +114,7 @@ class TestSettled:
 
     @pytest.mark.slow
     def test_a_pattern_repeats_over_two_hops_and_not_over_one(self, engine):
-        hops = settled(ALTERNATING, engine)
+        hops = settle_hops(ALTERNATING, engine)
         assert hops.verdict == "pattern" and hops.gait is None
         assert "over 2 hops" in hops.message
         moved = [np.abs(simulate(ALTERNATING.system, hops.start, n).q[-1] - hops.start[0]).max() for n in (1, 2)]
@@ -123,7 +123,7 @@ class TestSettled:
     @pytest.mark.slow
     def test_a_toe_that_comes_back_at_once_makes_no_hop(self, engine):
         """One hop, whose spring works, and not two, the first of which were a few milliseconds."""
-        hops = settled(RATTLING, engine)
+        hops = settle_hops(RATTLING, engine)
         assert hops.verdict == "periodic" and hops.trajectory.named(RETOUCH)
         assert len(hops.trajectory.named("apex")) == hops.trajectory.cycles == 1
         known = figures(hops)
@@ -132,7 +132,7 @@ class TestSettled:
 
     @pytest.mark.slow
     def test_what_does_not_repeat_is_not_called_periodic(self, engine):
-        hops = settled(RESTLESS, engine)
+        hops = settle_hops(RESTLESS, engine)
         assert hops.verdict == "unsettled" and hops.gait is None and "does not repeat" in hops.message
         assert hops.trajectory.cycles == 4
         landings = [hops.start[0], *(event.q for event in hops.trajectory.named("touchdown"))]
@@ -140,7 +140,7 @@ class TestSettled:
 
     @pytest.mark.slow
     def test_a_fall_is_shown_with_the_hops_before_it(self, engine):
-        hops = settled(FALLING, engine)
+        hops = settle_hops(FALLING, engine)
         whole = simulate(FALLING.system, spear_ii_hop().start, 12)
         assert hops.verdict == "ended" and whole.reason == "fall"
         assert f"ends {whole.cycles} hops after" in hops.message and hops.trajectory.message in hops.message
@@ -148,7 +148,7 @@ class TestSettled:
         np.testing.assert_allclose(states(hops.trajectory)[-1], states(whole)[-1], atol=1e-4)
 
     def test_a_robot_that_stays_on_the_ground_is_shown_from_the_beginning(self, engine):
-        hops = settled(STAYING, engine)
+        hops = settle_hops(STAYING, engine)
         assert hops.verdict == "ended" and "during the first hop" in hops.message
         assert hops.trajectory.reason == "no_event" and hops.start is spear_ii_hop().start
 
@@ -156,7 +156,7 @@ class TestSettled:
 @pytest.mark.slow
 def test_the_default_hop_is_the_one_of_the_documents():
     """The table of docs/results/hop.md."""
-    hops = settled(knobs_of(), REFERENCE)
+    hops = settle_hops(knobs_of(), REFERENCE)
     known = figures(hops)
     assert known["flight_time"] == pytest.approx(0.2, abs=1e-5)
     assert known["stance_time"] == pytest.approx(0.3643, abs=1e-4)
@@ -168,7 +168,7 @@ def test_the_default_hop_is_the_one_of_the_documents():
 
 @pytest.mark.slow
 def test_figures_by_hand():
-    hops = settled(STIFFER, best_engine())
+    hops = settle_hops(STIFFER, best_engine())
     trajectory, known = hops.trajectory, figures(hops)
     torque, rate = trajectory.u[:, 1], trajectory.v[:, 2]
     assert known["peak_torque_knee"] == pytest.approx(max(torque.max(), -torque.min()), rel=1e-3)
@@ -179,7 +179,7 @@ def test_figures_by_hand():
 
 
 def test_without_a_whole_hop_some_figures_are_none():
-    known = figures(settled(STAYING, best_engine()))
+    known = figures(settle_hops(STAYING, best_engine()))
     assert known["apex_height"] is known["flight_time"] is known["positive_work"] is known["spring_share"] is None
     assert known["peak_force"] > 0
 
@@ -194,7 +194,7 @@ def test_a_transient_begins_at_the_default_hop_and_says_how_it_ends():
 @pytest.mark.parametrize("knobs", [STIFFER, ALTERNATING, FALLING], ids=["periodic", "pattern", "falling"])
 def test_the_saved_program_computes_what_was_shown(knobs, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    hops = settled(knobs, best_engine())
+    hops = settle_hops(knobs, best_engine())
     program = tmp_path / "explored_hop.py"
     program.write_text(script(hops), encoding="utf-8")
     done = runpy.run_path(str(program))
@@ -239,7 +239,7 @@ class TestKeepingTheFlightTime:
     @pytest.mark.slow
     @pytest.mark.parametrize("engine", ENGINES)
     def test_the_torque_is_solved_for_it(self, found, engine):
-        hops = settled(knobs_of(kept=True, stiffness=54.0, stance_torque=3.0), engine)
+        hops = settle_hops(knobs_of(kept=True, stiffness=54.0, stance_torque=3.0), engine)
         assert hops.gait.durations["flight"] == pytest.approx(0.2, abs=1e-8)
         assert hops.knobs.values["stance_torque"] == pytest.approx(found.parameters["stance_torque"], abs=1e-6)
         assert hops.knobs.kept and hops.verdict == "periodic"
@@ -247,4 +247,4 @@ class TestKeepingTheFlightTime:
     @pytest.mark.slow
     def test_where_there_is_none_it_says_so(self):
         with pytest.raises(NoGait, match="0.2 s of flight"):
-            settled(knobs_of(kept=True, stiffness=20.0, damping=3.0), best_engine())
+            settle_hops(knobs_of(kept=True, stiffness=20.0, damping=3.0), best_engine())

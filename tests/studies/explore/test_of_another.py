@@ -11,7 +11,7 @@ from spear_pin.errors import BadValue
 from spear_pin.model.scale import scale_of
 from spear_pin.studies.explore.engines import REFERENCE
 from spear_pin.studies.explore.figures import figures, script
-from spear_pin.studies.explore.hops import settled
+from spear_pin.studies.explore.hops import settle_hops
 from spear_pin.studies.explore.legs import KNOBS, hop_of_leg
 
 
@@ -40,7 +40,7 @@ def test_sliders_are_of_the_legs_own_size(leg, subject):
 
 @pytest.mark.slow
 def test_it_begins_at_a_hop_whose_torque_was_solved_for(subject):
-    hops = settled(subject.at(), REFERENCE)
+    hops = settle_hops(subject.at(), REFERENCE)
     assert hops.verdict == "periodic"
     assert hops.gait.durations["flight"] == pytest.approx(subject.wanted, abs=2e-5)
     assert subject.knobs["stance_torque"].origin == "solved" and "s of flight" in subject.keeps
@@ -62,7 +62,7 @@ def test_a_leg_that_may_run_off_is_refused(leg):
 @pytest.mark.slow
 def test_the_saved_program_cuts_the_leg_again(subject, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    hops = settled(subject.at(friction=0.7), REFERENCE)
+    hops = settle_hops(subject.at(friction=0.7), REFERENCE)
     program = tmp_path / "explored_hop.py"
     program.write_text(script(hops), encoding="utf-8")
     done = runpy.run_path(str(program))

@@ -8,10 +8,10 @@ import pytest
 
 from spear_pin import Gait, load, monopod, simulate
 from spear_pin.studies.explore.bounds import bound_to_explore
-from spear_pin.studies.explore.carried import carried
+from spear_pin.studies.explore.carried import carry_gait
 from spear_pin.studies.explore.engines import TAYLOR
 from spear_pin.studies.explore.figures import figures
-from spear_pin.studies.explore.hops import settled, transient
+from spear_pin.studies.explore.hops import settle_hops, transient
 from spear_pin.studies.explore.legs import KNOBS, hop_of_leg, spear_ii_hop
 from spear_pin.studies.explore.tangents import LONE, MULTIPLIER, SOLVED, tangents, tangents_of_multiplier
 
@@ -49,12 +49,12 @@ def assert_close(knobs, name, slopes, expected, shown, rel):
 
 @pytest.fixture(scope="module")
 def hop():
-    return settled(spear_ii_hop().at(stiffness=52.0), TAYLOR)
+    return settle_hops(spear_ii_hop().at(stiffness=52.0), TAYLOR)
 
 
 @pytest.fixture(scope="module")
 def kept():
-    return settled(spear_ii_hop().at(kept=True, stiffness=52.0), TAYLOR)
+    return settle_hops(spear_ii_hop().at(kept=True, stiffness=52.0), TAYLOR)
 
 
 class TestHop:
@@ -64,8 +64,8 @@ class TestHop:
         found, stability = tangents(hop), tangents_of_multiplier(hop)
         slopes = {**found.slopes[name], **stability.slopes[name]}
         assert len(slopes) == 8 and found.reason == stability.reason == "" and not found.refused
-        expected = differences(settled, hop.knobs, name)
-        assert_close(hop.knobs, name, slopes, expected, finely(settled, hop.knobs), CLOSE)
+        expected = differences(settle_hops, hop.knobs, name)
+        assert_close(hop.knobs, name, slopes, expected, finely(settle_hops, hop.knobs), CLOSE)
 
     @pytest.mark.slow
     @pytest.mark.parametrize("name", ["stiffness", "knee_touchdown"])
@@ -75,7 +75,7 @@ class TestHop:
         slopes = {**found.slopes[name], **tangents_of_multiplier(kept).slopes[name]}
         assert abs(slopes.pop("flight_time")) < 1e-12
         assert_close(
-            kept.knobs, name, slopes, differences(settled, kept.knobs, name), finely(settled, kept.knobs), CLOSE
+            kept.knobs, name, slopes, differences(settle_hops, kept.knobs, name), finely(settle_hops, kept.knobs), CLOSE
         )
 
     def test_the_torque_before_the_gear_has_the_ratio_in_it(self, hop):
@@ -88,17 +88,20 @@ class TestHop:
 
     @pytest.mark.slow
     def test_a_toe_that_bounces(self):
-        motion = settled(spear_ii_hop().at(stiffness=60.0), TAYLOR)
+        motion = settle_hops(spear_ii_hop().at(stiffness=60.0), TAYLOR)
         slopes = tangents(motion).slopes["damping"] | tangents_of_multiplier(motion).slopes["damping"]
-        expected, shown = differences(settled, motion.knobs, "damping"), finely(settled, motion.knobs)
+        expected, shown = differences(settle_hops, motion.knobs, "damping"), finely(settle_hops, motion.knobs)
         assert_close(motion.knobs, "damping", slopes, expected, shown, CLOSE)
 
     def test_toes_that_alternate_are_refused_with_the_reason(self):
-        found = tangents(settled(spear_ii_hop().at(knee_ratio=22.0), TAYLOR))
+        found = tangents(settle_hops(spear_ii_hop().at(knee_ratio=22.0), TAYLOR))
         assert found.slopes == {} and found.reason.endswith("toes alternate")
 
     def test_what_does_not_repeat_each_hop_has_none(self):
-        for motion in (transient(spear_ii_hop().at(), TAYLOR), settled(spear_ii_hop().at(stance_torque=10.5), TAYLOR)):
+        for motion in (
+            transient(spear_ii_hop().at(), TAYLOR),
+            settle_hops(spear_ii_hop().at(stance_torque=10.5), TAYLOR),
+        ):
             assert tangents(motion).reason == tangents_of_multiplier(motion).reason == LONE
 
     def test_without_heyoka_they_are_the_same(self, hop, monkeypatch):
@@ -112,22 +115,22 @@ class TestHop:
 def test_the_hip_of_another_leg_follows_the_knee():
     whole = load("q_spear_full")
     leg = monopod(whole, next(leg for leg in whole.legs if leg.name == "posterior_left"), "share", ["boom_x"])
-    motion = settled(hop_of_leg(leg, "").at(), TAYLOR)
+    motion = settle_hops(hop_of_leg(leg, "").at(), TAYLOR)
     assert motion.gait.system.law.hip_touchdown is not None
     slopes = tangents(motion).slopes["knee_touchdown"]
-    expected = differences(settled, motion.knobs, "knee_touchdown")
+    expected = differences(settle_hops, motion.knobs, "knee_touchdown")
     assert len(slopes) >= 5
-    assert_close(motion.knobs, "knee_touchdown", slopes, expected, finely(settled, motion.knobs), CLOSE)
+    assert_close(motion.knobs, "knee_touchdown", slopes, expected, finely(settle_hops, motion.knobs), CLOSE)
 
 
 @pytest.fixture(scope="module")
 def motion():
-    return carried(bound_to_explore(Gait.load("long_stride"), "").at(speed=2.52))
+    return carry_gait(bound_to_explore(Gait.load("long_stride"), "").at(speed=2.52))
 
 
 def of_bound(knobs, engine):
     """The view of a bound, which needs no engine."""
-    return carried(knobs)
+    return carry_gait(knobs)
 
 
 class TestBound:
@@ -150,7 +153,7 @@ class TestBound:
     @pytest.mark.slow
     def test_what_is_zero_is_refused_alone(self, motion):
         knobs = motion.knobs.turned(stiffness=0.0)
-        found = tangents(carried(knobs))
+        found = tangents(carry_gait(knobs))
         assert list(found.refused) == ["stiffness"] and "stiffness is 0.0" in found.refused["stiffness"]
         assert set(found.slopes) == set(knobs.values) - {"stiffness"}
         assert np.isfinite(list(found.slopes["knee_ratio"].values())).all()

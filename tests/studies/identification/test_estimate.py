@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.studies.identification import MovingAverage, Record, cut, identify, smoothed
+from spear_pin.studies.identification import MovingAverage, Record, cut_releases, identify, smooth_trial
 from spear_pin.studies.laboratory import Instrument, synthesize, synthetic_trial
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, PassiveKnee, equilibrium, spear_ii
 
@@ -95,7 +95,7 @@ class TestSmoothed:
         ("kind", "stiffness", "damping", "rest"), [("centred", 0.0, 0.08, 0.0), ("causal", -0.23, 0.12, -0.05)]
     )
     def test_bias(self, kind, stiffness, damping, rest):
-        smooth = smoothed(trial(SOFT), MovingAverage(100, kind))
+        smooth = smooth_trial(trial(SOFT), MovingAverage(100, kind))
         biased = identify(LEG, [smooth], nuisances=(), smooth_model=False)
         assert biased["stiffness"].value / 50.0 - 1 == pytest.approx(stiffness, abs=0.02)
         assert biased["damping"].value / 1.2 - 1 == pytest.approx(damping, abs=0.02)
@@ -114,7 +114,7 @@ class TestScatter:
     @pytest.mark.parametrize("smoothing", [None, MovingAverage(25)])
     def test_covers_the_truth(self, smoothing):
         trials = [trial(VISCOUS, 0.05, 3e-3, seed, rate=250.0, hold=0.2, duration=0.8) for seed in range(20)]
-        estimates = [identify(LEG, [smoothed(each, smoothing)]) for each in trials]
+        estimates = [identify(LEG, [smooth_trial(each, smoothing)]) for each in trials]
         for name, truth in (("stiffness", 48.0), ("damping", 0.9), ("rest_angle", 1.0), ("release_time", 0.0)):
             values = np.array([estimate[name].value for estimate in estimates])
             deviations = np.array([estimate[name].deviation for estimate in estimates])
@@ -166,7 +166,7 @@ class TestRounded:
             knee = PassiveKnee(rng.uniform(35, 90), rng.uniform(0.4, 2.5), 0.0, rng.uniform(0.8, 1.1))
             step = 2 * np.pi / rng.choice([512, 2048, 8192])
             made = trial(knee, rng.uniform(0.05, 0.1), noise * step, seed, rate=250.0, hold=0.2, duration=1.0)
-            estimate = identify(LEG, [smoothed(self.rounded(made, rng.uniform(), step), smoothing)])
+            estimate = identify(LEG, [smooth_trial(self.rounded(made, rng.uniform(), step), smoothing)])
             pairs = (("stiffness", knee.stiffness), ("damping", knee.damping), ("rest_angle", knee.zero))
             z += [(estimate[name].value - truth) / estimate[name].deviation for name, truth in pairs]
         assert (np.abs(z) < 2).mean() >= 0.9 and np.abs(z).max() < 3.5
@@ -304,7 +304,7 @@ class TestSmoothedBefore:
     def test_short_cuts_are_not_biased(self, after):
         made = synthesize(LEG, WITH_MOTOR, 0.1, repeats=3, instrument=Instrument(noise=0.003, quantum=0.0), seed=5)
         angle = MovingAverage(100)((made.voltage - 0.4) / 1.06)
-        trials, _ = cut(Record("x", made.t, angle), after=after)
+        trials, _ = cut_releases(Record("x", made.t, angle), after=after)
         found = identify(LEG, [replace(each, smoothing=MovingAverage(100)) for each in trials])
         for name, truth in (("stiffness", 48.25), ("damping", 1.03), ("rest_angle", 1.0)):
             assert abs(found[name].value - truth) < 3 * found[name].deviation

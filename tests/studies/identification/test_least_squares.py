@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.studies.identification import NUISANCES, MovingAverage, smoothed
+from spear_pin.studies.identification import NUISANCES, MovingAverage, smooth_trial
 from spear_pin.studies.identification.least_squares import pose
 from spear_pin.studies.identification.quantities import KNEE, QUANTITIES
 from spear_pin.studies.laboratory import synthetic_trial
-from spear_pin.studies.push_test import PassiveKnee, equilibrium, pushed_angle, spear_ii
+from spear_pin.studies.push_test import PassiveKnee, equilibrium, find_pushed_angle, spear_ii
 from spear_pin.studies.push_test.motion import move
 from tests.slow import slow_but
 
@@ -72,7 +72,7 @@ class TestJacobian:
     @pytest.mark.parametrize("static", slow_but([False, True], True))
     @pytest.mark.parametrize("per_trial", slow_but([(), SOME, KNEE], SOME))
     def test_differences(self, static, per_trial, smoothing):
-        trials = [smoothed(trial, smoothing) for trial in TRIALS]
+        trials = [smooth_trial(trial, smoothing) for trial in TRIALS]
         problem = posed(KNEE, trials, static_rest=static, per_trial=per_trial)
         x = values(problem, rest_angle=1.25 if static else 1.03)
         found, expected = problem.linearized(x)[1], by_differences(problem, x)
@@ -103,7 +103,7 @@ class TestJacobian:
             assert reached == [entry.trial in (None, 0), entry.trial in (None, 1)]
 
     def test_model_not_smoothed(self):
-        trials = [smoothed(trial, MovingAverage(20)) for trial in TRIALS]
+        trials = [smooth_trial(trial, MovingAverage(20)) for trial in TRIALS]
         problem, plain = posed(trials=trials, smooth_model=False), posed()
         x = values(problem)
         np.testing.assert_array_equal(problem.linearized(x)[1], plain.linearized(x)[1])
@@ -135,7 +135,7 @@ class TestModel:
         problem = posed()
         x = values(problem, stiffness=48.0, damping=0.9, rest_angle=1.02)
         for entry in range(3, 7):
-            x[entry] = pushed_angle(LEG, TRUTH, 0.05 if entry < 5 else 0.1) if entry % 2 else 0.0
+            x[entry] = find_pushed_angle(LEG, TRUTH, 0.05 if entry < 5 else 0.1) if entry % 2 else 0.0
         assert problem.linearized(x)[0].std() == pytest.approx(1e-3, rel=0.1)
 
     def test_known_rotor_and_one_sided_spring(self):
@@ -148,7 +148,7 @@ class TestModel:
         assert start["stiffness", None] == pytest.approx(48.0, rel=0.3)
         assert start["damping", None] == pytest.approx(0.9, rel=1.0)
         assert start["rest_angle", None] == pytest.approx(1.02, abs=0.15)
-        assert start["initial_angle", 1] == pytest.approx(pushed_angle(LEG, TRUTH, 0.1), abs=1e-3)
+        assert start["initial_angle", 1] == pytest.approx(find_pushed_angle(LEG, TRUTH, 0.1), abs=1e-3)
 
     def test_integrations_are_counted(self):
         problem = posed()

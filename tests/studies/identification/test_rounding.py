@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spear_pin.studies.identification.rounding import Rounding, errors, rounding
+from spear_pin.studies.identification.rounding import Rounding, errors, estimate_rounding
 
 STEP = 0.003
 ANGLE = np.array([1.3, 1.3004, 1.2991, 1.31, 1.0, 1.0001, 1.0017, 1.2, 1.0047])
@@ -29,12 +29,12 @@ class TestRounding:
     )
     def test_step(self, angle):
         seen = np.repeat(angle[::-1], 3)
-        assert rounding(seen, seen).step == pytest.approx(STEP, rel=0.06)
+        assert estimate_rounding(seen, seen).step == pytest.approx(STEP, rel=0.06)
 
     def test_no_step(self):
         rest, noise = np.full(100, 1.2), 1e-3 * np.random.default_rng(0).normal(size=2000)
-        assert rounding(rest, rest) == Rounding() == rounding(None, rest)
-        found = rounding(noise, 0 * noise)
+        assert estimate_rounding(rest, rest) == Rounding() == estimate_rounding(None, rest)
+        found = estimate_rounding(noise, 0 * noise)
         assert found.step < 1e-5 and found.noise == pytest.approx(1e-3, rel=0.05) and not found.coarse
 
     @pytest.mark.parametrize("share", [0.0, 0.5, 3.0])  # of a step
@@ -42,7 +42,9 @@ class TestRounding:
         t = np.linspace(0, 1, 4000)
         true = 1.2 + 0.2 * np.cos(20 * t)
         noise = share * STEP * np.random.default_rng(1).normal(size=t.size)
-        found = rounding(STEP * np.round((true + noise) / STEP), true + 0.01 * np.cos(9 * t))  # a model that is off
+        found = estimate_rounding(
+            STEP * np.round((true + noise) / STEP), true + 0.01 * np.cos(9 * t)
+        )  # a model that is off
         assert found.noise == pytest.approx(share * STEP, rel=0.05)
         assert found.variance == pytest.approx((share**2 + 1 / 12) * STEP**2, rel=0.1)
         assert found.coarse == (share == 0.0)
@@ -52,7 +54,7 @@ class TestRounding:
         true = 1.2 + 0.2 * np.cos(20 * np.linspace(0, 1, 400))
         seen = STEP * np.round(true / STEP)
         seen[100] += glitch
-        found = rounding(seen, true)
+        found = estimate_rounding(seen, true)
         assert found.step == pytest.approx(STEP, rel=1e-3) and found.noise < 0.05 * STEP and found.coarse
 
 

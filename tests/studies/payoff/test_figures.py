@@ -6,11 +6,11 @@ import pytest
 from spear_pin import load, sagittal, vary
 from spear_pin.model.catalogue import motor
 from spear_pin.studies.design import electrical_cost
-from spear_pin.studies.payoff import Motors, Point, assumed, fitted, of_file
+from spear_pin.studies.payoff import Motors, Point, assume_motor, fit_motors, of_file
 from spear_pin.studies.payoff.bounding import figures_of, request
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.motors import KIND, RATIO, SPARE
-from spear_pin.studies.payoff.searches import rebuilt, written
+from spear_pin.studies.payoff.searches import rebuilt, write_gait
 from tests.gaits.bounding_gaits import gait, trajectory
 from tests.studies.payoff.stub import DRIVES, MOTORS
 
@@ -64,7 +64,7 @@ class TestFigures:
 
     def test_written_and_rebuilt(self):
         own = gait(NAME)
-        again = rebuilt("bounding", own.system.robot, written(own))
+        again = rebuilt("bounding", own.system.robot, write_gait(own))
         assert again.system.law == own.system.law and again.system.spring == own.system.spring
         assert (again.state[0] == own.state[0]).all() and again.residual == own.residual
         assert (again.multipliers == own.multipliers).all()
@@ -84,22 +84,22 @@ class TestRequest:
 
 class TestMotors:
     def test_an_assumed_motor_bears_and_turns_as_it_must(self, made_quadruped):
-        drive = assumed(made_quadruped, "knee", 2.0, 15.0)
+        drive = assume_motor(made_quadruped, "knee", 2.0, 15.0)
         assert drive.continuous_torque == pytest.approx(2.0 * SPARE, rel=0.01)
         assert drive.gearbox.ratio == RATIO and drive.bus == motor(KIND).nominal_voltage
-        assert assumed(made_quadruped, "knee", 2.0, 200.0).no_load_speed == pytest.approx(200.0 * SPARE, rel=0.01)
+        assert assume_motor(made_quadruped, "knee", 2.0, 200.0).no_load_speed == pytest.approx(200.0 * SPARE, rel=0.01)
 
     def test_its_rotors_are_put_in(self, made_quadruped):
-        drive = assumed(made_quadruped, "knee", 2.0, 15.0)
-        with_rotors = fitted(made_quadruped, Motors(drive, drive))
+        drive = assume_motor(made_quadruped, "knee", 2.0, 15.0)
+        with_rotors = fit_motors(made_quadruped, Motors(drive, drive))
         added = with_rotors.model.armature - made_quadruped.model.armature
         np.testing.assert_allclose(added[3:], 2 * drive.reflected_inertia)
 
     def test_rotors_of_the_file_stay(self):
         robot = load("q_spear")
-        drive = assumed(robot, "knee", 20.0, 15.0)
+        drive = assume_motor(robot, "knee", 20.0, 15.0)
         assert drive.gearbox.ratio == 15.0
-        kept = fitted(robot, Motors(drive, drive, own=("knee", "hip")))
+        kept = fit_motors(robot, Motors(drive, drive, own=("knee", "hip")))
         assert (kept.model.armature == robot.model.armature).all()
 
     def test_of_a_file(self, tmp_path):

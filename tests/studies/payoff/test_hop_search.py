@@ -14,9 +14,9 @@ from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.studies.design import points_of
 from spear_pin.studies.payoff import Motors, Point, hop_search
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
-from spear_pin.studies.payoff.hop_search import CLEAR, TAUT, TREAD, Task, best_hop, descended, led_to, limits, starts
+from spear_pin.studies.payoff.hop_search import CLEAR, TAUT, TREAD, Task, best_hop, descend, lead_hop, limits, starts
 from spear_pin.studies.payoff.hopping import ranges
-from spear_pin.studies.payoff.knee import released, tied, with_knee, with_values
+from spear_pin.studies.payoff.knee import release_springs, tie_springs, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
 from tests.studies.payoff.stub import drawn_by
 
@@ -75,7 +75,7 @@ class TestKnee:
         law = HoppingLaw(1.37, 0.64, 7.0, 1.18, virtual_stiffness=5.8, hold_extension=True, minimum_force=3.3)
         system = hopping(hop.system.robot, law, spring)
         state = find_gait(system, guess=(np.array([0.498, 0.649, 1.34]), np.array([-0.895, 2.228, 4.53]))).state
-        orbit = Orbit(tied(system), state, ("knee_touchdown",))
+        orbit = Orbit(tie_springs(system), state, ("knee_touchdown",))
         h = 1e-4
 
         def end(angle):
@@ -102,23 +102,25 @@ class TestWay:
         return found
 
     def test_stiffness_and_flight_grow_together(self, hop, passed):
-        end = led_to(Point(SWITCHED, 0.3, 150.0), SWITCHED, hop)
+        end = lead_hop(Point(SWITCHED, 0.3, 150.0), SWITCHED, hop)
         assert end.system.spring.stiffness == 150.0 and end.system.law.virtual_stiffness == 0.0
-        assert not any(system.spring.unilateral for system, _ in passed) and released(end.system).spring.unilateral
+        assert (
+            not any(system.spring.unilateral for system, _ in passed) and release_springs(end.system).spring.unilateral
+        )
         stiffer, longer = zip(*((system.spring.stiffness, time) for system, time in passed), strict=True)
         assert len(passed) > 1 and sorted(stiffer) == list(stiffer) and sorted(longer) == list(longer)
 
     def test_the_kind_changes_where_there_is_no_spring(self, hop, passed):
-        end = led_to(Point(FIXED, 0.2, 30.0), SWITCHED, hop)
+        end = lead_hop(Point(FIXED, 0.2, 30.0), SWITCHED, hop)
         fixed = [system.spring.rest is not None for system, _ in passed]
         first = fixed.index(True)
         assert not any(fixed[:first]) and all(fixed[first:]) and passed[first - 1][0].spring.stiffness == 0.0
         assert end.system.spring.rest == end.system.law.knee_touchdown
-        bare = led_to(Point(NONE, 0.2), SWITCHED, hop).system
+        bare = lead_hop(Point(NONE, 0.2), SWITCHED, hop).system
         assert (bare.spring.stiffness, bare.law.virtual_stiffness) == (0.0, pytest.approx(48.84))
 
     def test_a_free_stiffness_begins_with_the_one_there_is(self, hop, passed):
-        assert led_to(Point(SWITCHED, 0.2, None), SWITCHED, hop).system.spring.stiffness == 48.84
+        assert lead_hop(Point(SWITCHED, 0.2, None), SWITCHED, hop).system.spring.stiffness == 48.84
 
     def test_its_end_is_told(self, hop, monkeypatch):
         def beside(system, near, flight_time):
@@ -126,7 +128,7 @@ class TestWay:
 
         monkeypatch.setattr(hop_search, "_hop", beside)
         with pytest.raises(NoGait, match="it is so"):
-            led_to(Point(SWITCHED, 0.2, 70.0), SWITCHED, hop)
+            lead_hop(Point(SWITCHED, 0.2, 70.0), SWITCHED, hop)
 
 
 class TestStarts:
@@ -161,7 +163,7 @@ class TestBest:
                 gait = SimpleNamespace(system=system, cost=cost, residual=0.0)
                 return gait, SimpleNamespace(objective=cost, missed=missed, bounds=bounds)
 
-            monkeypatch.setattr(hop_search, "descended", down)
+            monkeypatch.setattr(hop_search, "descend", down)
             monkeypatch.setattr(hop_search, "starts", lambda task, given: begun)
             return best_hop(task(start.system.robot), [start])
 
@@ -194,7 +196,7 @@ def test_a_spring_that_is_slack_on_the_way_is_told(start, monkeypatch):
     design = SimpleNamespace(missed=0.0, gait=replace(start, state=(start.state[0], start.state[1] + 1e-3)))
     monkeypatch.setattr(hop_search, "optimize_design", lambda *given, **named: design)
     with pytest.raises(NoGait, match="the spring is slack in stance"):
-        descended(task(start.system.robot), replace(start, system=start.system))
+        descend(task(start.system.robot), replace(start, system=start.system))
 
 
 @pytest.mark.slow
@@ -207,9 +209,9 @@ class TestDescent:
     @pytest.mark.parametrize(("kind", "stiffness"), [(SWITCHED, 48.84), (FIXED, 100.0)])
     def test_it_leads_down_within_limits(self, start, motors, kind, stiffness):
         """Costs, torques and load are those of samples, which the descent does not use."""
-        begun = led_to(Point(kind, 0.2, stiffness), SWITCHED, start)
+        begun = lead_hop(Point(kind, 0.2, stiffness), SWITCHED, start)
         wanted = task(start.system.robot, motors)
-        end, design = descended(wanted, begun)
+        end, design = descend(wanted, begun)
         assert self.drawn(end, motors) == pytest.approx(design.objective, rel=1e-4)
         assert self.drawn(end, motors) < 0.9 * self.drawn(begun, motors) and design.missed < 1e-3
         assert end.durations["flight"] == pytest.approx(0.2, abs=1e-8) and end.residual < 1e-9
@@ -230,7 +232,7 @@ class TestDescent:
             assert np.min(drive.margin(given.torque, given.speed)) > -1e-3 * drive.stall_torque
 
     def test_least_effort(self, start):
-        end, design = descended(task(start.system.robot, measure="effort"), start)
+        end, design = descend(task(start.system.robot, measure="effort"), start)
         cycle = simulate(end.system, end.state, samples=480, progress=False)
         effort = float(np.trapezoid((cycle.u**2).sum(axis=1), cycle.t))
         assert design.objective == pytest.approx(effort, rel=1e-3) and design.objective < design.start

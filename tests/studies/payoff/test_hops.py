@@ -9,13 +9,13 @@ from spear_pin import load, simulate, vary
 from spear_pin.errors import SpearError
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.hybrid.parameters import with_numbers, with_parameters
-from spear_pin.model.catalogue import sized
+from spear_pin.model.catalogue import size_motor
 from spear_pin.studies.payoff import Motors, Point, Search, answer, hops
 from spear_pin.studies.payoff.gaits import attempt
 from spear_pin.studies.payoff.grid import FIXED, SWITCHED
 from spear_pin.studies.payoff.hopping import HOPS, MESH, Hops, figures_of, ranges, task_of, work
 from spear_pin.studies.payoff.motors import known
-from spear_pin.studies.payoff.searches import SearchEnd, rebuilt, written
+from spear_pin.studies.payoff.searches import SearchEnd, rebuilt, write_gait
 from tests.model.small_leg import small_leg
 from tests.studies.payoff.stub import drawn_by
 
@@ -47,7 +47,7 @@ class TestFigures:
         assert drive.motor.torque_constant == 0.115 and drive.gearbox.ratio == 15.0 and said == "SPEAR-II's"
 
     def test_written_and_rebuilt(self, hop):
-        again = rebuilt(HOPS.kind, hop.system.robot, written(hop))
+        again = rebuilt(HOPS.kind, hop.system.robot, write_gait(hop))
         assert again.system.law == hop.system.law and again.system.spring == hop.system.spring
 
     def test_of_another_motor(self, hop, motors):
@@ -56,14 +56,14 @@ class TestFigures:
         gait = gait_beside(with_numbers(hop.system, {"knee_motor_size": 2.0, "knee_ratio": 12.0}), hop.state, [], {})
         found, flight = figures_of(gait, motors, over=["knee_motor_size"]), gait.durations["flight"]
         other = replace(
-            motors.knee, motor=sized(motors.knee.motor, 2.0), gearbox=replace(motors.knee.gearbox, ratio=12.0)
+            motors.knee, motor=size_motor(motors.knee.motor, 2.0), gearbox=replace(motors.knee.gearbox, ratio=12.0)
         )
         cycle = simulate(gait.system, gait.state, samples=MESH)
         drawn = drawn_by(robot, cycle, Motors(other, motors.hip))
         assert found.cost * work(robot, flight) == pytest.approx(drawn) and found.chosen == {"knee_motor_size": 2.0}
         at_home = figures_of(gait, motors, own=hop.system.robot)
         assert HOPS.energy(hop.system.robot, at_home) == pytest.approx(drawn) and at_home.cost > found.cost
-        again = rebuilt(HOPS.kind, hop.system.robot, written(gait)).system.robot
+        again = rebuilt(HOPS.kind, hop.system.robot, write_gait(gait)).system.robot
         assert again.mass == pytest.approx(robot.mass) and again.mass > hop.system.robot.mass + 0.1
 
 

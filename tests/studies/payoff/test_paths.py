@@ -15,11 +15,11 @@ from spear_pin.model.path import Joints
 from spear_pin.studies.payoff import Motors, Search, hop_search
 from spear_pin.studies.payoff import hopping as hopping_study
 from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
-from spear_pin.studies.payoff.hop_search import TAUT, Best, descended, led_to, problem
+from spear_pin.studies.payoff.hop_search import TAUT, Best, descend, lead_hop, problem
 from spear_pin.studies.payoff.hopping import HOPS, Hops, along_of, figures_of, hops, task_of, words_along, words_for
-from spear_pin.studies.payoff.knee import levers, released, tied, with_knee, with_values
+from spear_pin.studies.payoff.knee import levers, release_springs, tie_springs, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
-from spear_pin.studies.payoff.searches import rebuilt, written
+from spear_pin.studies.payoff.searches import rebuilt, write_gait
 from tests.studies.payoff.stub import drawn_by
 
 CABLE = Joints({"knee": 0.03, "hip": 0.006})  # m
@@ -52,7 +52,7 @@ class TestSystem:
         assert system.law.virtual_stiffness == pytest.approx(48.84 - 2e4 * 0.03**2)
         assert system.spring == Spring(2e4, damping=0.0, unilateral=False, path=CABLE)
         assert system.springs["knee"] == Spring(0.0, damping=1.3, unilateral=False)
-        assert all(spring.unilateral for spring in released(system).springs.values())
+        assert all(spring.unilateral for spring in release_springs(system).springs.values())
 
     def test_a_fixed_one_rests_at_its_length_where_the_leg_lands(self, robot):
         fixed = with_knee(along(CABLE).system(robot), FIXED, 2e4)
@@ -84,7 +84,7 @@ def test_along_the_knee_alone_it_is_the_knee_s(hop, motors, kind):
         springs = {name: replace(spring, rest=spring.rest and 1.0) for name, spring in system.springs.items()}
         system = hopping(robot, law, springs)
         gait = replace(hop, system=system)
-        again = rebuilt("hopping", robot, written(gait)).system
+        again = rebuilt("hopping", robot, write_gait(gait)).system
         assert again.springs == system.springs
         found.append((simulate(again, hop.state).q[-1], figures_of(gait, motors)))
     (one, knee), (other, cable) = found
@@ -165,7 +165,7 @@ class TestDescent:
         system = found.system(robot)
         law = replace(system.law, hold_extension=True, minimum_force=0.05 * robot.weight)
         begun = find_gait(of_law(system, law=law), ["stance_torque"], {"flight_time": 0.2})
-        end, design = descended(task, led_to(point, SWITCHED, begun))
+        end, design = descend(task, lead_hop(point, SWITCHED, begun))
         pulley = design.parameters["cable.hip"].value if over else 0.006
         cable = Spring(stiffness, damping=0.0, path=Joints({"knee": 0.03, "hip": pulley}))
         springs = {"cable": cable, "knee": Spring(0.0, damping=1.3)}
@@ -186,7 +186,7 @@ class TestDescent:
         system = with_knee(along(CABLE).system(hop.system.robot), FIXED, 2e4)
         law = replace(system.law, hold_extension=True, minimum_force=3.3)
         system = of_law(system, law=law)
-        orbit, h, own = Orbit(tied(system), hop.state, (name,)), 1e-4, number(system, name)
+        orbit, h, own = Orbit(tie_springs(system), hop.state, (name,)), 1e-4, number(system, name)
 
         def end(step):
             return Orbit(with_values(system, {name: own + step}), hop.state, ()).cycle.y

@@ -3,7 +3,7 @@
 import pytest
 
 from spear_pin import load, simulate
-from spear_pin.studies.payoff import Motors, Point, Search, Store, assumed
+from spear_pin.studies.payoff import Motors, Point, Search, Store, assume_motor
 from spear_pin.studies.payoff.bounding import BOUNDS
 from spear_pin.studies.payoff.grid import NONE, SWITCHED
 from spear_pin.studies.payoff.searcher import Searcher
@@ -14,7 +14,9 @@ from spear_pin.studies.payoff.searches import rebuilt
 @pytest.mark.extra("casadi")
 def test_two_points(tmp_path):
     robot = load("q_spear")
-    motors = Motors(assumed(robot, "knee", 30.0, 15.0), assumed(robot, "hip", 30.0, 12.0), own=("knee", "hip"))
+    motors = Motors(
+        assume_motor(robot, "knee", 30.0, 15.0), assume_motor(robot, "hip", 30.0, 12.0), own=("knee", "hip")
+    )
     searcher = Searcher(BOUNDS, robot, motors, Store(tmp_path / "store.jsonl", {}))
     (bare,) = searcher.find([Search(Point(NONE, 2.0), None, BOUNDS.meshes)])
     (sprung,) = searcher.find([Search(Point(SWITCHED, 2.0, 56.0), bare, BOUNDS.meshes)])

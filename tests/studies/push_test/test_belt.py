@@ -5,10 +5,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from spear_pin.errors import BadValue
-from spear_pin.studies.push_test import WITH_MOTOR, belt_frequencies, equilibrium, resting_at, spear_ii, swing
+from spear_pin.studies.push_test import WITH_MOTOR, belt_frequencies, equilibrium, rest_at, spear_ii, swing
 
 LEG = spear_ii()
-KNEE = resting_at(LEG, WITH_MOTOR, 1.0)
+KNEE = rest_at(LEG, WITH_MOTOR, 1.0)
 
 
 def test_rigid_is_the_swing():

@@ -12,8 +12,8 @@ from spear_pin import simulate
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.result import Moment
-from spear_pin.studies.push_test import WITH_MOTOR, PassiveKnee, simulated, spear_ii
-from spear_pin.studies.push_test.motion import PARAMETERS, move, released
+from spear_pin.studies.push_test import WITH_MOTOR, PassiveKnee, simulate_release, spear_ii
+from spear_pin.studies.push_test.motion import PARAMETERS, make_released, move
 from tests.lagrangian import monopod
 from tests.push_by_hand import Push
 from tests.slow import slow_but
@@ -159,7 +159,7 @@ class TestSystem:
 
     def test_is_what_moves(self):
         """The robot's coordinates and its toe's force, against the projection on the knee's angle."""
-        trajectory = self.simulated(released(LEG, self.KNEE, TIMES[-1]))
+        trajectory = self.simulated(make_released(LEG, self.KNEE, TIMES[-1]))
         assert trajectory.reason == "stuck"
         names = {event.name for event in trajectory.events}
         assert {"release", "spring_switch", "brake_switch", "turn", "rest:knee", "rest"} == names
@@ -175,7 +175,7 @@ class TestSystem:
         np.testing.assert_allclose(rate, motion.rate[here], rtol=0, atol=1e-8)
 
     def test_motor_brakes_from_its_threshold(self):
-        events = self.simulated(released(LEG, self.KNEE, TIMES[-1])).named("brake_switch")
+        events = self.simulated(make_released(LEG, self.KNEE, TIMES[-1])).named("brake_switch")
         assert len(events) > 1
         np.testing.assert_allclose([abs(event.v[2]) for event in events], 2.0, rtol=0, atol=1e-7)
 
@@ -185,9 +185,9 @@ class TestSystem:
         ends = [
             self.simulated(system).q[-1]
             for system in (
-                with_parameters(released(LEG, self.KNEE, 0.5), values),
-                released(LEG, replace(self.KNEE, **values), 0.5),
-                released(LEG, self.KNEE, 0.5),
+                with_parameters(make_released(LEG, self.KNEE, 0.5), values),
+                make_released(LEG, replace(self.KNEE, **values), 0.5),
+                make_released(LEG, self.KNEE, 0.5),
             )
         ]
         np.testing.assert_array_equal(ends[0], ends[1])
@@ -315,7 +315,7 @@ class TestTrajectory:
     @pytest.mark.parametrize("knee", [WITH_MOTOR, replace(WITH_MOTOR, coulomb=0.5, unilateral=True)], ids=["", "dry"])
     def test_is_the_motion(self, knee):
         leg = spear_ii()
-        motion = simulated(leg, knee, 1.7, 1.0)
+        motion = simulate_release(leg, knee, 1.7, 1.0)
         swinging = np.r_[True, np.diff(motion.t) > 0]
         wanted = move(leg, knee, 1.7, motion.t[swinging])
         np.testing.assert_allclose(motion.q[swinging, 2], wanted.angle, rtol=0, atol=1e-8)
@@ -327,8 +327,8 @@ class TestTrajectory:
     @pytest.mark.parametrize("duration", [0.0, -1.0, np.nan, 1e9])
     def test_refuses_durations(self, duration):
         with pytest.raises(BadValue, match="duration"):
-            simulated(spear_ii(), WITH_MOTOR, 1.7, duration)
+            simulate_release(spear_ii(), WITH_MOTOR, 1.7, duration)
 
     def test_refuses_angles(self):
         with pytest.raises(BadValue, match="initial_angle"):
-            simulated(spear_ii(), WITH_MOTOR, 9.0)
+            simulate_release(spear_ii(), WITH_MOTOR, 9.0)

@@ -5,9 +5,9 @@ import pytest
 
 from spear_pin.model.bridge import STATES, Battery, Bridge, idle_current
 from spear_pin.model.catalogue import motor
-from spear_pin.studies.push_test import WITH_MOTOR, PassiveKnee, pushed_angle, release, spear_ii
+from spear_pin.studies.push_test import WITH_MOTOR, PassiveKnee, find_pushed_angle, release, spear_ii
 from spear_pin.studies.push_test.motion import move
-from spear_pin.studies.push_test.power_off import idling, power_off
+from spear_pin.studies.push_test.power_off import add_braking, power_off
 
 MOTOR = motor("spear_ii_knee")
 CONSTANT = 15.0 * MOTOR.torque_constant
@@ -22,7 +22,7 @@ def cases():
 def test_braking_torque_is_that_of_the_current(state):
     """N kt i, at rates on both sides of the threshold."""
     battery, bridge = Battery(24.0, 0.1), Bridge(0.7)
-    knee = idling(PassiveKnee(), state, MOTOR, 15.0, battery, bridge)
+    knee = add_braking(PassiveKnee(), state, MOTOR, 15.0, battery, bridge)
     rates = np.linspace(-40, 40, 81)
     current = idle_current(state, CONSTANT * rates, MOTOR.resistance, battery, bridge)
     np.testing.assert_allclose(knee.braking_torque(rates), CONSTANT * current, rtol=1e-12, atol=1e-12)
@@ -42,7 +42,7 @@ def test_the_others_differ(cases):
 
 
 def test_shorted_is_viscous_damping(cases):
-    leg, shorted = spear_ii(), idling(WITH_MOTOR, "short", MOTOR, 15.0, Battery(), Bridge())
+    leg, shorted = spear_ii(), add_braking(WITH_MOTOR, "short", MOTOR, 15.0, Battery(), Bridge())
     viscous = PassiveKnee(WITH_MOTOR.stiffness, WITH_MOTOR.damping + CONSTANT**2 / MOTOR.resistance, 0.0, 1.0)
     np.testing.assert_allclose(release(leg, shorted).angle, release(leg, viscous).angle, atol=1e-9)
 
@@ -58,9 +58,9 @@ def test_a_small_battery_is_charged():
 def test_energy_of_a_charging_motor():
     """What the swing loses to the motor is the braking torque's work."""
     leg = spear_ii()
-    knee = idling(PassiveKnee(zero=0.8), "coast", MOTOR, 15.0, Battery(3.0), Bridge())
+    knee = add_braking(PassiveKnee(zero=0.8), "coast", MOTOR, 15.0, Battery(3.0), Bridge())
     t = np.linspace(0, 1.0, 20_001)
-    motion = move(leg, knee, pushed_angle(leg, knee, 0.1), t)
+    motion = move(leg, knee, find_pushed_angle(leg, knee, 0.1), t)
     kinetic = 0.5 * leg.effective_inertia(motion.angle) * motion.rate**2
     spring = 0.5 * knee.stiffness * (motion.angle - knee.zero) ** 2
     weight = np.array([leg.robot.potential_energy(q) for q in leg.configuration(motion.angle[[0, -1]]).T])
@@ -71,7 +71,7 @@ def test_energy_of_a_charging_motor():
 
 def test_sensitivities_beyond_the_threshold():
     leg, t, step = spear_ii(), np.linspace(0.01, 1, 100), 1e-6
-    knee = idling(PassiveKnee(zero=0.8), "coast", MOTOR, 15.0, Battery(3.0), Bridge())
+    knee = add_braking(PassiveKnee(zero=0.8), "coast", MOTOR, 15.0, Battery(3.0), Bridge())
     exact = move(leg, knee, 1.5, t, ("initial_angle",)).sensitivity[:, 0]
     low, high = (move(leg, knee, 1.5 + side * step, t).angle for side in (-1, 1))
     np.testing.assert_allclose(exact, (high - low) / (2 * step), atol=2e-5)  # the slope jumps at the threshold

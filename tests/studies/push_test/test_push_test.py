@@ -14,10 +14,10 @@ from spear_pin.studies.push_test import (
     WITHOUT_MOTOR,
     PassiveKnee,
     equilibrium,
+    find_pushed_angle,
     gear_study,
-    pushed_angle,
     release,
-    resting_at,
+    rest_at,
     spear_ii,
     swing,
 )
@@ -47,8 +47,8 @@ class TestCheckValues:
 
     def test_initial_angles(self):
         leg = spear_ii()
-        knee = resting_at(leg, WITH_MOTOR, 1.0)
-        angles = [pushed_angle(leg, knee, depth) for depth in DEPTHS]
+        knee = rest_at(leg, WITH_MOTOR, 1.0)
+        angles = [find_pushed_angle(leg, knee, depth) for depth in DEPTHS]
         np.testing.assert_allclose(angles, [1.290, 1.416, 1.533], rtol=0, atol=6e-4)
 
     @pytest.mark.parametrize(
@@ -204,7 +204,7 @@ class TestEquilibrium:
     )
     def test_does_not_hold(self, knee):
         """Too weak, or slack on one side of the straight leg."""
-        for call in (equilibrium, release, swing, lambda leg, knee: pushed_angle(leg, knee, 0.05)):
+        for call in (equilibrium, release, swing, lambda leg, knee: find_pushed_angle(leg, knee, 0.05)):
             with pytest.raises(
                 BadValue, match="^knee is PassiveKnee.* expected a spring that holds the leg at one angle"
             ):
@@ -214,29 +214,29 @@ class TestEquilibrium:
     @pytest.mark.parametrize("coulomb", [0.0, 2.0])
     def test_resting_at(self, rest, coulomb):
         leg, knee = spear_ii(), replace(WITH_MOTOR, coulomb=coulomb)
-        found = resting_at(leg, knee, rest)
+        found = rest_at(leg, knee, rest)
         assert equilibrium(leg, found) == pytest.approx(rest, abs=1e-12)
         assert replace(found, zero=knee.zero) == knee
         assert rest - found.zero == pytest.approx(-Push().at(rest).gravity / 48.25, abs=1e-11)
-        assert resting_at(leg, knee, equilibrium(leg, knee)).zero == pytest.approx(knee.zero, abs=1e-12)
+        assert rest_at(leg, knee, equilibrium(leg, knee)).zero == pytest.approx(knee.zero, abs=1e-12)
 
     def test_of_no_spring(self):
         with pytest.raises(BadValue, match="^stiffness is 0.0; expected a number > 0"):
-            resting_at(spear_ii(), PassiveKnee(stiffness=0.0), 1.0)
+            rest_at(spear_ii(), PassiveKnee(stiffness=0.0), 1.0)
 
 
 class TestPushedAngle:
     @pytest.mark.parametrize("depth", [0.0, 0.001, *DEPTHS, 0.3])
     def test_height(self, depth):
         leg = spear_ii()
-        rest, angle = equilibrium(leg, WITH_MOTOR), pushed_angle(leg, WITH_MOTOR, depth)
+        rest, angle = equilibrium(leg, WITH_MOTOR), find_pushed_angle(leg, WITH_MOTOR, depth)
         fallen = 0.636 * (np.cos(rest / 2) - np.cos(angle / 2))
         assert fallen == pytest.approx(depth, abs=1e-12) and angle >= rest - 1e-12
 
     @pytest.mark.parametrize("depth", [-1e-6, 0.41, np.nan, np.inf, None])
     def test_refusals(self, depth):
         with pytest.raises(BadValue, match="^depth is .*at most 0.409 m$"):
-            pushed_angle(spear_ii(), WITH_MOTOR, depth)
+            find_pushed_angle(spear_ii(), WITH_MOTOR, depth)
 
 
 class TestRelease:

@@ -15,7 +15,7 @@ from spear_pin import Gait, find_gait, hopping, load
 from spear_pin.errors import BadFile, BadValue, MissingExtra, UnknownName
 from spear_pin.gaits import lane_cycles
 from spear_pin.hybrid.dry_friction import with_dry_friction
-from spear_pin.hybrid.parameters import changed, with_hardware
+from spear_pin.hybrid.parameters import change_system, with_hardware
 from spear_pin.studies.hardware import Rig
 from spear_pin.studies.sweep import chunks, grid, reasons, sample, store, sweep, table
 
@@ -101,7 +101,7 @@ class TestPoints:
 class TestDataset:
     def test_keeps_what_was_changed_in_the_system(self, system, tmp_path):
         """It would answer the hop without it."""
-        shared, points = changed(system, Shared(0.9)), {"stiffness": [system.spring.stiffness]}
+        shared, points = change_system(system, Shared(0.9)), {"stiffness": [system.spring.stiffness]}
         alone = find_gait(shared, ["stance_torque"], {"flight_time": 0.2})
         found = sweep(replace(shared, phase_limit=2.0), points, tmp_path / "shared.zarr", **ASKED)
         torque = float(found["stance_torque"][0])
@@ -109,7 +109,7 @@ class TestDataset:
         assert 0.9 * torque == pytest.approx(
             float(sweep(system, points, tmp_path / "own.zarr", **ASKED)["stance_torque"][0])
         )
-        for other in (shared, replace(changed(system, Shared(0.8)), phase_limit=2.0)):
+        for other in (shared, replace(change_system(system, Shared(0.8)), phase_limit=2.0)):
             with pytest.raises(BadFile, match="another"):
                 sweep(other, points, tmp_path / "shared.zarr", **ASKED, resume=True)
 
@@ -120,7 +120,7 @@ class TestDataset:
 
     def test_refuses_what_cannot_be_carried(self, system, tmp_path):
         for other, told in (
-            (changed(system, lambda built: built), "dataclass"),
+            (change_system(system, lambda built: built), "dataclass"),
             (replace(system, domains=tuple(reversed(system.domains))), "changed"),
             (with_dry_friction(system, {"hip": 0.1}), "dry friction"),
             (replace(system, measures={**system.measures, "nothing": lambda run: 0.0}), "measures"),
@@ -219,7 +219,7 @@ class TestInterrupted:
     def test_goes_on_by_exact_jacobians(self, system, whole, tmp_path, monkeypatch):
         """As one does that was begun when all Jacobians were differences."""
         self.stopped(system, tmp_path / "whole.zarr")
-        monkeypatch.setattr(lane_cycles, "unrolled", lambda system: False)
+        monkeypatch.setattr(lane_cycles, "is_unrolled", lambda system: False)
         found = sweep(system, POINTS, tmp_path / "whole.zarr", **ASKED, resume=True)
         np.testing.assert_array_equal(found["reason"], whole["reason"])
         for name, near in (("q", 1e-9), ("v", 1e-8), ("largest_multiplier", 1e-6)):

@@ -10,7 +10,7 @@ import umsgpack
 
 from spear_pin.studies.explore.engines import best_engine
 from spear_pin.studies.explore.figures import figures, script
-from spear_pin.studies.explore.hops import settled
+from spear_pin.studies.explore.hops import settle_hops
 from spear_pin.studies.explore.legs import spear_ii_hop
 from tests.viz.explore.exploring import ask
 
@@ -19,7 +19,7 @@ class TestAnswers:
     @pytest.mark.slow
     def test_a_hop_is_what_the_study_computes(self, server):
         knobs = spear_ii_hop().at(stiffness=52.0, stance_torque=8.2)
-        hops = settled(knobs, best_engine())
+        hops = settle_hops(knobs, best_engine())
         shown = json.loads(ask(server, f"/hop?{urlencode({'stiffness': 52, 'stance_torque': 8.2})}")[2])
         assert shown["knobs"] == knobs.values and shown["view"] == "settled"
         assert shown["verdict"] == hops.verdict and shown["message"] == hops.message
@@ -49,4 +49,4 @@ class TestAnswers:
     def test_the_script_is_a_download(self, server):
         _, headers, body = ask(server, "/script?friction=0.5")
         assert headers["Content-Disposition"] == 'attachment; filename="explored_hop.py"'
-        assert body.decode() == script(settled(spear_ii_hop().at(friction=0.5), best_engine()))
+        assert body.decode() == script(settle_hops(spear_ii_hop().at(friction=0.5), best_engine()))

@@ -7,7 +7,7 @@ from spear_pin import Gait
 from spear_pin.studies.explore.bounds import bound_to_explore
 from spear_pin.studies.explore.engines import best_engine
 from spear_pin.studies.explore.figures import figures
-from spear_pin.studies.explore.hops import settled
+from spear_pin.studies.explore.hops import settle_hops
 from spear_pin.studies.explore.legs import KNOBS, spear_ii_hop
 from spear_pin.viz.chromium import find
 from spear_pin.viz.explore.server import Explorer
@@ -51,7 +51,7 @@ class TestPage:
         shown = move(browser, "stance_torque", 9)
         assert shown["knobs"] == spear_ii_hop().at(stance_torque=9.0).values
         assert text_of_plots(browser) != plot
-        expected = figures(settled(spear_ii_hop().at(stance_torque=9.0), best_engine()))["apex_height"]
+        expected = figures(settle_hops(spear_ii_hop().at(stance_torque=9.0), best_engine()))["apex_height"]
         assert text(browser, "figure_apex_height") == f"{expected:.4f} m" != apex
         after = browser.screenshot().astype(int)
         assert (np.abs(after - before)[70:630, 350:900].max(axis=2) > 60).sum() > 500

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from spear_pin.errors import BadValue
 from spear_pin.studies.audit.printed_estimates import TABLE_4_1, TABLE_4_2, average
-from spear_pin.studies.identification import Estimate, MovingAverage, identify, smoothed
+from spear_pin.studies.identification import Estimate, MovingAverage, identify, smooth_trial
 from spear_pin.studies.laboratory import synthetic_trial
 from spear_pin.studies.push_test import WITH_MOTOR, WITHOUT_MOTOR, Release, gear_study, release, spear_ii
 from spear_pin.viz.plots import identification as identification_plots
@@ -45,7 +45,7 @@ def estimate() -> Estimate:
     """A fit to two synthetic releases."""
     rng = np.random.default_rng(1)
     trials = [synthetic_trial(spear_ii(), WITH_MOTOR, 0.1, 0.005, rng, rate=100.0) for _ in range(2)]
-    return identify(spear_ii(), [smoothed(trial, MovingAverage(5)) for trial in trials])
+    return identify(spear_ii(), [smooth_trial(trial, MovingAverage(5)) for trial in trials])
 
 
 def own_stiffness() -> Estimate:

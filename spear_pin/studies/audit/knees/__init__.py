@@ -16,7 +16,7 @@ from spear_pin.studies.audit.runs import kept
 from spear_pin.studies.payoff import bounding, hopping
 from spear_pin.studies.payoff.figures import Figures
 from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
-from spear_pin.studies.payoff.motors import PARTS, Motors, assumed, known
+from spear_pin.studies.payoff.motors import PARTS, Motors, assume_motor, known
 
 GAITS = HOP, BOUND = "hop", "bound"
 SPEED = 2.0  # m/s, of the bound
@@ -47,7 +47,7 @@ def motors(gait: str) -> Motors:
         knee, hip = (drive for drive, _ in filter(None, found))
     else:
         takes = read("knees/motors.toml")
-        knee, hip = (assumed(load("q_spear"), part, *takes[part]) for part in PARTS)
+        knee, hip = (assume_motor(load("q_spear"), part, *takes[part]) for part in PARTS)
     return Motors(knee, hip, own=PARTS)
 
 

@@ -10,7 +10,7 @@ from spear_pin.model.bridge import Battery, back_emf
 from spear_pin.model.catalogue import motor
 from spear_pin.studies.audit.printed_designs import SPEAR_II
 from spear_pin.studies.audit.runs import estimated, fitted, gears, idling
-from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, pushed_angle, release, resting_at, spear_ii
+from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, find_pushed_angle, release, rest_at, spear_ii
 
 SPEED = 20.0  # rad/s, of the example in Section 4.1.5.3
 
@@ -47,7 +47,7 @@ def least_forces(static_rest: bool = False) -> tuple[float, ...]:
     for motor_on, depth in product((True, False), DEPTHS):
         leg, knee = spear_ii(15.0 if motor_on else None), estimated(depth, motor_on)
         if static_rest:
-            knee = resting_at(leg, knee, knee.zero)
+            knee = rest_at(leg, knee, knee.zero)
         found.append(float(release(leg, knee, depth).force[:, 1].min()))
     return tuple(found)
 
@@ -56,8 +56,8 @@ def energy_left(depth: float = 0.10, static_rest: bool = False) -> float:
     """Returns the energy of the spring at rest over that at the depth of a push, in m."""
     leg, knee = spear_ii(), WITH_MOTOR
     if static_rest:
-        knee = resting_at(leg, knee, knee.zero)
-    return ((equilibrium(leg, knee) - knee.zero) / (pushed_angle(leg, knee, depth) - knee.zero)) ** 2
+        knee = rest_at(leg, knee, knee.zero)
+    return ((equilibrium(leg, knee) - knee.zero) / (find_pushed_angle(leg, knee, depth) - knee.zero)) ** 2
 
 
 def emf_at_the_joint(speed: float = SPEED) -> float:
