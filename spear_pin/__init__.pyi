@@ -43,7 +43,9 @@ from .model.robot import Robot as Robot
 from .model.sagittal import sagittal as sagittal
 from .model.spring import Spring as Spring
 from .model.variants import vary as vary
+from .studies.logs.fit import identify_motion as identify_motion
 from .studies.logs.log import Log as Log
+from .studies.logs.replaying import replay as replay
 from .viz.compare.comparison import compare as compare
 
 __version__: str

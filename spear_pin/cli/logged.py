@@ -78,7 +78,7 @@ def leg_and_logs(arguments: argparse.Namespace, program: Program) -> tuple[Hybri
     for name in columns or ():
         if name not in valid:
             raise UnknownName("quantity in --column", name, valid)
-    given = {name: value for name, value in {"columns": columns, "units": units}.items() if value}
+    given: dict[str, Any] = {name: value for name, value in {"columns": columns, "units": units}.items() if value}
     paths = arguments.log if isinstance(arguments.log, list) else [arguments.log]
     logs = [Log.read(path, **given) for path in paths]
     names = ["log"] if len(paths) == 1 else [f"log_{i}" for i in range(1, len(paths) + 1)]

@@ -116,6 +116,14 @@ def identify_motion(
         BadFile: a log has no hop.
         BadValue: a robot, a log or a value does not fit; or the log does not tell two numbers apart at all.
         UnknownName: there is no number of a name.
+
+    Example:
+        >>> from tempfile import mkdtemp
+        >>> from spear_pin import Log, hopping, identify_motion, load, simulate
+        >>> leg = hopping(load("spear_ii", locked=["boom_x"]))
+        >>> file = simulate(leg, leg.guess(), cycles=2).export(f"{mkdtemp()}/hops.csv")
+        >>> identify_motion(leg, Log.read(file), ["stiffness"])
+        MotionFit(stiffness 4...; 4 phases, rms 0.000...)
     """
     logs = [log] if isinstance(log, Log) else list(log)
     over, given = tuple(over), dict(start or {})

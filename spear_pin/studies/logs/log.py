@@ -102,6 +102,8 @@ class Log:
         path: str | Path,
         columns: Mapping[str, Any] | None = None,
         units: Mapping[str, str] | None = None,
+        *,
+        map: str | Path | None = None,
     ) -> Log:
         """Reads a log from a CSV, .mat, .npz or MCAP file, or a folder of files that follow one another on one clock.
 
@@ -116,16 +118,17 @@ class Log:
             columns: for each quantity the name of its column, or what `Column` has: {"crank": "x_deg"}. Quantities are
                 "time", the name of a joint for its position, that name with "_rate" or "_torque", and "mode".
             units: units of columns, by the column's name, where the name does not say it.
+            map: path of the TOML file, in the place of the one beside the log.
 
         Raises:
             BadFile: the file is not such a log; the text says why.
-            BadValue: a sign, a lag or another entry is not valid.
+            BadValue: a sign, a lag or another entry is not valid, or `columns` and `map` are both given.
             MissingExtra: the library that reads MCAP files is not installed.
             UnknownName: a column, an entry or a unit that is not there; the text lists the valid ones.
         """
         from spear_pin.studies.logs.reading import read
 
-        return read(path, columns, units or {})
+        return read(path, columns, units or {}, map)
 
     @staticmethod
     @typed

@@ -51,10 +51,15 @@ UNSAID = Column("")
 ENTRIES = [field.name for field in fields(Column)]
 
 
-def read(path: str | Path, columns: Mapping[str, Any] | None, units: Units) -> Log:
+def read(path: str | Path, columns: Mapping[str, Any] | None, units: Units, map: str | Path | None) -> Log:
     """Reads a log; see `Log.read`."""
     path = Path(path)
-    asked = _asked(path) if columns is None else _columns(columns, "columns")
+    if columns is not None and map is not None:
+        raise BadValue("map", map, "nothing where `columns` is given")
+    if columns is None:
+        asked = _asked(_beside(path) if map is None else Path(map))
+    else:
+        asked = _columns(columns, "columns")
     parts = [_read(file, asked, units) for file in _files(path, asked)]
     if len(parts) == 1:
         return parts[0]
@@ -78,12 +83,15 @@ def _files(path: Path, asked: Columns) -> list[Path]:
 # what the columns are
 
 
-def _asked(path: Path) -> Columns:
-    """Returns what the TOML file beside a log says, nothing where there is none."""
-    beside = path / FOLDER if path.is_dir() else path.with_suffix(".toml")
-    if not beside.is_file() and not path.is_dir():
-        beside = path.parent / FOLDER
-    if not beside.is_file():
+def _beside(path: Path) -> Path | None:
+    """Returns the TOML file beside a log, None where there is none."""
+    own = [] if path.is_dir() else [path.with_suffix(".toml"), path.parent / FOLDER]
+    return next((each for each in own or [path / FOLDER] if each.is_file()), None)
+
+
+def _asked(beside: Path | None) -> Columns:
+    """Returns what a TOML file says of a log, nothing where there is none."""
+    if beside is None:
         return {}
     try:
         said = tomllib.loads(regular(beside, MOST_BYTES).read_text(encoding="utf-8"))

@@ -123,6 +123,14 @@ def replay(
         BadFile: the log has no hop.
         BadValue: a robot, a log or a value does not fit.
         UnknownName: there is no number of a name.
+
+    Example:
+        >>> from tempfile import mkdtemp
+        >>> from spear_pin import Log, hopping, load, replay, simulate
+        >>> leg = hopping(load("spear_ii", locked=["boom_x"]))
+        >>> file = simulate(leg, leg.guess(), cycles=2).export(f"{mkdtemp()}/hops.csv")
+        >>> replay(leg, Log.read(file))
+        Replay('...hops.csv': 2 hops; model less log: compression ...)
     """
     require("window", window, lambda time: time > 0, "a number > 0, in s")
     require("settle", settle, lambda time: time >= 0, "a number >= 0, in s")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from spear_pin.errors import SpearError
+from spear_pin.errors import BadValue, SpearError
 from spear_pin.studies.logs import Column, Log
 from spear_pin.studies.tables.readings import GAP
 
@@ -76,15 +76,18 @@ class TestUnits:
             )
         )
 
-    @pytest.mark.parametrize("beside", ["hop.toml", "log.toml"])
+    @pytest.mark.parametrize("beside", ["hop.toml", "log.toml", "leg.toml"])
     def test_by_toml(self, put, beside):
         path = put(text("a,b,c", 1e3 * T, DEGREES, 1e3 * TORQUE))
         rows = ['time = { column = "a", unit = "ms" }', 'knee = { column = "b", unit = "deg" }']
         path.with_name(beside).write_text(
             "\n".join(["[columns]", *rows, 'knee_torque = { column = "c", unit = "mNm" }'])
         )
-        same(Log.read(path))
+        map = path.with_name(beside) if beside == "leg.toml" else None  # a file of another name has to be named
+        same(Log.read(path, map=map))
         assert [*Log.read(path, {"knee": "b", "time": "a"}).values] == ["knee"]  # what is said goes first
+        with pytest.raises(BadValue, match="nothing where `columns` is given"):
+            Log.read(path, {"knee": "b"}, map=path.with_name(beside))
 
     @pytest.mark.parametrize(
         ("name", "size"),
