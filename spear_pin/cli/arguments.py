@@ -178,12 +178,6 @@ def add_command(
     return parser
 
 
-def add_numbers(parser: Any, *options: tuple[str, str, str]) -> None:
-    """Declare options of a number each, by name, metavar and help; None unless they are given."""
-    for option, metavar, text in options:
-        parser.add_argument(option, type=float, metavar=metavar, help=text)
-
-
 def add_repair(parser: Any) -> None:
     """Declare --repair; None unless it is given."""
     parser.add_argument("--repair", action="store_true", default=None, help="mend inertias that no body can have")

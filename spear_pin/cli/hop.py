@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_numbers, add_seed, add_simulation, check_simulation
+from spear_pin.cli.arguments import Commands, add_command, add_options, add_seed, add_simulation, check_simulation
 from spear_pin.cli.given import given, refuse
 from spear_pin.cli.legs import add_leg, name_robot, one_leg, rests_on, stability, write_leg
 from spear_pin.cli.output import iterations, progress
@@ -35,36 +35,39 @@ def add(commands: Commands) -> None:
     )
     parser = add_command(commands, "hop", run, "find and simulate a leg's hop in place, print its multipliers", example)
     wanted = parser.add_mutually_exclusive_group()
-    add_numbers(
+    add_options(
         wanted,
-        ("--flight-time", "S", "flight time for which the stance torque is solved (default: 0.2)"),
-        ("--stance-torque", "N·m", "knee torque in stance, instead of a flight time"),
+        float,
+        flight_time=("S", None, "flight time for which the stance torque is solved (default: 0.2)"),
+        stance_torque=("N·m", None, "knee torque in stance, instead of a flight time"),
     )
-    add_numbers(
+    add_options(
         parser,
-        ("--knee", "RAD", "commanded knee angle at touchdown (default: 1.0)"),
-        ("--frequency", "HZ", "frequency of the torque in stance (default: 2.56)"),
-        ("--stiffness", "N·m/rad", "stiffness of the spring (default: 48.84)"),
-        ("--damping", "N·m·s/rad", "knee damping in stance (default: 1.3)"),
-        ("--hardening", "N·m/rad³", "hardening of the spring (default: 0)"),
-        ("--preload", "N·m", "preload of the spring (default: 0)"),
-        ("--switch-delay", "S", "delay with which the spring is engaged and released (default: 0)"),
-        ("--tooth", "RAD", "pitch of the teeth in which the switch can engage (default: none)"),
-        ("--friction", "MU", "friction of the ground (default: 0.8, an assumption)"),
-        ("--slope", "RAD", "slope of the ground, uphill in +x (default: 0)"),
+        float,
+        knee=("RAD", None, "commanded knee angle at touchdown (default: 1.0)"),
+        frequency=("HZ", None, "frequency of the torque in stance (default: 2.56)"),
+        stiffness=("N·m/rad", None, "stiffness of the spring (default: 48.84)"),
+        damping=("N·m·s/rad", None, "knee damping in stance (default: 1.3)"),
+        hardening=("N·m/rad³", None, "hardening of the spring (default: 0)"),
+        preload=("N·m", None, "preload of the spring (default: 0)"),
+        switch_delay=("S", None, "delay with which the spring is engaged and released (default: 0)"),
+        tooth=("RAD", None, "pitch of the teeth in which the switch can engage (default: none)"),
+        friction=("MU", None, "friction of the ground (default: 0.8, an assumption)"),
+        slope=("RAD", None, "slope of the ground, uphill in +x (default: 0)"),
     )
     parser.add_argument(
         "--free-x", action="store_true", help="let the boom slide along x, and solve the hip angle for no drift"
     )
-    add_numbers(parser, ("--foot-placement", "RAD·S/M", "gain of foot placement; needs --free-x"))
+    add_options(parser, float, foot_placement=("RAD·S/M", None, "gain of foot placement; needs --free-x"))
     hardware = parser.add_argument_group("hardware", "numbers that the thesis does not print are assumptions")
     hardware.add_argument("--hardware", action="store_true", help="simulate motors, gears and batteries")
-    add_numbers(
+    add_options(
         hardware,
-        ("--current-limit", "A", "limit of the amplifiers (default: 10)"),
-        ("--bandwidth", "HZ", "bandwidth of the current loops (default: none)"),
-        ("--noise", "RAD", "noise of the measured angles (default: 0)"),
-        ("--losses", "1/S", "lost commands per second, 5 ms each (default: 0)"),
+        float,
+        current_limit=("A", None, "limit of the amplifiers (default: 10)"),
+        bandwidth=("HZ", None, "bandwidth of the current loops (default: none)"),
+        noise=("RAD", None, "noise of the measured angles (default: 0)"),
+        losses=("1/S", None, "lost commands per second, 5 ms each (default: 0)"),
     )
     add_seed(hardware, "noise and losses", None)
     add_leg(parser, "one of its legs hops, with SPEAR-II's defaults scaled to it")

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 from spear_pin.cli.arguments import (
     Commands,
     add_command,
-    add_numbers,
     add_open,
+    add_options,
     add_out,
     add_repair,
     add_robot,
@@ -99,10 +99,11 @@ def add(commands: Commands) -> None:
             metavar="N",
             help=f"ratio of its gearbox; needs --{part}-motor (default: the file's)",
         )
-    add_numbers(
+    add_options(
         motors,
-        ("--efficiency", "X", f"efficiency of these motors' gears (default: {EFFICIENCY})"),
-        ("--bus", "V", "voltage of the motors' supply (default: their nominal voltage)"),
+        float,
+        efficiency=("X", None, f"efficiency of these motors' gears (default: {EFFICIENCY})"),
+        bus=("V", None, "voltage of the motors' supply (default: their nominal voltage)"),
     )
     add_workers(parser, None, "one for each processor")
     add_out(parser, "payoff.html, its pictures and gaits, and payoff.jsonl, from which an interrupted study goes on,")

@@ -6,7 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import FREE, Parser, add_numbers, number_or_free
+from spear_pin.cli.arguments import FREE, Parser, add_options, number_or_free
 from spear_pin.cli.legs import add_plane, in_the_plane, write_plane
 from spear_pin.cli.motors import EFFICIENCY
 from spear_pin.cli.python_lines import Code, Program
@@ -43,32 +43,35 @@ def add_request(parser: Parser) -> None:
     parser.add_argument(
         "--lift-off", metavar="RULE", help="lift off when the knee is back at 40° (knee) or at zero force (force)"
     )
-    add_numbers(
+    add_options(
         parser,
-        ("--friction", "MU", "largest friction coefficient that the gait may use"),
-        ("--clearance", "M", "least height of the toe in the air during the other's stance"),
-        ("--minimum-stride", "S", "least duration of a stride"),
-        ("--minimum-knee-torque", "N·m", "least torque |ū| of a knee motor"),
-        ("--hip-torque", "N·m", "largest torque of a hip motor"),
+        float,
+        friction=("MU", None, "largest friction coefficient that the gait may use"),
+        clearance=("M", None, "least height of the toe in the air during the other's stance"),
+        minimum_stride=("S", None, "least duration of a stride"),
+        minimum_knee_torque=("N·m", None, "least torque |ū| of a knee motor"),
+        hip_torque=("N·m", None, "largest torque of a hip motor"),
     )
     of_a_leg = "of one leg's knee spring"
     parser.add_argument(
         "--stiffness-per-leg", type=number_or_free, metavar="N·m/RAD", help=f"stiffness {of_a_leg}, or free"
     )
-    add_numbers(
+    add_options(
         parser,
-        ("--hardening-per-leg", "N·m/RAD³", f"hardening {of_a_leg}"),
-        ("--preload-per-leg", "N·m", f"preload {of_a_leg}"),
+        float,
+        hardening_per_leg=("N·m/RAD³", None, f"hardening {of_a_leg}"),
+        preload_per_leg=("N·m", None, f"preload {of_a_leg}"),
     )
     parser.add_argument("--knee-touchdown", type=number_or_free, metavar="DEG", help="knee angle at touchdown, or free")
     parser.add_argument(
         "--knee-motor", metavar="NAME", help="stay within the envelope of this motor, whose rotor turns with the knee"
     )
-    add_numbers(
+    add_options(
         parser,
-        ("--ratio", "N", f"ratio of the gearbox of --knee-motor (default: {RATIO:g})"),
-        ("--bus", "V", f"voltage of the supply of --knee-motor (default: {BUS:g})"),
-        ("--hip-distance", "M", "distance of posterior and anterior hips (default: 0.7)"),
+        float,
+        ratio=("N", None, f"ratio of the gearbox of --knee-motor (default: {RATIO:g})"),
+        bus=("V", None, f"voltage of the supply of --knee-motor (default: {BUS:g})"),
+        hip_distance=("M", None, "distance of posterior and anterior hips (default: 0.7)"),
     )
     add_plane(parser, "Q-SPEAR's constraints are scaled to it, and the limits of its joints are kept")
 

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from spear_pin.cli.arguments import Commands, add_command, add_numbers, add_simulation, check_simulation
+from spear_pin.cli.arguments import Commands, add_command, add_options, add_simulation, check_simulation
 from spear_pin.cli.bound_in_space import list_checks_in_space
 from spear_pin.cli.gaits import BOUND, bounding_gait
 from spear_pin.cli.given import given, refuse
@@ -37,10 +37,11 @@ def add(commands: Commands) -> None:
         metavar="GAIT",
         help=f"a bounding gait by name or path (default: {BOUND}); a gait that turns already is simulated as it is",
     )
-    add_numbers(
+    add_options(
         parser.add_mutually_exclusive_group(),
-        ("--rate", "DEG_PER_S", "yaw rate to the left: the angle divided by the period of the straight gait"),
-        ("--angle", "DEG", f"angle by which a stride turns to the left (default: {ANGLE:g}); negative: right"),
+        float,
+        rate=("DEG_PER_S", None, "yaw rate to the left: the angle divided by the period of the straight gait"),
+        angle=("DEG", None, f"angle by which a stride turns to the left (default: {ANGLE:g}); negative: right"),
     )
     add_simulation(parser, 20, "strides", "turn.html, turn.svg, turn.npz and turn.json", "turn.html")
 
