@@ -28,7 +28,7 @@ from spear_pin.hybrid.run import run
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.translation import translations, without
 
-Measure = Callable[[Run], float]
+MeasureOfRun = Callable[[Run], float]
 
 SETTLING = Options(rtol=1e-7, max_evaluations=EVALUATIONS)  # of each of these
 STRAINED = 2  # a search ends after so many cycles with more evaluations than any gait's

@@ -10,10 +10,10 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import Batch
 
-Measure = Callable[[HybridSystem, Array, Batch], Array]
+MeasureOfLanes = Callable[[HybridSystem, Array, Batch], Array]
 
 
-def _durations(phase: str) -> Measure:
+def _durations(phase: str) -> MeasureOfLanes:
     return lambda system, q, batch: batch.durations[phase]
 
 
@@ -29,7 +29,7 @@ def _stride(system: HybridSystem, q: Array, batch: Batch) -> Array:
 
 
 OBSERVED = ("apex_height",)  # measures at events that change nothing; each costs a stop in each cycle
-MEASURES: Mapping[str, Measure] = {
+MEASURES: Mapping[str, MeasureOfLanes] = {
     "apex_height": lambda system, q, batch: batch.observed["apex"][:, system.robot.index("boom_z")],
     "flight_time": _durations("flight"),
     "stance_time": _durations("stance"),

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from spear_pin.errors import BadValue, NoGait, UnknownName
-from spear_pin.gaits.attempts import ENOUGH, Hopeless, Measure, search_gait
+from spear_pin.gaits.attempts import ENOUGH, Hopeless, MeasureOfRun, search_gait
 from spear_pin.gaits.diagnosis import explain_failure
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted, measures_of
@@ -24,7 +24,7 @@ FACTORS = (1.0, 0.9, 1.1, 0.8, 1.2)  # factors on the varied parameters' startin
 def find_gait(
     system: HybridSystem,
     vary: Sequence[str] = (),
-    target: Mapping[str | Measure, float] | None = None,
+    target: Mapping[str | MeasureOfRun, float] | None = None,
     *,
     guess: State | None = None,
     rtol: float = 1e-10,

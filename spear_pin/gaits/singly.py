@@ -8,7 +8,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import NoGait, SpearError
-from spear_pin.gaits.attempts import Measure
+from spear_pin.gaits.attempts import MeasureOfRun
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.gait_table import CONVERGED, NO_CONVERGENCE, GaitTable
 from spear_pin.gaits.lane_cycles import NOT_VALID
@@ -35,7 +35,7 @@ def find_each(
     reason = np.full(n, CONVERGED, dtype=object)
     for lane in range(n):
         numbers = {name: float(values[lane]) for name, values in parameters.items()}
-        wanted: dict[str | Measure, float] = {name: float(values[lane]) for name, values in goals.items()}
+        wanted: dict[str | MeasureOfRun, float] = {name: float(values[lane]) for name, values in goals.items()}
         try:
             own = with_parameters(system, numbers)
         except SpearError:

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.sensitivity.measure import Measure
-from spear_pin.gaits.sensitivity.measures import measures, of_ends
+from spear_pin.gaits.sensitivity.measure import DualMeasure
+from spear_pin.gaits.sensitivity.measures import differentiate_measures, of_ends
 from spear_pin.hybrid.arc import Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import LOCK, has_lanes, may_vary
@@ -31,7 +31,7 @@ SAME = 1e-14  # relative: states that differ only by rounding, as from charts, h
 
 class _Differentiated(NamedTuple):
     cycle: Derivative
-    measured: list[Measure]
+    measured: list[DualMeasure]
     order: Order
 
 
@@ -144,8 +144,10 @@ class TangentCycles:
                 recorder = self._recorder(values)
                 fineness = ENDS if of_ends(self.measures) else INSIDE
                 cycle = differentiate_cycle(self.system, recorder, y, along, self.seeds, fineness)
-            load = Measure(self.system.robot.weight, np.zeros(along.shape[1]), "N")  # which none of the numbers changes
-            found = measures(cycle, along, load)
+            load = DualMeasure(
+                self.system.robot.weight, np.zeros(along.shape[1]), "N"
+            )  # which none of the numbers changes
+            found = differentiate_measures(cycle, along, load)
             measured = [found.get(name) for name in self.measures]
         except REFUSALS:
             return None

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spear_pin.errors import BadValue, NoGait, UnknownName
-from spear_pin.gaits.measures.catalogue import describe_measure, names_in
+from spear_pin.gaits.measures.catalogue import describe_measure, measures
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.result import Run
@@ -50,7 +50,7 @@ def measures_of(system: HybridSystem, *, sampled: bool = False) -> list[str]:
         system: the system.
         sampled: whether to leave out those that only derivatives give.
     """
-    others = [name for name in names_in(system) if describe_measure(name).sampled or not sampled]
+    others = [name for name, each in measures(system).items() if each.sampled or not sampled]
     return [*dict.fromkeys([*system.measures, *others])]
 
 
@@ -67,7 +67,7 @@ def measure_of(system: HybridSystem, measure: str | Callable[[Run], float]) -> C
     of_run = measure if callable(measure) else system.measures.get(measure)
     if of_run is not None:
         return lambda other, run: of_run(run)
-    if measure not in names_in(system):
+    if measure not in measures(system):
         raise UnknownName("measure", str(measure), measures_of(system))
 
     def of_samples(other: HybridSystem, run: Run) -> float:

@@ -14,7 +14,7 @@ from types import MappingProxyType
 import numpy as np
 
 from spear_pin.errors import BadValue, NoGait, require
-from spear_pin.gaits.attempts import Measure
+from spear_pin.gaits.attempts import MeasureOfRun
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.measures.of_samples import Sampled
@@ -30,7 +30,7 @@ from spear_pin.model.spring import Spring
 from spear_pin.model.variants import with_knee_motor
 from spear_pin.studies.hardware import Rig
 
-EQUAL_FLIGHT: Mapping[str | Measure, float] = MappingProxyType({"flight_time": 0.2})  # s (source)
+EQUAL_FLIGHT: Mapping[str | MeasureOfRun, float] = MappingProxyType({"flight_time": 0.2})  # s (source)
 TWO_STAGES = gearbox("spear_ii_knee_gear").efficiency
 UNLIMITED = Battery(1e6)  # V, more than anything asks for
 NEEDED = ("torque_constant", "resistance", "rotor_inertia")  # of a motor
@@ -106,7 +106,7 @@ def knee_drives(
     efficiency: float = TWO_STAGES,
     bus: float = 24.0,
     current_limit: float | None = None,
-    target: Mapping[str | Measure, float] = EQUAL_FLIGHT,
+    target: Mapping[str | MeasureOfRun, float] = EQUAL_FLIGHT,
     law: HoppingLaw | None = None,
     spring: Spring | None = None,
     retune: bool = True,

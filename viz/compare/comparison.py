@@ -15,12 +15,12 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.showing import Player
 from spear_pin.studies.comparison import (
+    ComparedMeasure,
     Difference,
-    Measure,
     Side,
+    compare_measures,
     describe_differences,
     differences,
-    measures,
     sides_of,
 )
 from spear_pin.studies.comparison.sides import CYCLES, different
@@ -40,7 +40,7 @@ class Comparison:
     """
 
     sides: tuple[Side, ...]
-    measures: tuple[Measure, ...]
+    measures: tuple[ComparedMeasure, ...]
     differences: tuple[Difference, ...]
     said: tuple[str, ...]
 
@@ -117,5 +117,5 @@ def compare(
         ['law: stance_torque', 'spring: stiffness']
     """
     sides = sides_of(items, names, cycles=cycles, of=of)
-    rows = measures(sides)
+    rows = compare_measures(sides)
     return Comparison(sides, rows, differences(sides), describe_differences(sides, rows))

@@ -12,7 +12,7 @@ import numpy as np
 from spear_pin import __version__
 from spear_pin.errors import BadValue
 from spear_pin.model.robot import Robot
-from spear_pin.studies.comparison import Difference, Measure, Side
+from spear_pin.studies.comparison import ComparedMeasure, Difference, Side
 from spear_pin.studies.comparison.sides import make_standing
 from spear_pin.viz.bench.samples import packed, samples_of, thinned
 from spear_pin.viz.compare.words import change, number, parameters, percent, value
@@ -38,7 +38,10 @@ class Mark:
 
 
 def render(
-    sides: tuple[Side, ...], measures: tuple[Measure, ...], differences: tuple[Difference, ...], said: tuple[str, ...]
+    sides: tuple[Side, ...],
+    measures: tuple[ComparedMeasure, ...],
+    differences: tuple[Difference, ...],
+    said: tuple[str, ...],
 ) -> str:
     """Returns the text of the page, with as many frames a second as it may hold.
 

@@ -13,7 +13,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, UnknownName, list_names
 from spear_pin.gaits.codesign.stability import borders, slopes
 from spear_pin.gaits.codesign.step import Local
-from spear_pin.gaits.sensitivity.measure import Measure
+from spear_pin.gaits.sensitivity.measure import DualMeasure
 from spear_pin.gaits.sensitivity.orbit import Orbit, branch
 from spear_pin.gaits.targets import measures_of
 from spear_pin.hybrid.parameters import number
@@ -91,7 +91,7 @@ class Problem:
         upper = [Bound(name, -1.0, value) for name, value in self.at_most.items()]
         return (*upper, *(Bound(name, 1.0, value) for name, value in self.at_least.items()))
 
-    def measure(self, orbit: Orbit, name: str) -> Measure | None:
+    def measure(self, orbit: Orbit, name: str) -> DualMeasure | None:
         """Returns a measure of a gait, or a margin; None where there is none of that name."""
         if not name.startswith(MARGIN):
             return orbit.measures.get(name)

@@ -24,7 +24,7 @@ from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.seeds import Seeds, seeds
 
 KEPT = 16  # systems with other robots: three are asked for again and again
-Measure = str | Callable[[Run], float]
+NameOrMeasure = str | Callable[[Run], float]
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Family:
 
     system: HybridSystem
     names: tuple[str, ...]
-    measures: tuple[Measure, ...]
+    measures: tuple[NameOrMeasure, ...]
     rtol: float
 
     @cached_property
@@ -146,7 +146,7 @@ class Family:
         def cycle(begun: State, values: Array) -> Run:
             return return_map(self.member(values.tolist()), begun, self.rtol)
 
-        def measured(name: Measure) -> Callable[[Run, Array], float]:
+        def measured(name: NameOrMeasure) -> Callable[[Run, Array], float]:
             measure = measure_of(self.system, name)
             return lambda result, values: measure(self.member(values.tolist()), result)
 

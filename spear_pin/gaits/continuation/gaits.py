@@ -15,8 +15,8 @@ from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.differences import differentiate_values as differenced
 from spear_pin.gaits.continuation.problem import Local, NoValue
-from spear_pin.gaits.sensitivity.measure import Measure
-from spear_pin.gaits.sensitivity.measures import measures, of_ends
+from spear_pin.gaits.sensitivity.measure import DualMeasure
+from spear_pin.gaits.sensitivity.measures import differentiate_measures, of_ends
 from spear_pin.hybrid.batch import LOCK
 from spear_pin.hybrid.charts import Chart, Charts
 from spear_pin.hybrid.newton import differentiate_stencil as differences
@@ -116,8 +116,8 @@ class Gaits:
                 recorder = family.recorder(numbers)
                 cycle = differentiate_cycle(recorder.system, recorder, np.concatenate(state), start, along, fineness)
                 moves = columns(system, local, cycle)
-            weight = Measure(system.robot.weight, np.concatenate([np.zeros(d), own.weight]), "N")
-            known = measures(cycle, start, weight)
+            weight = DualMeasure(system.robot.weight, np.concatenate([np.zeros(d), own.weight]), "N")
+            known = differentiate_measures(cycle, start, weight)
             measured = [known[name] for name in names if name in known]
         except REFUSALS:
             return None

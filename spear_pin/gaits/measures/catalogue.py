@@ -19,7 +19,7 @@ from spear_pin.hybrid.path_springs import unit_along
 from spear_pin.model.robot import Robot
 
 
-class Named(NamedTuple):
+class Measure(NamedTuple):
     """A measure, or measures of one kind for joints, toes, phases or events.
 
     Attributes:
@@ -136,131 +136,131 @@ def _friction(cycle: Signals, toe: str) -> Any:
     return cycle.ratio(*cycle.forces[toe], cycle.pressed) if toe in cycle.forces else None
 
 
-CATALOGUE: list[Named] = [
-    Named("PHASE_time", "s", "Duration of a phase.", lambda cycle, phase: cycle.durations[phase]),
-    Named("period", "s", "Duration of a cycle.", lambda cycle: cycle.period),
-    Named(
+CATALOGUE: list[Measure] = [
+    Measure("PHASE_time", "s", "Duration of a phase.", lambda cycle, phase: cycle.durations[phase]),
+    Measure("period", "s", "Duration of a cycle.", lambda cycle: cycle.period),
+    Measure(
         "EVENT_height",
         "m",
         "Height of the base at an event that is recorded but changes nothing, such as the apex.",
         lambda cycle, event: cycle.observed[event],
         sampled=False,
     ),
-    Named(
+    Measure(
         "JOINT_rate_at_SECTION",
         "rad/s",
         "Speed of a joint just before the cycle closes.",
         _at_closing(1),
         sampled=False,
     ),
-    Named("JOINT_at_SECTION", "rad", "Angle of a joint where the cycle closes.", _at_closing(0), sampled=False),
-    Named("stride", "m", "Distance covered in a cycle.", lambda cycle: cycle.stride),
-    Named(
+    Measure("JOINT_at_SECTION", "rad", "Angle of a joint where the cycle closes.", _at_closing(0), sampled=False),
+    Measure("stride", "m", "Distance covered in a cycle.", lambda cycle: cycle.stride),
+    Measure(
         "mean_speed",
         "m/s",
         "Distance covered in a cycle, divided by its period.",
         lambda cycle: None if cycle.stride is None else cycle.stride / cycle.period,
     ),
-    Named("turn", "rad", "Change of the heading in a cycle, to the left.", lambda cycle: cycle.turn, sampled=False),
-    Named(
+    Measure("turn", "rad", "Change of the heading in a cycle, to the left.", lambda cycle: cycle.turn, sampled=False),
+    Measure(
         "work",
         "J",
         "Work of all motors on the joints in a cycle, braking counted as negative.",
         lambda cycle: cycle.net_work,
     ),
-    Named(
+    Measure(
         "positive_work",
         "J",
         "Work of all motors in a cycle where they drive: ∫ Σ max(u ω, 0) dt.",
         lambda cycle: cycle.positive_work,
     ),
-    Named("absolute_work", "J", "Absolute work of all motors in a cycle: ∫ Σ |u ω| dt.", _absolute),
-    Named(
+    Measure("absolute_work", "J", "Absolute work of all motors in a cycle: ∫ Σ |u ω| dt.", _absolute),
+    Measure(
         "cost_of_transport",
         "1",
         "Absolute work divided by the robot's weight and the distance covered.",
         _transport(_absolute),
     ),
-    Named(
+    Measure(
         "cost_of_transport_positive",
         "1",
         "Positive work divided by the robot's weight and the distance covered.",
         _transport(lambda cycle: cycle.positive_work),
     ),
-    Named(
+    Measure(
         "effort",
         "N²·m²·s",
         "∫ Σ u² dt over a cycle and all motors, u the torque of one motor.",
         _effort,
     ),
-    Named("effort_per_distance", "N²·m·s", "The effort divided by the distance covered.", _per_distance(_effort)),
-    Named("rms_torque_JOINT", "N·m", "Root mean square of the torque of one motor over a cycle.", _rms),
-    Named(
+    Measure("effort_per_distance", "N²·m·s", "The effort divided by the distance covered.", _per_distance(_effort)),
+    Measure("rms_torque_JOINT", "N·m", "Root mean square of the torque of one motor over a cycle.", _rms),
+    Measure(
         "peak_torque_JOINT",
         "N·m",
         "Largest absolute torque of one motor.",
         _largest("torques", "amount"),
     ),
-    Named("peak_speed_JOINT", "rad/s", "Largest absolute speed of a joint.", _largest("speeds", "amount")),
-    Named(
+    Measure("peak_speed_JOINT", "rad/s", "Largest absolute speed of a joint.", _largest("speeds", "amount")),
+    Measure(
         "greatest_height_TOE",
         "m",
         "Greatest height of a toe above the ground between lift-off and touchdown.",
         _largest("heights", "peak"),
         sampled=False,
     ),
-    Named(
+    Measure(
         "least_JOINT",
         "rad",
         "Least angle of a joint.",
         lambda cycle, joint: -cycle.peak(cycle.angles[joint] * -1.0) if joint in cycle.angles else None,
     ),
-    Named("greatest_JOINT", "rad", "Greatest angle of a joint.", _largest("angles", "peak")),
-    Named(
+    Measure("greatest_JOINT", "rad", "Greatest angle of a joint.", _largest("angles", "peak")),
+    Measure(
         "peak_force_TOE",
         "N",
         "Largest normal force on a toe; in the sagittal plane on both feet of a pair.",
         _normal,
     ),
-    Named(
+    Measure(
         "friction_used_TOE",
         "1",
         "Largest ratio of the force along the ground to the normal force, while the toe carries at least 2 % of its"
         " even share of the weight: m g divided by the number of toes.",
         _friction,
     ),
-    Named(
+    Measure(
         "deflection_JOINT",
         "rad",
         "Deflection of a spring when it releases, in m if its path is; if it releases several times, the smallest.",
         lambda cycle, joint: cycle.released.get(joint),
         sampled=False,
     ),
-    Named("heat_JOINT", "J", "Heat of the windings of all motors of a joint in a cycle."),
-    Named("energy", "J", "Work and heat of all motors in a cycle."),
-    Named(
+    Measure("heat_JOINT", "J", "Heat of the windings of all motors of a joint in a cycle."),
+    Measure("energy", "J", "Work and heat of all motors in a cycle."),
+    Measure(
         "electricity_JOINT",
         "J",
         "Electricity that all motors of a joint take in a cycle; none is given back.",
         _taken,
         driven=True,
     ),
-    Named(
+    Measure(
         "electricity",
         "J",
         "Electricity that all motors take in a cycle; none is given back.",
         _all_taken,
         driven=True,
     ),
-    Named("reserve_JOINT", "N·m", "Smallest torque that one motor still has in reserve, at the joint."),
-    Named(
+    Measure("reserve_JOINT", "N·m", "Smallest torque that one motor still has in reserve, at the joint."),
+    Measure(
         "heating_JOINT",
         "1",
         "Rms torque of one motor over its continuous torque, both behind its gears.",
         _heating,
         driven=True,
     ),
-    Named("multiplier_N", "1", "Modulus of a Floquet multiplier, by decreasing size."),
+    Measure("multiplier_N", "1", "Modulus of a Floquet multiplier, by decreasing size."),
 ]
 SHOWN = (
     *("mean_speed", "stride", "period", "peak_force", "friction_used", "peak_torque", "rms_torque", "peak_speed"),
@@ -274,7 +274,7 @@ ALONG_A_RAIL = {"rad": "m", "rad/s": "m/s", "N·m": "N", "N²·m²·s": "N²·s"
 PLACES = re.compile(r"[A-Z]{2,}|(?<=_)N$")
 
 
-def register(entry: Named) -> None:
+def register(entry: Measure) -> None:
     """Adds a measure of one's own, which is then known by name, and shown, wherever measures are.
 
     Raises:
@@ -291,29 +291,29 @@ def register(entry: Named) -> None:
     CATALOGUE.append(entry._replace(shown=True))
 
 
-def added() -> list[Named]:
+def added() -> list[Measure]:
     """Returns the measures that commands, pages and comparisons show behind their own figures."""
     return [each for each in CATALOGUE if each.shown]
 
 
-def names_in(system: HybridSystem) -> list[str]:
-    """Returns the names of all measures that cycles of a system may have, without those at other events."""
+def measures(system: HybridSystem) -> dict[str, Measure]:
+    """Returns all measures that cycles of a system may have, by name, without those at other events."""
     robot, moves = system.robot, bool(system.cyclic)
     mounts = [mount for domain in system.domains for mount in domain.mounts]
     springs = dict.fromkeys(mount.name for mount in mounts if mount.spring.pulls)
     places = {"PHASE": system.phases, "EVENT": (), "JOINT": robot.actuated, "TOE": robot.toes}
-    found = []
+    found = dict[str, Measure]()
     for each in CATALOGUE:
         pattern = each.pattern.replace("SECTION", system.section)
         word = next((word for word in PLACED if word in pattern), "")
         if not each.wanted or (each.pattern in OF_A_WAY and not moves):
             continue
         there = springs if each.kind == "deflection" else places.get(word, ())
-        found += [pattern.replace(word, place) for place in there] if word else [pattern]
+        found |= dict.fromkeys([pattern.replace(word, place) for place in there] if word else [pattern], each)
     return found
 
 
-def unit_in(system: HybridSystem, entry: Named, name: str) -> str:
+def unit_in(system: HybridSystem, entry: Measure, name: str) -> str:
     """Returns the unit of a system's measure, by its entry and name: that of a deflection is its path's."""
     if entry.kind == "deflection":
         for mount in (mount for domain in system.domains for mount in domain.mounts):
@@ -322,7 +322,7 @@ def unit_in(system: HybridSystem, entry: Named, name: str) -> str:
     return unit_on(system.robot, entry, name)
 
 
-def unit_on(robot: Robot, entry: Named, name: str) -> str:
+def unit_on(robot: Robot, entry: Measure, name: str) -> str:
     """Returns the unit of a robot's measure, by its entry and name: joints that slide have others."""
     if not ("JOINT" in entry.pattern or entry.kind in OF_ALL_JOINTS):
         return entry.unit
@@ -330,12 +330,12 @@ def unit_on(robot: Robot, entry: Named, name: str) -> str:
     return ALONG_A_RAIL.get(entry.unit, entry.unit) if measured == {"m"} else entry.unit
 
 
-def match_pattern(entry: Named, joint: str = "") -> str:
+def match_pattern(entry: Measure, joint: str = "") -> str:
     """Returns the regular expression of the names of an entry's measures, or of those of one joint."""
     return PLACES.sub(lambda word: re.escape(joint) if joint and word[0] == "JOINT" else ".+", entry.pattern)
 
 
-def describe_measure(name: str) -> Named:
+def describe_measure(name: str) -> Measure:
     """Returns what a measure means, by its name.
 
     Raises:

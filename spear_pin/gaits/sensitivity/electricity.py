@@ -13,7 +13,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.sensitivity.along_arcs import find_powered
 from spear_pin.gaits.sensitivity.heat import drive_of, motors_of_joint
-from spear_pin.gaits.sensitivity.measure import Group, Measure, total
+from spear_pin.gaits.sensitivity.measure import DualMeasure, Group, total
 from spear_pin.gaits.sensitivity.signals import Pieces, peak, roots
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import lengths, unit_of
@@ -72,14 +72,14 @@ def electricity(cycle: Derivative, drives: Mapping[str, Drive], names: Sequence[
             joint = _joint(cycle.system, name, drive, names, d)
             yield name, joint, *find_powered(cycle.stretches, robot, name)
 
-    def taken(of: Mapping[str, Measure]) -> dict[str, Measure]:
-        parts = {f"{ELECTRICITY}_{name}": Measure(*_drawn(u, w, joint), "J") for name, joint, u, w in joints()}
+    def taken(of: Mapping[str, DualMeasure]) -> dict[str, DualMeasure]:
+        parts = {f"{ELECTRICITY}_{name}": DualMeasure(*_drawn(u, w, joint), "J") for name, joint, u, w in joints()}
         whole = {ELECTRICITY: total([*parts.values()])} if set(drives) == set(robot.actuated) else {}
         return {**parts, **whole}
 
-    def reserves(of: Mapping[str, Measure]) -> dict[str, Measure]:
+    def reserves(of: Mapping[str, DualMeasure]) -> dict[str, DualMeasure]:
         units = {name: unit_of("u", measured) for name, measured in lengths(robot).items()}
-        return {RESERVE + name: Measure(*_reserve(u, w, joint), units[name]) for name, joint, u, w in joints()}
+        return {RESERVE + name: DualMeasure(*_reserve(u, w, joint), units[name]) for name, joint, u, w in joints()}
 
     return Group(f"{ELECTRICITY}(_.*)?", taken), Group(f"{RESERVE}.*", reserves)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
-from spear_pin.gaits.sensitivity.measure import Group, Measure, total
+from spear_pin.gaits.sensitivity.measure import DualMeasure, Group, total
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.parameters import number, with_numbers
@@ -37,7 +37,7 @@ def heat(system: HybridSystem, motors: Mapping[str, Motor], names: Sequence[str]
         BadValue: when a measure is found, if a motor's resistance or torque constant is not known.
     """
 
-    def found(of: Mapping[str, Measure]) -> dict[str, Measure]:
+    def found(of: Mapping[str, DualMeasure]) -> dict[str, DualMeasure]:
         heats = {HEAT + joint: _heat(of, system, joint, motor, names, d) for joint, motor in motors.items()}
         return {**heats, ENERGY: total([of[WORK], *heats.values()])}
 
@@ -45,14 +45,14 @@ def heat(system: HybridSystem, motors: Mapping[str, Motor], names: Sequence[str]
 
 
 def _heat(
-    of: Mapping[str, Measure], system: HybridSystem, joint: str, motor: Motor, names: Sequence[str], d: int
-) -> Measure:
+    of: Mapping[str, DualMeasure], system: HybridSystem, joint: str, motor: Motor, names: Sequence[str], d: int
+) -> DualMeasure:
     factor, ((ratio, size), (of_ratio, of_size)) = find_heating(system, joint, motor), drive_of(system, joint, names, d)
     rms, period = of[f"rms_torque_{joint}"], of["period"]
     value = factor * rms.value**2 * period.value
     of_rms = 2.0 * factor * rms.value * period.value * rms.derivative
     of_rest = factor * rms.value**2 * period.derivative - value * (2.0 * of_ratio / ratio + of_size / size)
-    return Measure(value, of_rms + of_rest, "J")
+    return DualMeasure(value, of_rms + of_rest, "J")
 
 
 def heatings(system: HybridSystem, motors: Mapping[str, Motor | Drive], names: Sequence[str], d: int) -> Group:
@@ -61,7 +61,7 @@ def heatings(system: HybridSystem, motors: Mapping[str, Motor | Drive], names: S
     A motor of which the continuous torque is not known has none. The arguments are those of `heat`.
     """
 
-    def found(of: Mapping[str, Measure]) -> dict[str, Measure]:
+    def found(of: Mapping[str, DualMeasure]) -> dict[str, DualMeasure]:
         heatings = {}
         for joint, each in motors.items():
             one, share = (each.motor, each.gearbox.efficiency) if isinstance(each, Drive) else (each, 1.0)
@@ -69,7 +69,7 @@ def heatings(system: HybridSystem, motors: Mapping[str, Motor | Drive], names: S
                 (ratio, size), (of_ratio, of_size) = drive_of(system, joint, names, d)
                 rms, most = of[f"rms_torque_{joint}"], share * ratio * size_motor(one, float(size)).continuous_torque
                 change = rms.derivative - rms.value * (of_ratio / ratio + of_size / size)
-                heatings[HEATING + joint] = Measure(rms.value / most, change / most, "1")
+                heatings[HEATING + joint] = DualMeasure(rms.value / most, change / most, "1")
         return heatings
 
     return Group(f"{HEATING}.*", found)

@@ -9,8 +9,8 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.sensitivity.heat import heat, heatings
-from spear_pin.gaits.sensitivity.measure import Measure
-from spear_pin.gaits.sensitivity.measures import measures
+from spear_pin.gaits.sensitivity.measure import DualMeasure
+from spear_pin.gaits.sensitivity.measures import differentiate_measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.tangent.cycle import differentiate_cycle
@@ -43,7 +43,7 @@ def measure_lanes(
     """
     n, numbers, found = len(q), many(system, given), dict[str, Array]()
     orders: list[Order] = [()] * n
-    weight, still = Measure(system.robot.weight, np.zeros(1), "N"), np.zeros((2 * system.robot.nv, 1))
+    weight, still = DualMeasure(system.robot.weight, np.zeros(1), "N"), np.zeros((2 * system.robot.nv, 1))
     more = [heat(system, motors, (), 1), heatings(system, motors, (), 1)] if motors else []
     for i in range(n):
         recorder = Recorder(system, numbers, i)
@@ -51,7 +51,7 @@ def measure_lanes(
         with suppress(NotDifferentiable):
             cycle = differentiate_cycle(system, recorder, np.concatenate([q[i], v[i]]), still, nothing)
             orders[i] = cycle.record.order
-            for name, each in measures(cycle, still, weight, more).items():
+            for name, each in differentiate_measures(cycle, still, weight, more).items():
                 found.setdefault(name, np.full(n, np.nan))[i] = each.value if np.isfinite(each.value) else np.nan
         on_lanes(1)
     return found, orders

@@ -8,14 +8,14 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.sensitivity.along_arcs import evaluate_guard, long
-from spear_pin.gaits.sensitivity.measure import Measure
+from spear_pin.gaits.sensitivity.measure import DualMeasure
 from spear_pin.gaits.sensitivity.signals import Pieces, extremes
 from spear_pin.hybrid.tangent.derivative import BEGIN, END, Derivative, Stretch
 
 ZERO = 1e-9  # relative to a guard's largest value: a guard with a smaller value begins at zero
 
 
-def margins(cycle: Derivative, before: str = "") -> dict[str, Measure]:
+def margins(cycle: Derivative, before: str = "") -> dict[str, DualMeasure]:
     """Returns the least margin of each armed event, by the event's name; zero where the event meets another.
 
     The margin of an event that does not happen is the least value of its guard. If the event happens, the margin is the
@@ -27,14 +27,14 @@ def margins(cycle: Derivative, before: str = "") -> dict[str, Measure]:
         cycle: the cycle.
         before: an event up to which motion counts. An event that happens before then has no margin left.
     """
-    found = dict[str, Measure]()
+    found = dict[str, DualMeasure]()
     for motion in motions(cycle.stretches):
         event, candidates = motion[-1].arc.event, [*of_motion(motion)]
         if before and event is not None and event.name != before and long(motion):
             candidates.append((event.name, 0.0, np.zeros(cycle.dy.shape[1])))
         for name, value, derivative in candidates:
             if name not in found or value < found[name].value:
-                found[name] = Measure(value, derivative, "")
+                found[name] = DualMeasure(value, derivative, "")
         if before and event is not None and event.name == before:
             break
     return found

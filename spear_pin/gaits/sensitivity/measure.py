@@ -21,7 +21,7 @@ def estimate_rounding(output: str) -> float:
 
 
 @dataclass(frozen=True)
-class Measure:
+class DualMeasure:
     """A measure of a cycle.
 
     Attributes:
@@ -44,10 +44,10 @@ class Group(NamedTuple):
     """
 
     names: str
-    found: Callable[[Mapping[str, Measure]], Mapping[str, Measure]]
+    found: Callable[[Mapping[str, DualMeasure]], Mapping[str, DualMeasure]]
 
 
-class Measures(Mapping[str, Measure]):
+class Measures(Mapping[str, DualMeasure]):
     """Measures by name: reading one finds it, with the other measures of its group.
 
     Args:
@@ -55,9 +55,9 @@ class Measures(Mapping[str, Measure]):
     """
 
     def __init__(self, groups: Sequence[Group]) -> None:
-        self._groups, self._found = tuple(groups), dict[int, Mapping[str, Measure]]()
+        self._groups, self._found = tuple(groups), dict[int, Mapping[str, DualMeasure]]()
 
-    def __getitem__(self, name: str) -> Measure:
+    def __getitem__(self, name: str) -> DualMeasure:
         for i, group in enumerate(self._groups):
             if re.fullmatch(group.names, name) and name in self._of(i):
                 return self._of(i)[name]
@@ -69,19 +69,19 @@ class Measures(Mapping[str, Measure]):
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
-    def _of(self, i: int) -> Mapping[str, Measure]:
+    def _of(self, i: int) -> Mapping[str, DualMeasure]:
         if i not in self._found:
             self._found[i] = self._groups[i].found(self)
         return self._found[i]
 
 
-def total(parts: Sequence[Measure]) -> Measure:
+def total(parts: Sequence[DualMeasure]) -> DualMeasure:
     """Returns the sum of measures that have the same unit."""
     value = float(sum(each.value for each in parts))
-    return Measure(value, np.sum([each.derivative for each in parts], axis=0), parts[0].unit)
+    return DualMeasure(value, np.sum([each.derivative for each in parts], axis=0), parts[0].unit)
 
 
-def ratio(above: Measure, below: Measure, unit: str) -> Measure:
+def ratio(above: DualMeasure, below: DualMeasure, unit: str) -> DualMeasure:
     """Returns the ratio of two measures, in a given unit."""
     value = above.value / below.value
-    return Measure(value, (above.derivative - value * below.derivative) / below.value, unit)
+    return DualMeasure(value, (above.derivative - value * below.derivative) / below.value, unit)

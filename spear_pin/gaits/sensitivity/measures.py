@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.measures.catalogue import CATALOGUE, Named, match_pattern, unit_in
+from spear_pin.gaits.measures.catalogue import CATALOGUE, Measure, match_pattern, unit_in
 from spear_pin.gaits.measures.signals import Signals
 from spear_pin.gaits.sensitivity.along_arcs import (
     along,
@@ -24,7 +24,7 @@ from spear_pin.gaits.sensitivity.along_arcs import (
     long,
     with_partner,
 )
-from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures
+from spear_pin.gaits.sensitivity.measure import DualMeasure, Group, Measures
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.domain import ACTS, RELEASES, Guard, Held, Switch
@@ -36,7 +36,9 @@ from spear_pin.hybrid.tangent.stretched import measure_stretch
 OF_ENDS = (".*_time|period", "stride|mean_speed|turn", ".*_at_.*")
 
 
-def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Group] = ()) -> Measures:
+def differentiate_measures(
+    cycle: Derivative, start: Array, weight: DualMeasure, more: Sequence[Group] = ()
+) -> Measures:
     """Returns all named measures of a cycle, each found when it is asked for.
 
     `spear_pin.gaits.measures.catalogue` lists their names, units and meanings.
@@ -52,11 +54,11 @@ def measures(cycle: Derivative, start: Array, weight: Measure, more: Sequence[Gr
     return Measures([*(Group(match_pattern(each), partial(_found, each, signals)) for each in wanted), *more])
 
 
-def _found(entry: Named, signals: Differentiated, of: Any) -> dict[str, Measure]:
+def _found(entry: Measure, signals: Differentiated, of: Any) -> dict[str, DualMeasure]:
     still = np.zeros(signals.start.shape[1])
     found, system = entry.values(signals).items(), signals.cycle.system
     return {
-        name: Measure(float(value_of(x)), np.asarray(derivative_of(x)) + still, unit_in(system, entry, name))
+        name: DualMeasure(float(value_of(x)), np.asarray(derivative_of(x)) + still, unit_in(system, entry, name))
         for name, x in found
     }
 
@@ -93,7 +95,7 @@ class Differentiated(Signals):
         weight: weight of the robot.
     """
 
-    def __init__(self, cycle: Derivative, start: Array, weight: Measure) -> None:
+    def __init__(self, cycle: Derivative, start: Array, weight: DualMeasure) -> None:
         self.cycle, self.start, self._weight = cycle, start, weight
         self.robot, self.section, self.stretches = cycle.system.robot, cycle.system.section, cycle.stretches
 

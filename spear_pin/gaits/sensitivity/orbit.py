@@ -15,8 +15,8 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.sensitivity.electricity import check_gears, electricity
 from spear_pin.gaits.sensitivity.heat import heat, heatings
 from spear_pin.gaits.sensitivity.margins import margins
-from spear_pin.gaits.sensitivity.measure import Measure, Measures
-from spear_pin.gaits.sensitivity.measures import measures
+from spear_pin.gaits.sensitivity.measure import DualMeasure, Measures
+from spear_pin.gaits.sensitivity.measures import differentiate_measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.charts import Chart
@@ -112,20 +112,20 @@ class Orbit:
             more = (*more, heat(self.system, motors, self.names, self.dimension))
         if self.motors:
             more = (*more, heatings(self.system, self.motors, self.names, self.dimension))
-        return measures(self.cycle, self.start, self.weight, more)
+        return differentiate_measures(self.cycle, self.start, self.weight, more)
 
     @property
-    def weight(self) -> Measure:
+    def weight(self) -> DualMeasure:
         """The robot's weight."""
         derivative = np.concatenate([np.zeros(self.dimension), self._seeds.weight])
-        return Measure(self.system.robot.weight, derivative, "N")
+        return DualMeasure(self.system.robot.weight, derivative, "N")
 
     @cached_property
-    def margins(self) -> dict[str, Measure]:
+    def margins(self) -> dict[str, DualMeasure]:
         """Margin of each event from happening otherwise, with derivatives by ξ and by the parameters."""
         return margins(self.cycle)
 
-    def margins_before(self, event: str) -> dict[str, Measure]:
+    def margins_before(self, event: str) -> dict[str, DualMeasure]:
         """Returns the same, of motion before an event."""
         return margins(self.cycle, event)
 

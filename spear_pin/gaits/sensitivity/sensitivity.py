@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.files import plain
-from spear_pin.gaits.sensitivity.measure import MULTIPLIER, Measure, estimate_rounding
+from spear_pin.gaits.sensitivity.measure import MULTIPLIER, DualMeasure, estimate_rounding
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import branch, orbit_of_gait
@@ -212,10 +212,12 @@ def sensitivity(
     chain = branch(orbit, keep)
     solved_for = dict(zip(vary, chain[orbit.dimension :], strict=False))
     multipliers, slopes = along_branch(orbit, over, orbit.start @ chain, solved_for)
-    found = {name: Measure(number(system, name), row, unit(system, name)) for name, row in solved_for.items()}
-    found |= {name: Measure(each.value, each.derivative @ chain, each.unit) for name, each in orbit.measures.items()}
+    found = {name: DualMeasure(number(system, name), row, unit(system, name)) for name, row in solved_for.items()}
+    found |= {
+        name: DualMeasure(each.value, each.derivative @ chain, each.unit) for name, each in orbit.measures.items()
+    }
     for i, (value, slope) in enumerate(zip(*moduli(multipliers, slopes), strict=True)):
-        found[f"{MULTIPLIER}{i + 1}"] = Measure(float(value), slope, "1")
+        found[f"{MULTIPLIER}{i + 1}"] = DualMeasure(float(value), slope, "1")
     return Sensitivity(
         system,
         state,

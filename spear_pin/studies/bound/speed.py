@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from spear_pin.errors import BadValue, NoGait, require
-from spear_pin.gaits.attempts import Measure
+from spear_pin.gaits.attempts import MeasureOfRun
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.feedback import add_feedback, speed_regulated, without_feedback
 from spear_pin.gaits.gait import Gait
@@ -90,7 +90,7 @@ def _continued(gait: Gait, speed: float, on_iteration: Callable[[int, float], ob
         if len(seen) > PATIENCE:
             raise _Enough
 
-    target: dict[str | Measure, float] = {"mean_speed": speed}
+    target: dict[str | MeasureOfRun, float] = {"mean_speed": speed}
     try:
         return find_gait(gait.system, [SPEED_BY], target, guess=gait.state, on_iteration=tell)
     except _Enough:

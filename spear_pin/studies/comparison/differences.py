@@ -28,7 +28,7 @@ NOTHING = 1e-6  # of the first value, in its unit: a share of less says nothing
 
 
 @dataclass(frozen=True)
-class Measure:
+class ComparedMeasure:
     """A measure of all sides.
 
     Attributes:
@@ -77,14 +77,16 @@ class Difference:
     units: tuple[str, ...] = ()
 
 
-def measures(sides: Sequence[Side]) -> tuple[Measure, ...]:
+def compare_measures(sides: Sequence[Side]) -> tuple[ComparedMeasure, ...]:
     """Returns every measure that some side has; for robots only where they differ, or if all sides are robots."""
     found = [of_side(side) for side in sides]
     rows = []
     for group in GROUPS:
         keys = dict.fromkeys(key for each in found for key in each.get(group, {}))
         for name, unit in keys:
-            rows.append(Measure(group, name, unit, tuple(each.get(group, {}).get((name, unit)) for each in found)))
+            rows.append(
+                ComparedMeasure(group, name, unit, tuple(each.get(group, {}).get((name, unit)) for each in found))
+            )
     robots = all(side.kind == "robot" for side in sides)
     return tuple(row for row in rows if row.group != BODY or robots or _differs(row.values))
 
@@ -104,7 +106,7 @@ def differences(sides: Sequence[Side]) -> tuple[Difference, ...]:
     )
 
 
-def describe_differences(sides: Sequence[Side], rows: Sequence[Measure]) -> tuple[str, ...]:
+def describe_differences(sides: Sequence[Side], rows: Sequence[ComparedMeasure]) -> tuple[str, ...]:
     """Says in sentences how sides differ: different tasks, which gaits are stable, and the largest differences."""
     sentences = other_task(sides, rows)
     gaits = [side for side in sides if side.gait is not None]
@@ -136,7 +138,7 @@ def describe_differences(sides: Sequence[Side], rows: Sequence[Measure]) -> tupl
     return tuple(sentences)
 
 
-def other_task(sides: Sequence[Side], rows: Sequence[Measure]) -> list[str]:
+def other_task(sides: Sequence[Side], rows: Sequence[ComparedMeasure]) -> list[str]:
     """Says in which way sides have different tasks: kind of gait, flight time, speed, turn of a cycle, or slope.
 
     Args:
@@ -196,7 +198,7 @@ def _percent(share: float) -> str:
     return f"{share:+.3g} %".replace("-", "−")
 
 
-def _pair(row: Measure, i: int) -> str:
+def _pair(row: ComparedMeasure, i: int) -> str:
     first, value = row.values[0], row.values[i]
     return f"{value:.4g} against {first:.4g}{' ' if row.unit else ''}{row.unit}".replace("-", "−")
 

@@ -13,7 +13,7 @@ from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
 from spear_pin.gaits.bounding_law import LEGS
 from spear_pin.gaits.measures.catalogue import SHOWN, added
-from spear_pin.gaits.sensitivity.measure import Measure, ratio
+from spear_pin.gaits.sensitivity.measure import DualMeasure, ratio
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.orbit import Orbit, branch, orbit_of_gait
 from spear_pin.hybrid.parameters import number
@@ -58,15 +58,15 @@ class _Branch:
     ways: Mapping[str, Array]
     refused: Mapping[str, str]
 
-    def of(self, name: str) -> Measure:
+    def of(self, name: str) -> DualMeasure:
         """Returns a measure of the orbit with its derivatives by the knobs."""
         found = self.orbit.measures[name]
-        return Measure(found.value, np.array([found.derivative @ way for way in self.ways.values()]), found.unit)
+        return DualMeasure(found.value, np.array([found.derivative @ way for way in self.ways.values()]), found.unit)
 
-    def number(self, name: str) -> Measure:
+    def number(self, name: str) -> DualMeasure:
         """Returns a parameter of the orbit."""
         i = self.orbit.dimension + self.orbit.names.index(name)
-        return Measure(number(self.orbit.system, name), np.array([way[i] for way in self.ways.values()]), "")
+        return DualMeasure(number(self.orbit.system, name), np.array([way[i] for way in self.ways.values()]), "")
 
 
 def tangents(motion: Motion) -> Tangents:
@@ -135,7 +135,7 @@ def _slopes(motion: Motion, branch: _Branch) -> Iterator[tuple[str, Array]]:
             yield name, measure.derivative
 
 
-def _of_hop(branch: _Branch) -> Iterator[tuple[str, Measure]]:
+def _of_hop(branch: _Branch) -> Iterator[tuple[str, DualMeasure]]:
     (toe,) = branch.orbit.system.robot.toes
     torque = branch.of("peak_torque_knee")
     for name in ("apex_height", "flight_time", "stance_time"):
@@ -148,10 +148,10 @@ def _of_hop(branch: _Branch) -> Iterator[tuple[str, Measure]]:
     yield "positive_work", branch.of("positive_work")
 
 
-def _of_bound(branch: _Branch) -> Iterator[tuple[str, Measure]]:
+def _of_bound(branch: _Branch) -> Iterator[tuple[str, DualMeasure]]:
     found = branch.orbit.measures
 
-    def largest(*names: str) -> Measure:
+    def largest(*names: str) -> DualMeasure:
         return branch.of(max(names, key=lambda name: found[name].value))
 
     yield "speed", branch.of("mean_speed")
@@ -166,14 +166,14 @@ def _of_bound(branch: _Branch) -> Iterator[tuple[str, Measure]]:
     yield "posterior_hip_torque", branch.number(SPEED_BY)
 
 
-def _of_gait(branch: _Branch, kinds: Sequence[str] = SHOWN) -> Iterator[tuple[str, Measure]]:
+def _of_gait(branch: _Branch, kinds: Sequence[str] = SHOWN) -> Iterator[tuple[str, DualMeasure]]:
     for kind in kinds:
         found = of_kind(branch.orbit.measures, kind)
         if found:
             yield kind, branch.of(max(found, key=lambda name: found[name].value))
 
 
-MEASURES: Mapping[str, Callable[[_Branch], Iterator[tuple[str, Measure]]]] = {
+MEASURES: Mapping[str, Callable[[_Branch], Iterator[tuple[str, DualMeasure]]]] = {
     "hop": _of_hop,
     "bound": _of_bound,
     "gait": _of_gait,

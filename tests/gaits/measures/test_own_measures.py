@@ -8,13 +8,13 @@ import pytest
 
 from spear_pin import Gait, continue_gait, find_gait, hopping, load, optimize_design, simulate
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.measures.catalogue import Named, describe_measure, names_in, register
+from spear_pin.gaits.measures.catalogue import Measure, describe_measure, measures, register
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.targets import measure_of
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import return_map
-from spear_pin.studies.comparison import measures, sides_of
+from spear_pin.studies.comparison import compare_measures, sides_of
 from spear_pin.studies.explore.carried import carry_gait
 from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.gaits import gait_to_explore
@@ -24,7 +24,7 @@ from spear_pin.studies.sweep.job import check_job
 from tests.cli.calls import run
 from tests.gaits.feeding import idle
 
-IMPULSE = Named(
+IMPULSE = Measure(
     "impulse_TOE",
     "N·s",
     "Impulse of the ground on a toe in a cycle, without those of touchdowns.",
@@ -43,11 +43,11 @@ def hop():
 
 
 def test_its_name_and_unit(hop):
-    assert describe_measure("impulse_toe").unit == "N·s" and "impulse_toe" in names_in(hop.system)
+    assert describe_measure("impulse_toe").unit == "N·s" and "impulse_toe" in measures(hop.system)
     with pytest.raises(BadValue, match="does not have yet"):
         register(IMPULSE)
     with pytest.raises(BadValue, match="of is None"):
-        register(Named("beauty", "1", "Beauty."))
+        register(Measure("beauty", "1", "Beauty."))
     for clash in ("greatest_knee", "work_JOINT", "two_JOINT_TOE"):
         with pytest.raises(BadValue, match=f"pattern is '{clash}'"):
             register(IMPULSE._replace(pattern=clash))
@@ -119,7 +119,7 @@ def test_commands_print_it(words, capsys, tmp_path):
 
 
 def test_a_comparison_has_it():
-    rows = measures(sides_of(["long_stride", "long_stride_3.00"], cycles=1))
+    rows = compare_measures(sides_of(["long_stride", "long_stride_3.00"], cycles=1))
     assert [each.unit for each in rows if each.name.startswith("impulse ")] == ["N·s", "N·s"]
 
 

@@ -9,7 +9,7 @@ from spear_pin import Gait, find_gait, hopping, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.search import gait_beside
-from spear_pin.gaits.sensitivity.measure import Group, Measure, Measures, total
+from spear_pin.gaits.sensitivity.measure import DualMeasure, Group, Measures, total
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.tangent.seeds import seeds
@@ -178,7 +178,7 @@ class TestMeasures:
         def group(names, *values):
             def found(of):
                 asked.append(names)
-                return {name: Measure(value, np.array([value]), "J") for name, value in values}
+                return {name: DualMeasure(value, np.array([value]), "J") for name, value in values}
 
             return Group(names, found)
 
