@@ -121,7 +121,7 @@ class TestDataset:
     def test_refuses_what_cannot_be_carried(self, system, tmp_path):
         for other, told in (
             (change_system(system, lambda built: built), "dataclass"),
-            (replace(system, domains=tuple(reversed(system.domains))), "changed"),
+            (replace(system, domains=tuple(reversed(system.domains))), "change_system"),
             (with_dry_friction(system, {"hip": 0.1}), "dry friction"),
             (replace(system, measures={**system.measures, "nothing": lambda run: 0.0}), "measures"),
         ):
