@@ -179,8 +179,7 @@ class Braking:
                 entered = self._of(reset.phase)
                 after = [name for name in entered if self.brakes[name].at_once]
                 turns = tuple(self._turn(name, name in entered) for name, each in self.brakes.items() if each.switches)
-            kept = [name for name in closed if not self.brakes[name].switches]
-            grips = () if not {*after} - {*(closed if reset.phase is None else kept)} and not reset.impact else after
+            grips = () if not {*after} - {*closed} and not reset.impact else after
             changed = replace(reset, grips=tuple(rubs[name].along for name in grips), turns=turns)
             return made.setdefault((id(reset), tuple(grips)), changed) if changed != reset else reset
 

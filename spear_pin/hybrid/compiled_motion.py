@@ -56,6 +56,8 @@ class CompiledMotion:
                 found = self._integrate(flow, t, y, until)
             if found is not None:
                 flow.arrive(found.t, found.y)
+                if flow.evaluations > most:
+                    found.event, found.why = None, "evaluation_cap"
                 return found
         return integrate_motion(flow, watch, t, y, until, how, keep=keep, most=most)
 
@@ -70,7 +72,7 @@ class CompiledMotion:
         motion, seen, begin = Motion(entered.t, y), -1, t
         state, work = entered.y, y[n:].copy()
         while True:
-            at = motion.t
+            at, before = motion.t, state
             motion.t, state, end, solution = single.run(at, state, until, parameters, keep=True)
             if end == seen and motion.t - at < AHEAD:  # by rounding the event that was observed has not passed
                 later = single.moment_later(at, state, parameters)
@@ -91,6 +93,8 @@ class CompiledMotion:
             if not guard.observes:
                 motion.event = guard
                 return motion
+            if single.passes_another(end, (at, before), (motion.t, state), parameters):
+                return None  # two observed events within a moment
             motion.observed.append((guard.name, motion.t, motion.y))
 
     def _work(self, flow: Flow, ends: Array, solution: Polynomials, rows: int) -> Array:

@@ -17,10 +17,12 @@ ADDED = "added to "  # begins the names of held values that are added to numbers
 def with_fields(instance: D, values: Mapping[str, Any]) -> D:
     """Returns a dataclass with other values in some fields, its own or those of dataclasses in it.
 
-    The values need not be valid numbers.
+    The values need not be valid numbers. What has no fields, such as the None of a system without a law, stays itself.
     """
-    other, names = object.__new__(type(instance)), field_names(instance)
-    assert names is not None
+    names = field_names(instance)
+    if names is None:
+        return instance
+    other = object.__new__(type(instance))
     for name in names:
         value = getattr(instance, name)
         if name in values:

@@ -28,7 +28,7 @@ from spear_pin.hybrid.rules.footing import (
     still,
 )
 from spear_pin.hybrid.rules.guards import ON_GROUND
-from spear_pin.hybrid.rules.latching import latch_values
+from spear_pin.hybrid.rules.latching import latch_values, standing
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, is_aloft, rests, start
 from spear_pin.model.robot_posture import row_along
 
@@ -165,7 +165,7 @@ def resuming_phase(system: HybridSystem, moment: Moment) -> tuple[str, Held]:
     if moment.phase not in system.phases:
         raise UnknownName("phase", moment.phase, system.phases)
     _feet(system, moment.q, moment.v)
-    return moment.phase, moment.held
+    return moment.phase, {**standing(system.robot, [*moment.q], [*moment.v]), **moment.held}
 
 
 def _feet(system: HybridSystem, q: Any, v: Any) -> dict[str, tuple[float, Array]]:

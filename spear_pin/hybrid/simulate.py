@@ -58,12 +58,12 @@ def simulate(
         latency: time from a sample until its torques act, in s.
         progress: whether to show a progress bar on long runs, if stderr is a terminal.
         engine: "reference" integrates by SciPy. "compiled" integrates by heyoka's Taylor series, with a tolerance a
-            thousand times finer; it takes a fraction of the time, once some seconds were spent to compile. What is
-            rare, such as chatter, it leaves to the reference. None: "reference".
+            thousand times finer than `rtol`, without `atol`; it takes half the time, once some seconds were spent to
+            compile. What is rare, such as chatter, it leaves to the reference. None: "reference".
 
     Raises:
         BadValue: a tolerance, the number of cycles or samples, or the state is not valid; or the system has hardware,
-            dry friction, brakes or a sampled law, and so cannot be compiled.
+            dry friction, brakes, a sampled law or a `max_step`, and so cannot be compiled.
         MissingExtra: "compiled" needs heyoka.
 
     Example:
@@ -91,8 +91,8 @@ def _compiled(system: HybridSystem, options: Options) -> Callable[..., Motion]:
     """Returns what integrates by compiled code."""
     from spear_pin.hybrid.compiled_motion import CompiledMotion  # takes long to import
 
-    if options.sample_time is not None:
-        raise BadValue("engine", COMPILED, f"{REFERENCE} for a law with a sample_time")
+    if options.sample_time is not None or options.max_step is not None:
+        raise BadValue("engine", COMPILED, f"{REFERENCE} where there is a sample_time or a max_step")
     return CompiledMotion(system, options.rtol)
 
 

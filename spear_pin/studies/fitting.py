@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import combinations, count
 from typing import Any
 
@@ -13,6 +13,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 
 SINGULAR = 1e-5  # of the largest singular value, with columns of length one: what measurements do not tell at all
+SAME = 1e-12  # of the largest singular value: what is a combination of others but for rounding
 ALIKE = 0.98  # correlation of two values that are hardly told apart
 
 
@@ -64,9 +65,11 @@ def tell_apart(argument: str, names: Sequence[str], jacobian: Array) -> tuple[Ar
         BadValue: some values cannot be told apart at all.
     """
     own, others = np.split(jacobian, [len(names)], axis=1)
-    basis, _ = np.linalg.qr(others)
+    basis, sizes, _ = np.linalg.svd(others, full_matrices=False)
+    basis = basis[:, sizes > SAME * max(sizes, default=0.0)]
     seen = own - basis @ (basis.T @ own)
     lengths = np.linalg.norm(seen, axis=0)
+    lengths = np.where(lengths > SINGULAR * np.linalg.norm(own, axis=0), lengths, 0.0)
     scaled = seen / np.where(lengths > 0.0, lengths, 1.0)
     _, sizes, rows = np.linalg.svd(scaled, full_matrices=False)
     if len(sizes) < len(names) or sizes[-1] < SINGULAR * sizes[0]:
@@ -78,17 +81,18 @@ def tell_apart(argument: str, names: Sequence[str], jacobian: Array) -> tuple[Ar
     return scaled, lengths
 
 
-def doubt(solution: Any, names: Sequence[str], correlation: Array) -> Iterator[str]:
+def doubt(solution: Any, values: Mapping[str, float], correlation: Array) -> Iterator[str]:
     """Lists sentences that warn of a solution, if any.
 
     Args:
         solution: solution of SciPy.
-        names: names of its values, (m,).
+        values: the values by name, in the order of its unknowns.
         correlation: correlations of the first of them, (k, k).
     """
+    names = [*values]
     if not solution.success:
         yield f"the search did not converge in {solution.nfev} evaluations"
-    for name, value, side in zip(names, solution.x, solution.active_mask, strict=False):
+    for (name, value), side in zip(values.items(), solution.active_mask, strict=False):
         if side:
             yield f"{name} is at its bound, {value:g}: its deviation means nothing"
     for i, j in combinations(range(len(correlation)), 2):

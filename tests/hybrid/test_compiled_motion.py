@@ -1,10 +1,13 @@
 """Runs whose motion compiled code integrates, beside those of SciPy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from spear_pin import Clutch, Contact, Gait, HoppingLaw, Spring, hopping, load, simulate
 from spear_pin.errors import BadValue
+from spear_pin.hybrid.domain import Guard
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from tests.slow import slow_but
 
@@ -66,9 +69,30 @@ def test_samples_are_those_of_the_reference(leg):
 
 def test_what_cannot_be_compiled_is_refused(leg):
     system = hopping(leg)
-    with pytest.raises(BadValue, match="sample_time"):
-        simulate(system, system.guess(), sample_time=0.001, engine="compiled")
+    for option in ({"sample_time": 0.001}, {"max_step": 0.001}):
+        with pytest.raises(BadValue, match="sample_time or a max_step"):
+            simulate(system, system.guess(), **option, engine="compiled")
     with pytest.raises(BadValue, match="dry friction"):
         simulate(with_dry_friction(system, {"knee": 0.5}), system.guess(), engine="compiled")
     with pytest.raises(BadValue, match="engine"):
         simulate(system, system.guess(), engine="taylor")
+
+
+def test_events_that_are_observed_together_are_both_told(leg):
+    """Also the apex, which measures need, beside an event of one's own at the same instant."""
+    system = hopping(leg)
+    extra = [Guard(name, lambda t, q, v, held, p, dyn, ops: 0.05 - t) for name in ("one", "other")]
+    observed = replace(
+        system,
+        domains=tuple(
+            replace(each, guards=(*each.guards, *extra)) if each.phase == "flight" else each for each in system.domains
+        ),
+    )
+    runs = [simulate(observed, observed.guess(), engine=engine) for engine in ("reference", "compiled")]
+    assert [[event.name for event in run.events] for run in runs][0] == [event.name for event in runs[1].events]
+    assert {"one", "other"} <= {event.name for event in runs[1].events}
+
+
+def test_evaluations_are_counted(leg):
+    system = hopping(leg)
+    assert simulate(system, system.guess(), max_evaluations=100, engine="compiled").reason == "evaluation_cap"

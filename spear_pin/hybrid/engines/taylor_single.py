@@ -136,6 +136,25 @@ class Single:
         state, later = self._later(t, y, parameters, self._values(t, y, parameters)[: self._slopes])
         return (t + AHEAD, state) if self._is_clear(later) else None
 
+    def passes_another(
+        self, event: int, begin: tuple[float, Array], end: tuple[float, Array], parameters: Array
+    ) -> bool:
+        """Tells whether another event that is only observed happens within a moment of one.
+
+        Args:
+            event: index of the guard that ended a motion.
+            begin: time and state at which the motion began.
+            end: time and state at which it ended.
+            parameters: run-time parameters.
+        """
+        others = [i for i, guard in enumerate(self.domain.guards, self._slopes) if guard.observes]
+        others = [i for i in others if i != self._slopes + event]
+        if not others:
+            return False
+        before = self._values(*begin, parameters)
+        _, later = self._later(*end, parameters, self._values(*end, parameters)[: self._slopes])
+        return any(before[i] > 0.0 >= later[i] for i in others)
+
     def _later(self, t: float, y: Array, parameters: Array, k1: Array, h: float = AHEAD) -> tuple[Array, list[float]]:
         """Returns the state h seconds later and the domain's values there, by Kutta's third order; k1 is dy/dt now.
 

@@ -26,9 +26,9 @@ def doubts(problem: LeastSquares, solution: Any, estimate: Estimate) -> Iterator
         solution: solution of SciPy.
         estimate: the estimate made from it.
     """
-    labels = [parameter.label for parameter in estimate.parameters]
+    values = {parameter.label: parameter.value for parameter in estimate.parameters}
     of_knee = sum(parameter.name in KNEE for parameter in estimate.parameters)  # they come first
-    yield from doubt(solution, labels, estimate.correlation[:of_knee, :of_knee])
+    yield from doubt(solution, values, estimate.correlation[:of_knee, :of_knee])
     for j, (trial, fit) in enumerate(zip(estimate.trials, estimate.fits, strict=True)):
         if not fit >= POOR:
             yield f"the model does not describe {trial.label}: fit {fit:.1f} %"

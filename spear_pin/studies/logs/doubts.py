@@ -33,7 +33,8 @@ def doubts(
         solution: solution of SciPy.
         shots: of each arc the shot, the residuals and their Jacobian.
     """
-    yield from doubt(solution, problem.over, correlation)
+    values = dict(zip(problem.over, solution.x.tolist(), strict=False))
+    yield from doubt(solution, values, correlation)
     if "torque_scale" in problem.over:
         yield "masses were held: torque_scale and all inertias and forces go with them"
         if solution.active_mask[problem.over.index("torque_scale")]:
