@@ -220,17 +220,19 @@ def main(folder: Path) -> None:
     for name, gait in gaits.items():
         print(f"{name}: period {gait.period:.6f}, {'stable' if gait.stable else 'not stable'}")
         print("  multipliers", ", ".join(f"{number:.7f}" for number in gait.multipliers))
-    runs = [simulate(gait.system, gait.state, cycles=2) for gait in gaits.values()]
+    runs = {name: simulate(gait.system, gait.state, cycles=2) for name, gait in gaits.items()}
+    angles = {"rimless wheel": 0, "simplest walker, long step": 0, "walker on round feet": -2}  # the first column
     with plots.style():
-        figure = Figure(figsize=(7.0, 2.6), layout="constrained")
-        wheel, walker, path = figure.subplots(1, 3)
-        for axes, run, title in ((wheel, runs[0], "Rimless wheel"), (walker, runs[1], "Simplest walker")):
-            for row in range(run.q.shape[1]):
+        figure = Figure(figsize=(9.4, 2.6), layout="constrained")
+        *portraits, path = figure.subplots(1, 4)
+        for axes, (name, first) in zip(portraits, angles.items(), strict=True):
+            run = runs[name]
+            for row in range(run.q.shape[1])[first:]:
                 axes.plot(run.q[:, row], run.v[:, row], label=run.coordinates[row])
-            axes.set(title=title, xlabel="angle (rad)", ylabel="rate")
-        walker.set_ylim(top=0.1)
-        walker.legend(ncols=2, loc="upper center")
-        path.plot(runs[3].q[:, 0], runs[3].q[:, 1])
+            axes.set(title=name.split(",")[0].capitalize(), xlabel="angle (rad)", ylabel="rate")
+            axes.margins(y=0.2)
+            axes.legend(ncols=2, loc="upper center")
+        path.plot(runs["runner"].q[:, 0], runs["runner"].q[:, 1])
         path.set(title="Runner", xlabel="x (m)", ylabel="z (m)")
     print("files", plots.save_figure(figure, folder / "walkers.svg"))
 

@@ -1,4 +1,4 @@
-"""Feet of several toes, as heel and toe: which toes are on one body, and how many of them can stand on the ground."""
+"""Feet of several toes, as heel and toe: which toes are on one body, and which of them leads along the ground."""
 
 from __future__ import annotations
 

@@ -204,7 +204,7 @@ def _made(draft: Draft, said: Sidecar, asked: _Asked) -> tuple[Robot, list[str]]
     """Makes a robot from what its files and the arguments of `load` say; returns it, and warnings."""
     wanted_base = said.base if asked.base is None else asked.base
     shipped = ROBOTS[str(said.source)].toes if str(said.source) in ROBOTS else ()
-    own_toes = shipped if said.own_toes is None else said.own_toes
+    own_toes = shipped if said.own_toes is None else _names(said.own_toes)
     notes = [*draft.notes, *order_limits(draft.model)]
     settings, driven, gears = check_equipment(said, draft.model, draft.gears, draft.name, own_toes)
     notes += set_gears(draft.model, gears)

@@ -11,6 +11,7 @@ from spear_pin.hybrid.domain import Reset
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.strikes import Overlap, strike_toes
 from spear_pin.model.path import Joints
+from tests.hybrid.test_heel_and_toe import footed, leg
 from tests.lagrangian import monopod
 
 LEG = load("spear_ii", locked=["boom_x"])
@@ -205,3 +206,14 @@ class TestRefused:
         law = HoppingLaw(-0.35, stance_torque=0.7, frequency=5.0, knee_gain=6.0, knee_damping=0.15)
         with pytest.raises(BadValue, match="^joints of the brake 'slide' is .* expected joints that loops do not tie"):
             with_brakes(hopping(load("crank_hopper"), law), {"slide": Brake(1.0, (AIR,))})
+
+
+def test_a_brake_that_stays_closed_over_phases_does_not_grip_again(tmp_path):
+    """A condition to open that never holds changes nothing."""
+    system = footed(leg(tmp_path))
+    plain, conditional = (
+        simulate(with_brakes(system, {"ankle": Brake(0.05, ("flat", "toe"), until=until)}), system.guess())
+        for until in (None, lambda *_: 1.0)
+    )
+    assert [event.name for event in plain.events] == [event.name for event in conditional.events]
+    np.testing.assert_allclose(conditional.ledger.work, plain.ledger.work, rtol=0, atol=1e-12)

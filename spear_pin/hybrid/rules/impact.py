@@ -155,7 +155,7 @@ def joint_impact(D: Array, J: Array, v: Array, friction: float, leads: Sequence[
     order. If rounding leaves none that satisfies the law to `AGREES`, the one that violates it least is taken. If the
     rows of sticking toes depend on each other, their impulse is the smallest.
 
-    Toes of one body stick or slide together, and share the impulse along the ground as the normal one, as forces.
+    Toes of one body stick or slide together. Two of them share the impulse along the ground as the normal one.
 
     The law compares only the velocities before and after. If a single toe sticks in the end, the result is that of
     `plastic_impact`; if its sliding reverses during the impact, the two may differ.
