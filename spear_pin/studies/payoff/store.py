@@ -27,7 +27,7 @@ class Store:
     """Lines by their keys, on disk as soon as they are kept.
 
     Args:
-        path: path of the file; it is made where there is none.
+        path: path of the file; where there is none, the first line that is kept makes it.
         asked: subject of the study, as JSON; a file of another study is refused.
 
     Raises:
@@ -37,9 +37,8 @@ class Store:
     def __init__(self, path: Path, asked: Mapping[str, Any]) -> None:
         self.path = path
         self._lines: dict[str, dict[str, Any]] = {}
-        head = json.loads(json.dumps({"format": FORMAT, **asked}))
+        self._head = head = json.loads(json.dumps({"format": FORMAT, **asked}))
         if not path.exists():
-            write_text(path, _line(head), at_once=True)
             return
         found = _read(path)
         if not found or found[0].get("format") != FORMAT:
@@ -58,11 +57,13 @@ class Store:
         return self._lines.get(key)
 
     def keep(self, line: dict[str, Any]) -> None:
-        """Appends a line; it is on disk when this returns.
+        """Appends a line, the first behind the one that says what is studied; it is on disk when this returns.
 
         Raises:
             BadFile: the line cannot be written.
         """
+        if not self.path.exists():
+            write_text(self.path, _line(self._head), at_once=True)
         try:
             with open(self.path, "a", encoding="utf-8") as file:
                 file.write(_line(line))

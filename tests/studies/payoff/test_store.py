@@ -18,6 +18,12 @@ def path(tmp_path):
 
 
 class TestStore:
+    def test_a_study_that_is_refused_before_its_first_search_leaves_no_file(self, tmp_path):
+        path = tmp_path / "store.jsonl"
+        assert len(Store(path, ASKED)) == 0 and not path.exists()
+        Store(path, ASKED | {"speeds": [1.0]}).keep({"key": "one"})
+        assert len(Store(path, ASKED | {"speeds": [1.0]})) == 1
+
     def test_lines_are_read_again_to_the_bit(self, path):
         again = Store(path, ASKED)
         assert len(again) == 2 and again.get("two") == {"key": "two", "cost": 0.1 + 0.2} and again.get("three") is None
