@@ -26,10 +26,22 @@ def joined(loading: Any, unloading: Any) -> tuple[Table, float]:
         unloading: the same while it falls.
 
     Raises:
-        BadValue: a branch does not begin with (0, 0), or its stretches do not rise; or they meet everywhere they share.
+        BadValue: a branch does not begin with (0, 0), or its stretches do not rise; they share no stretches, or meet at
+            all of them; or the spring would pull more while it is let go.
+
+    Warns:
+        RobotWarning: one branch goes further than the other, or the width of the loop differs along the way.
     """
     (stretch, up), (other, down) = _points("loading", loading), _points("unloading", unloading)
     shared = stretch <= other[-1]
+    if not shared[1:].any():
+        reach = f"a branch that goes to {stretch[1]:g} at least, the first stretch of loading"
+        raise BadValue("unloading", unloading, reach)
+    if stretch[-1] != other[-1]:
+        ends = f"loading goes to a stretch of {stretch[-1]:g}, unloading to {other[-1]:g}"
+        warnings.warn(
+            RobotWarning(f"{ends}: points beyond {stretch[shared][-1]:g} make no part of the table"), stacklevel=3
+        )
     stretch, up = stretch[shared], up[shared]
     half = 0.5 * (up - np.interp(stretch, other, down))
     apart = half != 0.0
@@ -37,11 +49,13 @@ def joined(loading: Any, unloading: Any) -> tuple[Table, float]:
         raise BadValue("unloading", unloading, "a branch that is apart from that of loading somewhere")
     stretch, up, half = stretch[apart], up[apart], half[apart]
     width = float(np.trapezoid(half, stretch) / np.ptp(stretch) if len(half) > 1 else half[0])
+    if width <= 0.0:
+        raise BadValue("loading", loading, "pulls above those of unloading; are the two exchanged?")
     off = float(abs(half - width).max())
-    if off > EVEN * abs(width):
+    if off > EVEN * width:
         span = f"{half.min():.4g} to {half.max():.4g}"
         what = f"half the width of the measured loop is {span}, and not everywhere the spring's hysteresis, {width:.4g}"
-        warnings.warn(RobotWarning(f"{what}: off by up to {100.0 * off / abs(width):.0f} %"), stacklevel=3)
+        warnings.warn(RobotWarning(f"{what}: off by up to {100.0 * off / width:.0f} %"), stacklevel=3)
     mean = zip(stretch.tolist(), (up - half).tolist(), strict=True)
     return ((0.0, 0.0), *mean), width
 

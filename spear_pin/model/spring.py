@@ -125,7 +125,8 @@ class Spring:
         """Makes a spring from its measured pull while it is stretched, and while it is let go.
 
         Its table is their mean, where they do not meet, and its hysteresis half the width of their loop, so that the
-        loop takes the same energy. A warning (`RobotWarning`) says by how much the width differs along the way.
+        loop takes the same energy. A warning (`RobotWarning`) says by how much the width differs along the way, and
+        that one branch goes further than the other.
 
         Args:
             loading: up to 30 points (δ, τ) as of `table`, measured while δ rises, from (0, 0) on.
@@ -133,7 +134,8 @@ class Spring:
             **others: other fields, such as `damping` or `path`.
 
         Raises:
-            BadValue: a branch does not begin with (0, 0), its δ do not rise, or the branches are those of no spring.
+            BadValue: a branch does not begin with (0, 0), its δ do not rise, or the branches are those of no spring; or
+                others have a table or a hysteresis.
 
         Example:
             >>> from spear_pin import Spring
@@ -141,6 +143,9 @@ class Spring:
             >>> spring.table, spring.hysteresis
             (((0.0, 0.0), (0.1, 5.0), (0.2, 10.0)), 1.0)
         """
+        for name in ("table", "hysteresis"):
+            if name in others:
+                raise BadValue(name, others[name], "to be left out: it follows from the branches")
         table, hysteresis = joined(loading, unloading)
         return cls(**{"stiffness": 0.0, **others, "table": table, "hysteresis": hysteresis})
 

@@ -204,7 +204,8 @@ class TestBranches:
         assert 2.0 * spring.hysteresis * (x[-1] - x[0]) == pytest.approx(np.trapezoid(high - low, x))
 
     def test_of_branches_at_other_stretches_and_of_other_ends(self):
-        spring = Spring.from_branches([(0, 0), (0.1, 5), (0.3, 12.6), (0.5, 21)], [(0, 0), (0.2, 7), (0.4, 15)])
+        with pytest.warns(RobotWarning, match="goes to a stretch of 0.5, unloading to 0.4: points beyond 0.3 make no"):
+            spring = Spring.from_branches([(0, 0), (0.1, 5), (0.3, 12.6), (0.5, 21)], [(0, 0), (0.2, 7), (0.4, 15)])
         np.testing.assert_allclose(spring.table, [(0.0, 0.0), (0.1, 4.25), (0.3, 11.8)])
         assert spring.hysteresis == pytest.approx(0.775)
 
@@ -214,10 +215,16 @@ class TestBranches:
             ([(0.1, 1), (0.2, 2)], [(0, 0), (0.2, 1)], "loading is .* expected points"),
             ([(0, 0), (0.2, 2)], [(0, 0), (0.2, 1), (0.2, 2)], "unloading is .* with rising δ"),
             ([(0, 0), (0.2, 2)], [(0, 0), (0.2, 2)], "apart from that of loading"),
-            ([(0, 0), (0.2, 2)], [(0, 0), (0.2, 3)], "Spring.hysteresis is -0.5"),
+            ([(0, 0), (0.2, 2)], [(0, 0), (0.2, 3)], "loading is .*; expected pulls above those of unloading"),
+            ([(0, 0), (0.3, 2)], [(0, 0), (0.2, 1)], "unloading is .*; expected a branch that goes to 0.3 at least"),
             ("ab", 3, "loading is 'ab'"),
         ],
     )
     def test_that_are_none(self, loading, unloading, why):
         with pytest.raises(BadValue, match=why):
             Spring.from_branches(loading, unloading)
+
+    @pytest.mark.parametrize("field", [{"table": ()}, {"hysteresis": 0.5}])
+    def test_take_no_other_table_or_hysteresis(self, field):
+        with pytest.raises(BadValue, match=f"^{next(iter(field))} is .*; expected to be left out"):
+            Spring.from_branches(*self.branches(1.5), **field)
