@@ -1,4 +1,4 @@
-"""Numbers in words: those that somebody typed, in ASCII digits, and those that somebody reads."""
+"""Numbers in words, with their units: those that somebody typed, in ASCII digits, and those that somebody reads."""
 
 from __future__ import annotations
 
@@ -18,6 +18,17 @@ def significant(value: float, digits: int = 3) -> str:
         ('11.3', '0.0286', '-4.000')
     """
     return f"{Decimal(f'{value:.{digits - 1}e}'):f}"
+
+
+def show_unit(unit: str) -> str:
+    """Writes a unit as it stands behind a number: that of numbers without one, "1", is not written.
+
+    Example:
+        >>> from spear_pin.words import show_unit
+        >>> show_unit("1/s"), show_unit("1")
+        ('1/s', '')
+    """
+    return "" if unit == "1" else unit
 
 
 def number(word: str) -> float:

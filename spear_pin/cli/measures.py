@@ -8,6 +8,7 @@ from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command
 from spear_pin.cli.output import join_lines
+from spear_pin.words import show_unit
 
 WIDTH, WIDE = 110, 28  # characters of a line, and of a name in it
 PLACES = (
@@ -30,7 +31,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     for each in CATALOGUE:
         target = each.wanted
         rows.append({"name": each.pattern, "unit": each.unit, "meaning": each.text, "target": target})
-        head = f"{each.pattern:<{WIDE}}{'' if each.unit == '1' else each.unit:<9}"
+        head = f"{each.pattern:<{WIDE}}{show_unit(each.unit):<9}"
         first, *more = textwrap.wrap(each.text + ("" if target else " (*)"), WIDTH - len(head))
         lines += [head + first, *(" " * len(head) + line for line in more)]
     return {"measures": rows, "text": join_lines([*lines, "", *PLACES.splitlines()])}

@@ -11,14 +11,17 @@ from spear_pin.cli.endings import lost, notes_of, patience, show_ending
 from spear_pin.cli.legs import list_doubts
 from spear_pin.cli.output import align_lines, list_rows, shows
 from spear_pin.cli.python_lines import Code, Program
+from spear_pin.words import show_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from spear_pin.gaits.gait import Gait
+    from spear_pin.gaits.measures.catalogue import Measure
     from spear_pin.hybrid.automaton import HybridSystem
     from spear_pin.hybrid.result import State
     from spear_pin.hybrid.trajectory import Trajectory
+    from spear_pin.model.robot import Robot
 
 Rows = Sequence[tuple[str, str]]
 
@@ -128,22 +131,23 @@ def write_motion(
         "files": [*map(str, files)],
         "pictures": pictures,
         "opened": page,
-        "text": align_lines([*show_ending(end), *rows(summary), *_added(summary["measures"]), *last]),
+        "text": align_lines([*show_ending(end), *rows(summary), *_added(robot, summary["measures"]), *last]),
         "python": str(program),
     }
 
 
-def _added(measures: dict[str, float]) -> Rows:
+def _added(robot: Robot, measures: dict[str, float]) -> Rows:
     """Rows of the measures that commands show behind their own figures."""
-    from spear_pin.gaits.measures.catalogue import added, describe_measure
+    from spear_pin.gaits.measures.catalogue import added, describe_measure, unit_on
+
+    def said(each: Measure, name: str) -> str:
+        place, unit = name.removeprefix(each.kind).replace("_", " "), show_unit(unit_on(robot, each, name))
+        return f"{place} {measures[name]:.4g} {unit}".strip()
 
     rows = []
     for each in added():
-        places = {
-            name.removeprefix(each.kind): value for name, value in measures.items() if describe_measure(name) is each
-        }
-        told = ", ".join(f"{place.replace('_', ' ')} {value:.4g}".strip() for place, value in places.items())
-        rows.append((each.kind.replace("_", " ").lower(), f"{told} {each.unit.replace('1', '')}".strip()))
+        own = [name for name in measures if describe_measure(name) is each]
+        rows.append((each.kind.replace("_", " ").lower(), ", ".join(said(each, name) for name in own)))
     return rows
 
 

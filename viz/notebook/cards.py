@@ -28,6 +28,7 @@ from spear_pin.viz.notebook import sketches
 from spear_pin.viz.notebook.sketches import Sketch
 from spear_pin.viz.plots.sweep import UNITS
 from spear_pin.viz.template import environment
+from spear_pin.words import show_unit
 
 MOST_ROWS = 12  # of a kind
 ROUNDING = 1e-9  # of the largest value: less is zero
@@ -220,7 +221,7 @@ def _(design: Design) -> Card:
     rows = [
         Row(_words(design.minimize), f"{_number(design.start)} to {_number(design.objective)}", design.unit),
         *(
-            Row(_words(name), f"{_number(each.start)} to {_number(each.value)}", "" if each.unit == "1" else each.unit)
+            Row(_words(name), f"{_number(each.start)} to {_number(each.value)}", show_unit(each.unit))
             for name, each in design.parameters.items()
         ),
         Row("largest multiplier", _number(design.largest)),
@@ -252,7 +253,7 @@ def _(fit: MotionFit) -> Card:
             Row(
                 _words(name),
                 f"{_number(each.value)} ± {_number(each.deviation)}",
-                "" if each.unit == "1" else each.unit,
+                show_unit(each.unit),
             )
             for name, each in fit.found.items()
         ),

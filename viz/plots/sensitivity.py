@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from spear_pin.gaits.sensitivity.measure import estimate_rounding
 from spear_pin.gaits.sensitivity.sensitivity import NOTHING, Sensitivity
 from spear_pin.viz.plots.paper import Picture, style
+from spear_pin.words import show_unit
 
 LINEAR = 0.1  # elasticities up to this are told apart linearly, larger ones by their logarithms
 
@@ -43,7 +44,7 @@ def elasticities(table: Sensitivity) -> Figure:
 
 
 def _parameters(table: Sensitivity) -> list[tuple[str, float, str]]:
-    units = ["" if unit == "1" else unit for unit in table.units]
+    units = [show_unit(unit) for unit in table.units]
     return list(zip(table.parameters, table.given.tolist(), units, strict=True))
 
 

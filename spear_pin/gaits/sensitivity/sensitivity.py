@@ -24,6 +24,7 @@ from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
 from spear_pin.model.motor import NO_MOTORS, Drive, Motor
 from spear_pin.showing import Shown
+from spear_pin.words import show_unit
 
 NOTHING = 1e-9  # elasticities up to this are rounding
 
@@ -83,7 +84,7 @@ class Sensitivity(Shown):
         for name, value in self.outputs.items():
             row = " ".join(f"{_said(each):>14}" for each in self.elasticity(name).tolist())
             value = value if abs(value) > estimate_rounding(name) else 0.0
-            unit = "" if self.output_units[name] == "1" else self.output_units[name]
+            unit = show_unit(self.output_units[name])
             lines.append(f"{name:{names}} {unit:{units}} {value:12.6g} {row}")
         if self.one_sided:
             lines.append(f"one-sided, for events meet in this gait: {', '.join(self.one_sided)}")

@@ -12,6 +12,7 @@ from spear_pin.hybrid.column_names import PAIR, lengths, motors_at, of_a_pair, s
 from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.model.robot import Robot
 from spear_pin.studies.comparison.sides import Side
+from spear_pin.words import show_unit
 
 Values = dict[tuple[str, str], float]  # by name and unit
 
@@ -88,7 +89,7 @@ def _motion(robot: Robot, run: Trajectory, halves: bool) -> dict[str, Values]:
     groups = {"N": forces, "N·s": forces, "N·m": torques, "J": energy}
     for each in added():
         for name, value in each.values(sampled).items():
-            groups.get(each.unit, motion)[_words(name), unit_on(robot, each, name).replace("1", "")] = value
+            groups.get(each.unit, motion)[_words(name), show_unit(unit_on(robot, each, name))] = value
     if run.cycles:
         for flow in dict.fromkeys([*run.ledger.kinds, *run.ledger.flows]):
             joint = flow.removeprefix("motor_")

@@ -26,7 +26,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
 from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, scaled_hopping
-from spear_pin.words import number
+from spear_pin.words import number, show_unit
 
 MOST = 6  # sides
 CYCLES, MOST_CYCLES = 4, 50  # of a gait that are simulated; of a motion that is shown
@@ -282,7 +282,7 @@ def units(side: Side) -> dict[str, str]:
     for part, spring in [] if side.gait is None else _springs(side.gait.system):
         own = {**spring.units, "rest": "rad" if spring.turns else "m"}
         own |= {} if spring.path is None else spring.path.units
-        found |= {f"{part}: {name}": unit.replace("1", "") for name, unit in own.items()}
+        found |= {f"{part}: {name}": show_unit(unit) for name, unit in own.items()}
     return found
 
 

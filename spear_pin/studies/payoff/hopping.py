@@ -39,6 +39,7 @@ from spear_pin.studies.payoff.knee import levers
 from spear_pin.studies.payoff.motors import Motors, as_built
 from spear_pin.studies.payoff.searches import Search, rebuilt
 from spear_pin.studies.payoff.study import Study, study_knees
+from spear_pin.words import show_unit
 
 USUAL = 0.2  # s: flight of SPEAR-II
 SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
@@ -324,7 +325,7 @@ def along_of(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
 def words_for(gaits: Hops, robot: Robot) -> Words:
     """Returns the words of hops of a robot with a spring along a path, and with numbers that are chosen too."""
     words, system = words_along(gaits.along), gaits.system(robot)
-    units = {name: "" if (own := unit(system, name)) == "1" else own for name in gaits.over}
+    units = {name: show_unit(unit(system, name)) for name in gaits.over}
     ends = ", ".join(f"{name} from {low:g} to {high:g} {units[name]}" for name, (low, high) in gaits.over.items())
     return replace(words, units=units, rests=(*words.rests, *[("chosen too", ends.strip())] * bool(ends)))
 

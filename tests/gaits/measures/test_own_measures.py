@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, continue_gait, find_gait, hopping, load, optimize_design, simulate
+from spear_pin.cli.writing import _added
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.measures.catalogue import Measure, describe_measure, measures, register
 from spear_pin.gaits.measures.of_samples import Sampled
@@ -121,6 +122,16 @@ def test_commands_print_it(words, capsys, tmp_path):
 def test_a_comparison_has_it():
     rows = compare_measures(sides_of(["long_stride", "long_stride_3.00"], cycles=1))
     assert [each.unit for each in rows if each.name.startswith("impulse ")] == ["N·s", "N·s"]
+
+
+def test_units_are_written_as_they_are_given():
+    register(Measure("rhythm", "1/s", "Cycles a second.", lambda cycle: 1.0 / cycle.period))
+    rows = compare_measures(sides_of(["long_stride", "long_stride_3.00"], cycles=1))
+    assert [each.unit for each in rows if each.name == "rhythm"] == ["1/s"]
+    assert _added(load("spear_ii"), {"rhythm": 2.0, "impulse_toe": 3.0}) == [
+        ("impulse", "toe 3 N·s"),
+        ("rhythm", "2 1/s"),
+    ]
 
 
 def test_signals_take_numbers_from_either_side(hop):
