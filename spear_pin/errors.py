@@ -92,7 +92,7 @@ class NotSymbolic(SpearError, TypeError):
 
 
 class BadFunction(SpearError):
-    """A mistake in a law, a guard, a latch, a spring or a ground of one's own; what it raised is the cause."""
+    """A mistake in a law, guard, latch, spring, ground or measure of one's own; what it raised is the cause."""
 
     def __init__(self, what: str, function: str, file: str, line: int, problem: str) -> None:
         self.what, self.function, self.file, self.line, self.problem = what, function, file, line, problem

@@ -11,10 +11,12 @@ import re
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadValue, SpearError, UnknownName
 from spear_pin.gaits.measures.signals import Signals, transport
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import lengths, motors_at
+from spear_pin.hybrid.dual import value_of
+from spear_pin.hybrid.own import is_own, mistake, number
 from spear_pin.hybrid.path_springs import unit_along
 from spear_pin.model.robot import Robot
 
@@ -52,16 +54,37 @@ class Measure(NamedTuple):
         return self.of is not None and not self.driven
 
     def values(self, cycle: Signals) -> dict[str, Any]:
-        """Returns all measures of this kind that a cycle has, by name."""
+        """Returns all measures of this kind that a cycle has, by name.
+
+        Raises:
+            BadFunction: there is a mistake in a function of one's own.
+        """
         if self.of is None:
             return {}
         pattern = self.pattern.replace("SECTION", cycle.section)
         word = next((each for each in PLACED if each in pattern), "")
         if word:
-            found = {pattern.replace(word, place): self.of(cycle, place) for place in PLACED[word](cycle)}
+            found = {pattern.replace(word, place): self._of(cycle, place) for place in PLACED[word](cycle)}
         else:
-            found = {pattern: self.of(cycle)}
+            found = {pattern: self._of(cycle)}
         return {name: value for name, value in found.items() if value is not None}
+
+    def _of(self, *given: Any) -> Any:
+        """Returns what its function gives for a cycle, and a place where its pattern has one: a scalar, or None."""
+        assert self.of is not None
+        if not is_own(self.of):
+            return self.of(*given)
+        what = f"measure {self.pattern!r}"
+        try:
+            answer = self.of(*given)
+        except SpearError:
+            raise
+        except Exception as error:
+            raise mistake(what, self.of, error) from error
+        if answer is None:
+            return None
+        number(what, self.of, value_of(answer))
+        return answer
 
 
 PLACED: dict[str, Callable[[Signals], Any]] = {
@@ -278,10 +301,16 @@ def register(entry: Measure) -> None:
     """Adds a measure of one's own, which is then known by name, and shown, wherever measures are.
 
     Raises:
-        BadValue: the entry has no formula, its name stands for several places, or the catalogue has such names.
+        BadValue: the entry has no formula, unit or sentence, its name is none or stands for several places, or the
+            catalogue has such names.
     """
-    if entry.of is None:
+    if not callable(entry.of):
         raise BadValue("of", entry.of, "a function of a cycle's Signals")
+    for name, text in (("unit", entry.unit), ("text", entry.text)):
+        if not isinstance(text, str) or not text:
+            raise BadValue(name, text, "a text" if name == "text" else 'a unit, or "1" without one')
+    if not isinstance(entry.pattern, str) or not entry.pattern.isidentifier():
+        raise BadValue("pattern", entry.pattern, "a name of letters, digits and _, such as impulse_TOE")
     if sum(word in entry.pattern for word in PLACED) > 1:
         raise BadValue("pattern", entry.pattern, f"a name with one of {', '.join(PLACED)} at most")
     for each in CATALOGUE:

@@ -1,5 +1,6 @@
 """A measure of one's own is known wherever measures are: in summaries, targets, derivatives, designs and pages."""
 
+import math
 import re
 from dataclasses import replace
 
@@ -8,7 +9,7 @@ import pytest
 
 from spear_pin import Gait, continue_gait, find_gait, hopping, load, optimize_design, simulate
 from spear_pin.cli.writing import _added
-from spear_pin.errors import BadValue, UnknownName
+from spear_pin.errors import BadFunction, BadValue, UnknownName
 from spear_pin.gaits.measures.catalogue import Measure, describe_measure, measures, register
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.sensitivity.orbit import Orbit
@@ -52,6 +53,9 @@ def test_its_name_and_unit(hop):
     for clash in ("greatest_knee", "work_JOINT", "two_JOINT_TOE"):
         with pytest.raises(BadValue, match=f"pattern is '{clash}'"):
             register(IMPULSE._replace(pattern=clash))
+    for field, wrong in (("of", 3), ("pattern", ""), ("pattern", "has space"), ("pattern", 3), ("unit", 1)):
+        with pytest.raises(BadValue, match=f"^{field} is {wrong!r}; expected a "):
+            register(IMPULSE._replace(**{"pattern": "push_TOE", field: wrong}))
     with pytest.raises(UnknownName, match="beauty"):
         measure_of(hop.system, "beauty")
 
@@ -132,6 +136,26 @@ def test_units_are_written_as_they_are_given():
         ("impulse", "toe 3 N·s"),
         ("rhythm", "2 1/s"),
     ]
+
+
+@pytest.mark.parametrize(
+    ("of", "said"),
+    [
+        (lambda cycle: 1.0 / 0.0, "ZeroDivisionError"),
+        (lambda cycle: math.exp(1e3), "OverflowError"),
+        (lambda cycle: "abc", "it gives 'abc'; expected a number"),
+        (lambda cycle: cycle.torques, "expected a number"),
+        (lambda cycle: next(iter(cycle.torques.values())), "expected a number"),
+        (lambda cycle, toe: 1.0, "TypeError"),
+    ],
+)
+def test_a_mistake_in_it_is_named(hop, of, said):
+    register(Measure("wrong", "1", "A mistake.", of))
+    motion = simulate(hop.system, hop.state, 1, progress=False)
+    with pytest.raises(BadFunction, match=f"^measure 'wrong' .*{__name__.rsplit('.')[-1]}.py:.*{said}"):
+        Sampled(hop.system.robot, motion).values()
+    with pytest.raises(BadFunction, match=f"^measure 'wrong' .*{said}"):
+        Orbit(hop.system, hop.state, ()).measures["wrong"]
 
 
 def test_signals_take_numbers_from_either_side(hop):
