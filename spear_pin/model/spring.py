@@ -12,7 +12,7 @@ import numpy as np
 
 from spear_pin.errors import BadValue, require
 from spear_pin.kinds import typed
-from spear_pin.model.branches import joined
+from spear_pin.model.branches import join_branches
 from spear_pin.model.clutch import Clutch
 from spear_pin.model.curve import Curve, through
 from spear_pin.model.path import Path
@@ -124,9 +124,9 @@ class Spring:
     def from_branches(cls, loading: Any, unloading: Any, **others: Any) -> Spring:
         """Makes a spring from its measured pull while it is stretched, and while it is let go.
 
-        Its table is their mean, where they do not meet, and its hysteresis half the width of their loop, so that the
-        loop takes the same energy. A warning (`RobotWarning`) says by how much the width differs along the way, and
-        that one branch goes further than the other.
+        Its table is their mean, and its hysteresis is half the width of a loop that takes the same energy. A warning
+        (`RobotWarning`) says by how much the width differs along the way, and that one branch goes further than the
+        other.
 
         Args:
             loading: up to 30 points (δ, τ) as of `table`, measured while δ rises, from (0, 0) on.
@@ -141,12 +141,12 @@ class Spring:
             >>> from spear_pin import Spring
             >>> spring = Spring.from_branches([(0, 0), (0.1, 6), (0.2, 11)], [(0, 0), (0.1, 4), (0.2, 9)])
             >>> spring.table, spring.hysteresis
-            (((0.0, 0.0), (0.1, 5.0), (0.2, 10.0)), 1.0)
+            (((0.0, 0.0), (0.1, 5.0), (0.2, 10.0)), 0.75)
         """
         for name in ("table", "hysteresis"):
             if name in others:
                 raise BadValue(name, others[name], "to be left out: it follows from the branches")
-        table, hysteresis = joined(loading, unloading)
+        table, hysteresis = join_branches(loading, unloading)
         return cls(**{"stiffness": 0.0, **others, "table": table, "hysteresis": hysteresis})
 
     @property
