@@ -14,7 +14,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.appearance import Undrawn
 from spear_pin.viz.playback.grafting import grafted
 from spear_pin.viz.playback.meshes import Mesh, Use, find_mesh, light_meshes
-from spear_pin.viz.playback.shapes import GREY, Shape, bones
+from spear_pin.viz.playback.shapes import GREY, Shape, bones, soles
 from spear_pin.viz.playback.visuals import Visual, visuals_of
 
 FACES = 30_000  # of all meshes of a robot, so that a page stays small
@@ -41,7 +41,7 @@ def read_looks(robot: Robot, faces: int = FACES) -> Looks:
     try:
         description = describe(whole)
     except SpearError as error:
-        return Looks(bones(robot, set()), (f"drawn as bones: {error}",))
+        return Looks((*bones(robot, set()), *soles(robot)), (f"drawn as bones: {error}",))
     visuals, faults = visuals_of(description, whole.model)
     if robot.cut is not None:
         visuals = grafted(robot, robot.cut, visuals)
@@ -52,7 +52,7 @@ def read_looks(robot: Robot, faces: int = FACES) -> Looks:
         found = _shapes(visual, meshes)
         shapes += [replace(shape, color=(*shape.color[:3], FAINT)) for shape in found] if visual.faint else found
     notes = [_undrawn(faults)] if faults else []
-    return Looks((*shapes, *bones(robot, {shape.joint for shape in shapes})), tuple(notes))
+    return Looks((*shapes, *bones(robot, {shape.joint for shape in shapes}), *soles(robot)), tuple(notes))
 
 
 def _meshes(

@@ -192,12 +192,23 @@ def _feet(robot: Robot, frames: Frames, world: Array, shapes: tuple[Shape, ...])
         frame = robot.model.frames[robot.toe_id(toe)]
         joint, at = int(frame.parentJoint), np.array(frame.placement.translation)
         places = places_across(shapes, joint, np.array([0.0, 1.0, 0.0]))
+        touching = _touching(robot, toe, frames.q) if toe in robot.radii else np.zeros(3)
         named = [(f"{toe} right", places[0]), (f"{toe} left", places[1])] if len(places) == 2 else [(toe, at[1])]
         for name, y in named:
-            position = (world[:, joint] @ [at[0], y, at[2], 1.0])[:, :3]
+            position = (world[:, joint] @ [at[0], y, at[2], 1.0])[:, :3] + touching
             share = 1.0 / len(named)
             feet.append(_Foot(name, toe, share, position, share * frames.force[:, number]))
     return feet
+
+
+def _touching(robot: Robot, toe: str, q: Array) -> Array:
+    """Returns from a round foot's centre to where it touches, or would touch, (m, 3), in m."""
+    data, frame, found = pin.Data(robot.model), robot.toe_id(toe), []
+    for each in q:
+        pin.forwardKinematics(robot.model, data, each)
+        centre = np.array(pin.updateFramePlacement(robot.model, data, frame).translation)
+        found.append(robot.directions.place(robot.model, data, frame) - centre)
+    return np.array(found)
 
 
 def _trail(foot: _Foot, t: Array, size: float, feet: int) -> Overlay:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
+import pinocchio as pin
 
 from spear_pin.arrays import Array
 from spear_pin.model.robot import Robot
@@ -14,6 +16,7 @@ from spear_pin.viz.playback.meshes import Mesh
 
 Kind = Literal["box", "cylinder", "sphere", "mesh"]
 GREY: Color = (0.62, 0.65, 0.69, 1.0)
+CHORDS = 32  # of a circle that is drawn
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,23 @@ def frame_along(direction: Array, side: Array | None = None) -> Array:
             x = x / np.linalg.norm(x)
             return np.column_stack((x, np.cross(z, x), z))
     raise AssertionError("one of three axes is always across")
+
+
+def soles(robot: Robot) -> tuple[Shape, ...]:
+    """Returns thin cylinders along the arcs of round feet, full circles where the arcs have no ends."""
+    found = []
+    for toe, radius in robot.radii.items():
+        frame, arc = robot.model.frames[robot.toe_id(toe)], robot.arcs.get(toe)
+        neutral = pin.Data(robot.model)
+        pin.framesForwardKinematics(robot.model, neutral, pin.neutral(robot.model))
+        turned = frame.placement.rotation @ neutral.oMf[robot.toe_id(toe)].rotation.T  # to the joint's axes
+        first, last = (-np.pi, np.pi) if arc is None else (arc.start, arc.stop)
+        ends = np.linspace(first, last, 2 + int(CHORDS * (last - first) / (2 * np.pi)))
+        x, z = -radius * np.sin(ends), -radius * np.cos(ends)
+        points = frame.placement.translation + np.column_stack((x, np.zeros_like(x), z)) @ turned.T
+        joint, thick = int(frame.parentJoint), 0.04 * radius
+        found += [segment(joint, *pair, thick, GREY) for pair in pairwise(points)]
+    return tuple(found)
 
 
 def bones(robot: Robot, drawn: set[int]) -> tuple[Shape, ...]:

@@ -6,8 +6,9 @@ import pytest
 from spear_pin import load, monopod
 from spear_pin.viz import player
 from spear_pin.viz.playback.looks import FACES, read_looks
-from spear_pin.viz.playback.shapes import GREY
+from spear_pin.viz.playback.shapes import GREY, soles
 from tests.model.legged import quadruped
+from tests.model.round_feet import round_spear
 from tests.viz.playback import solids
 from tests.viz.playback.test_grafting import dressed
 from tests.viz.recording import read
@@ -165,3 +166,15 @@ def test_a_dressed_dog_has_no_notes(tmp_path):
     path = tmp_path / "dog.urdf"
     path.write_text(dressed(quadruped()))
     assert read_looks(load(path, motors=[])).notes == ()
+
+
+@pytest.mark.parametrize(("ends", "chords"), [("", 33), ("from = -0.6\nto = 0.2\n", 5)])
+def test_round_feet_are_drawn_where_they_touch(tmp_path, ends, chords):
+    """Every chord ends on the arc; with all joints at zero the lowest point is straight below the centre."""
+    robot = round_spear(tmp_path, f"[feet.toe]\nradius = 0.02\n{ends}")
+    drawn, centre = soles(robot), robot.model.frames[robot.toe_id("toe")].placement.translation
+    middles = np.array([each.placement[:3, 3] - centre for each in drawn])
+    across = np.array([each.placement[:3, 2] * each.size[1] / 2 for each in drawn])
+    assert len(drawn) == chords
+    np.testing.assert_allclose(np.linalg.norm(middles + across, axis=1), 0.02, rtol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(middles - across, axis=1), 0.02, rtol=1e-12)
