@@ -7,6 +7,7 @@ from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, check_out
 from spear_pin.cli.gaits import VARY, add_gait, find_named_gait, write_gait
+from spear_pin.cli.given import name_options
 from spear_pin.cli.motors import add_motors, check_motors, motors
 from spear_pin.cli.output import progress
 from spear_pin.cli.pairs import RANGE, names, once, ranges, values
@@ -81,16 +82,17 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             "iterations": arguments.iterations,
         }
         over, keep = once(arguments.over, "--over"), once(arguments.keep, "--keep")
-        found = optimize_design(
-            gait,
-            arguments.minimize,
-            over,
-            keep,
-            **options,
-            on_iteration=lambda n, value, missed: show(
-                f"iteration {n}: {arguments.minimize} {value:.6g}, bounds missed by {missed:.2g}"
-            ),
-        )
+        with name_options(over="--over"):
+            found = optimize_design(
+                gait,
+                arguments.minimize,
+                over,
+                keep,
+                **options,
+                on_iteration=lambda n, value, missed: show(
+                    f"iteration {n}: {arguments.minimize} {value:.6g}, bounds missed by {missed:.2g}"
+                ),
+            )
     program = Program()
     named = write_gait(program, arguments.what)
     program.let("design", program.call(optimize_design, named, arguments.minimize, over=over, keep=keep, **options))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_rtol, check_out
 from spear_pin.cli.gaits import add_gait, add_wanted, find_named_gait, write_gait
-from spear_pin.cli.given import refuse
+from spear_pin.cli.given import name_options, refuse
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import align_lines, progress
 from spear_pin.cli.pairs import RANGE, one_range
@@ -78,10 +78,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             count += 1
             show(f"following: {over} {value:.6g}, {count} points")
 
-        branch = continue_gait(
-            gait, over, bounds, vary, target,
-            step=arguments.step, points=arguments.points, rtol=arguments.rtol, on_point=tell,
-        )  # fmt: skip
+        with name_options(within=f"--over {over}"):
+            branch = continue_gait(
+                gait, over, bounds, vary, target,
+                step=arguments.step, points=arguments.points, rtol=arguments.rtol, on_point=tell,
+            )  # fmt: skip
     options = {"step": arguments.step, "points": arguments.points, "rtol": arguments.rtol}
     solved = {"vary": vary, "target": target or None}
     program.let("branch", program.call(continue_gait, Code("gait"), over, bounds, **solved, **options))

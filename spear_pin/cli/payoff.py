@@ -21,7 +21,7 @@ from spear_pin.cli.arguments import (
     add_workers,
     check_out,
 )
-from spear_pin.cli.given import refuse
+from spear_pin.cli.given import name_options, refuse, write_typed
 from spear_pin.cli.legs import BODY, SIDE, in_the_plane, name_robot, one_leg, rests_on, write_leg, write_plane
 from spear_pin.cli.motors import EFFICIENCY
 from spear_pin.cli.output import align_lines, progress
@@ -81,8 +81,8 @@ def add(commands: Commands) -> None:
         action="extend",
         default=[],
         metavar=RANGE,
-        help="choose these numbers, too, at each point: knee_motor_size=0.5:3 with the motor's mass, or of the spring's"
-        " path, cable.end_z=0.04:0.06; for hops",
+        help="choose these numbers, too, at each point: knee_motor_size=0.5:3 of a shipped leg, with the motor's mass,"
+        " or of the spring's path, cable.end_z=0.04:0.06; for hops",
     )
     motors = parser.add_argument_group(
         "motors", "by default those of the robot's TOML file, else motors of the catalogue scaled to the robot"
@@ -118,7 +118,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         if values is not None and (values[0] <= 0 or list(values) != sorted(set(values))):
             raise BadValue(
                 f"--{name.replace('_', '-')}",
-                ",".join(f"{value:g}" for value in values),
+                write_typed(values),
                 "numbers > 0, each greater than the one before",
             )
     if arguments.workers is not None and arguments.workers < 1:
@@ -127,14 +127,20 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     from spear_pin import load
     from spear_pin.files import write_text
+    from spear_pin.model.legs import WITHOUT_LOOPS
+    from spear_pin.model.loading import sidecar_of
     from spear_pin.studies.payoff import answer, rests_of
     from spear_pin.viz.payoff import as_json, render
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.payoff import FIGURES
 
-    hop = arguments.leg is not None or arguments.robot == LEG
+    file = sidecar_of(arguments.robot)
+    if file.loops:
+        raise BadValue("robot", arguments.robot, WITHOUT_LOOPS)
+    hop = arguments.leg is not None or LEG in (arguments.robot, file.source)
     robot, study_of, speeds = (_hops if hop else _bounds)(arguments)
-    drives = make_drives(arguments, robot)
+    with name_options(bus="--bus"):
+        drives = make_drives(arguments, robot)
     program = Program()
     given = {"speeds": speeds, "stiffnesses": arguments.stiffnesses, "drives": drives or None, "bus": arguments.bus}
     given |= {"over": once(arguments.over, "--over") or None, "spring": arguments.spring}
@@ -150,7 +156,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     store = program.call(Path, arguments.out / "payoff.jsonl")
     program.let("study", program.call(study_of, named, store, **own))
     program.show(Code(f"{program.call(answer, Code('study'))}.sentence"))
-    with progress() as show:
+    with progress() as show, name_options(over="--over", bus="--bus", spring="--spring"):
         study = study_of(robot, arguments.out / "payoff.jsonl", **{"drives": {}} | own, tell=show)
     found = answer(study)
     name = name_robot(robot).removesuffix(",")
@@ -262,7 +268,7 @@ def make_drives(arguments: argparse.Namespace, robot: Robot) -> dict[str, Drive]
     """Make the drives that options name; a gear ratio that is not given is the one in the robot's file."""
     from spear_pin.model.catalogue import motor
     from spear_pin.model.motor import Drive, Gearbox
-    from spear_pin.studies.payoff.motors import ratio_of
+    from spear_pin.studies.payoff.motors import ratio_of, supply_voltage
 
     found = {}
     for part in ("knee", "hip"):
@@ -273,7 +279,7 @@ def make_drives(arguments: argparse.Namespace, robot: Robot) -> dict[str, Drive]
         if ratio is None:
             raise BadValue(f"--{part}-ratio", None, f"a value, as {robot.source} has no gear ratio of its {part}s")
         own = motor(name)
-        bus = own.known("nominal_voltage") if arguments.bus is None else arguments.bus
+        bus = supply_voltage(own, arguments.bus)
         found[part] = Drive(own, Gearbox(ratio, arguments.efficiency or EFFICIENCY), bus)
     return found
 

@@ -60,7 +60,7 @@ class TestMistakes:
             (("hop", "--over", "stiffness=nan:40"), "--over is nan; expected a finite number"),
             (("hop", "--over", "stiffness=40:50", "--at", "60"), "--at is 60.0; expected"),
             (("hop", "--over", "stiffness=40:50", "--speed", "2"), "only with a bound; for a hop give --flight-time"),
-            (("hop", "--over", "stiffness=1:2"), "within is (1.0, 2.0); expected"),
+            (("hop", "--over", "stiffness=1:2"), "--over stiffness is '1:2'; expected two numbers"),
             LATE(("hop", "--over", "nope=1:2"), "unknown parameter 'nope'; nearest of "),
             (("hop", "--over", "nope=1:2", "--at", "1"), "unknown parameter 'nope'; nearest of "),
             LATE(("hop", "--over", "stiffness=40:60", "--step", "0"), "step is 0.0; expected"),

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.cli.calls import printed, refused, run
+from tests.cli.calls import ROOT, printed, refused, run
 from tests.gaits.bounding_gaits import trajectory
 from tests.studies.payoff.stub import Stub, Stubbed, own_figures
 
@@ -23,6 +23,41 @@ def stub(monkeypatch):
     for drawer in ("payoff.page", "plots.payoff"):  # of whose motion there is one for all
         monkeypatch.setattr(f"spear_pin.viz.{drawer}.simulate", lambda *given, **named: trajectory("long_stride"))
     return made
+
+
+CABLE = str(ROOT / "examples" / "biarticular.toml")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("minitaur_leg", "--flight-times", "0.14"), "robot is 'minitaur_leg'; expected a robot without closed loops"),
+        (("minitaur_leg", "--leg", "leg"), "expected a robot without closed loops"),
+        (
+            ("q_spear", "--over", "cable.hip=1e-5:0.03,knee_ratio=3:9"),
+            "'cable.hip=1e-05:0.03,knee_ratio=3:9'",
+        ),
+        (("q_spear", "--flight-times", "0.1,0.2"), "--flight-times is '0.1,0.2'; expected only with --leg"),
+        (("spear_ii", "--knee-motor", "spear_ii_knee"), "--bus is None; expected the voltage"),
+    ],
+)
+def test_what_it_refuses(capsys, words, said):
+    assert said in refused(capsys, "payoff", *words)
+
+
+@pytest.mark.extra("heyoka")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("spear_ii", "--over", "knee_motor_size=2:3"), "--over knee_motor_size is '2:3'; expected a range with"),
+        ((CABLE, "--over", "cable.hip=3:1"), "--over cable.hip is '3:1'; expected a least and a greatest value"),
+        ((CABLE,), "--bus is None; expected the voltage of the supply, in V: the nominal one of spear_ii_knee"),
+    ],
+)
+def test_what_it_refuses_leaves_nothing(capsys, tmp_path, words, said):
+    """A file that is SPEAR-II with another spring hops as it does, without --leg."""
+    assert said in refused(capsys, "payoff", *words, "--out", tmp_path)
+    assert not [*tmp_path.iterdir()]
 
 
 class TestPayoff:

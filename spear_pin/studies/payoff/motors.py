@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from spear_pin.errors import BadValue
 from spear_pin.model.catalogue import motor, scale_motor, size_motor
-from spear_pin.model.motor import Drive, Gearbox
+from spear_pin.model.motor import Drive, Gearbox, Motor
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import MASS, motor_size, parameters_of, vary
 from spear_pin.studies.design import joints_of
@@ -55,13 +55,24 @@ def of_file(robot: Robot, part: str, bus: float | None = None) -> Drive | None:
         if own is None:
             return None
         gearbox = Gearbox(ratio_of(robot, part) or 1.0, robot.settings.efficiencies.get(joint, 1.0))
-        found.append(Drive(own, gearbox, own.known("nominal_voltage") if bus is None else bus))
+        found.append(Drive(own, gearbox, supply_voltage(own, bus)))
     if found.count(found[0]) != len(found):
         raise BadValue(f"motors of the {part}s", [drive.motor.name for drive in found], "the same in all legs")
     for quantity in ("torque_constant", "resistance", "rotor_inertia"):
         found[0].motor.known(quantity)
     found[0].motor.continuous_torque  # noqa: B018 - it says what is not known
     return found[0]
+
+
+def supply_voltage(own: Motor, bus: float | None) -> float:
+    """Returns the voltage of a motor's supply, in V: the one that is given, or the motor's nominal one.
+
+    Raises:
+        BadValue: none is given, and the nominal one is not known.
+    """
+    if bus is None and own.nominal_voltage is None:
+        raise BadValue("bus", None, f"the voltage of the supply, in V: the nominal one of {own.name} is not known")
+    return own.known("nominal_voltage") if bus is None else bus
 
 
 def known(robot: Robot, part: str, bus: float | None = None) -> tuple[Drive, str] | None:
