@@ -92,6 +92,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.robot is not None and sidecar_of(arguments.robot).post is not None:
         refuse(arguments, "to be left out: a robot that goes round a post has its own law and spring", *OTHERS)
         return hop_round.run(arguments)
+    if not arguments.free_x:
+        refuse(arguments, "only with --free-x", "foot_placement")
     locked = [] if arguments.free_x else ["boom_x"]
     other = one_leg(arguments, locked)
     if other is not None and other.reach is not None:

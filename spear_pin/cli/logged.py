@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from spear_pin.hybrid.automaton import HybridSystem
     from spear_pin.studies.logs import Log, LogPhase
 
-LEG = "leg: a robot by name or path (TOML, URDF, MJCF), or a saved gait (.json)"
+LEG = "leg: hop for SPEAR-II's, a robot by name or path (TOML, URDF, MJCF), or a saved gait (.json)"
 QUANTITIES = "time, a joint's name for its position, and the name with _rate or _torque"
 FILES = "CSV, .mat, .npz or MCAP file, or a folder of files that follow one another"
 

@@ -25,6 +25,7 @@ from spear_pin.gaits.spatial.pronking import pronking
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.gaits.spatial.trotting import pacing, trotting
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.brakes import Braking
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.dry_friction import DryFriction
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
@@ -217,14 +218,16 @@ def is_built_by_name(system: HybridSystem) -> bool:
 
 def _unsaid(system: HybridSystem) -> list[str]:
     """Lists properties of a system that a file does not describe, in words."""
+    brakes = {name for change in system.changes if isinstance(change, Braking) for name in change.brakes}
     has = {
         "hardware": system.hardware is not None,
-        "dry friction of joints": any(domain.rubs for domain in system.domains),
+        "brakes": bool(brakes),
+        "dry friction of joints": any(rub.joint not in brakes for domain in system.domains for rub in domain.rubs),
         "ground that is no plane": type(system.contact) not in (Contact, Ground),
         **dict.fromkeys(unsaid(system.robot), True),
         "another builder than others of its kind": not is_built_by_name(system),
         "a change of its own": any(
-            not isinstance(change, (DryFriction, EventFeedback, Fitted)) for change in system.changes
+            not isinstance(change, (Braking, DryFriction, EventFeedback, Fitted)) for change in system.changes
         ),
     }
     others = {f"another {name}": True for name in find_replaced(system) if name not in (*LIMITS, "hardware")}

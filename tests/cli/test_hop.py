@@ -228,7 +228,7 @@ class TestMistakes:
             (["--friction", "0"], "friction"),
             (["--slope", "1.3"], "slope"),
             (["--slope", "steep"], "steep"),
-            (["--foot-placement", "0.1"], "foot_placement"),
+            (["--foot-placement", "0.1"], "--foot-placement is 0.1; expected only with --free-x"),
             (["--colour", "red"], "--colour"),
             (["--cycles", "1.5"], "1.5"),
             (["--stance-torque", "8", "--cycles", "0"], "cycles"),

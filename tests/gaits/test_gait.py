@@ -10,6 +10,7 @@ import pytest
 from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping, load, monopod, simulate, vary
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.gaits.gait import springs_data, springs_of
+from spear_pin.hybrid.brakes import Brake, with_brakes
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import change_system, limits, parameter, with_hardware, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import residual
@@ -75,6 +76,7 @@ class TestSaveAndLoad:
             (lambda system: with_dry_friction(system, {"boom_z": 1.0}), "dry friction of joints"),
             (lambda system: hopping(on_rotary_boom(system.robot), system.law), "a robot with added inertia"),
             (lambda system: change_system(system, lambda built: built), "a change of its own"),
+            (lambda system: with_brakes(system, {"knee": Brake(50.0, ("flight",))}), "brakes"),
             (lambda system: replace(system, cyclic=("boom_z",)), "another cyclic"),
         ],
     )
