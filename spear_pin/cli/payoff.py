@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import warnings
 from collections.abc import Callable, Sequence
 from functools import cache, partial
 from pathlib import Path
@@ -27,7 +28,7 @@ from spear_pin.cli.motors import EFFICIENCY
 from spear_pin.cli.output import align_lines, progress
 from spear_pin.cli.pairs import RANGE, once, ranges
 from spear_pin.cli.python_lines import Code, Program
-from spear_pin.errors import BadValue, SpearError, UnknownName, require
+from spear_pin.errors import BadValue, RobotWarning, SpearError, UnknownName, require
 from spear_pin.words import number
 
 if TYPE_CHECKING:
@@ -48,7 +49,9 @@ def add(commands: Commands) -> None:
     parser = add_command(commands, "payoff", run, summary, example)
     add_robot(parser)
     parser.add_argument(
-        "--leg", metavar="NAME", help="let this leg hop in place; help lists the legs (default: a quadruped bounds)"
+        "--leg",
+        metavar="NAME",
+        help="let this leg hop in place; help lists the legs (default: a quadruped bounds, a robot with one leg hops)",
     )
     parser.add_argument(
         "--bends",
@@ -134,10 +137,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.payoff import FIGURES
 
-    file = sidecar_of(arguments.robot)
-    if file.loops:
+    if sidecar_of(arguments.robot).loops:
         raise BadValue("robot", arguments.robot, WITHOUT_LOOPS)
-    hop = arguments.leg is not None or LEG in (arguments.robot, file.source)
+    hop = arguments.leg is not None or _is_leg(arguments)
     robot, study_of, speeds = (_hops if hop else _bounds)(arguments)
     with name_options(bus="--bus"):
         drives = make_drives(arguments, robot)
@@ -190,6 +192,15 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
+def _is_leg(arguments: argparse.Namespace) -> bool:
+    """Tell whether the robot has one leg, which can but hop; warnings are for when it is loaded to be used."""
+    from spear_pin import load
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RobotWarning)
+        return len(load(arguments.robot, repair=bool(arguments.repair)).legs) == 1
+
+
 def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], Sequence[float] | None]:
     """The robot in its sagittal plane, its study, and the speeds that were asked for."""
     from spear_pin import load
@@ -215,7 +226,7 @@ def _hops(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], S
     from spear_pin import load
     from spear_pin.studies.payoff import hops
 
-    refuse(arguments, "to be left out with --leg: for a hop give --flight-times", "speeds")
+    refuse(arguments, "to be left out for one leg: for a hop give --flight-times", "speeds")
     if arguments.robot == LEG:
         refuse(arguments, f"to be left out: {LEG} is one leg", "leg", "bends", "body")
         return load(LEG, locked=["boom_x"]), hops, arguments.flight_times

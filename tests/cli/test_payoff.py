@@ -51,11 +51,12 @@ def test_what_it_refuses(capsys, words, said):
     [
         (("spear_ii", "--over", "knee_motor_size=2:3"), "--over knee_motor_size is '2:3'; expected a range with"),
         ((CABLE, "--over", "cable.hip=3:1"), "--over cable.hip is '3:1'; expected a least and a greatest value"),
+        (("hoppy_leg", "--flight-times", "9"), "flight_time"),
         ((CABLE,), "--bus is None; expected the voltage of the supply, in V: the nominal one of spear_ii_knee"),
     ],
 )
 def test_what_it_refuses_leaves_nothing(capsys, tmp_path, words, said):
-    """A file that is SPEAR-II with another spring hops as it does, without --leg."""
+    """A robot with one leg hops, without --leg."""
     assert said in refused(capsys, "payoff", *words, "--out", tmp_path)
     assert not [*tmp_path.iterdir()]
 
