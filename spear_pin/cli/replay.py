@@ -30,7 +30,7 @@ def add(commands: Commands) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Read the log, replay it, and draw log and model."""
     from spear_pin.studies.logs import replay
-    from spear_pin.studies.logs.replaying import MEASURES
+    from spear_pin.studies.logs.replaying import MEASURES, NONE
     from spear_pin.viz.plots import save_figure
     from spear_pin.viz.plots.logs import replay_over_log
 
@@ -46,7 +46,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     for hop in found.hops:
         for name, (model, log) in hop.measures.items():
             what = f"{name} from {hop.stance.begin:.3f} s, {MEASURES[name]}"
-            lines.append(f"{what:<32}{model:>9.4f}{log:>9.4f}{100.0 * hop.off(name):>+7.1f} %")
+            cells = f"{model:.4f}", f"{log:.4f}", f"{100.0 * hop.off(name):+.1f} %"
+            shown = [NONE if "nan" in cell else cell for cell in cells]
+            lines.append(f"{what:<32}{shown[0]:>9}{shown[1]:>9}{shown[2]:>9}")
+    if any(NONE in line for line in lines):
+        lines.append(f"note: {NONE}: that leg never gets as long as it is when it lifts off in the log")
     return {
         "hops": [
             {

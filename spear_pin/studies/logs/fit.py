@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from os.path import realpath
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,17 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import number, unit
+from spear_pin.hybrid.parameters import unit
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
 from spear_pin.studies.fitting import search
 from spear_pin.studies.logs.arcs import SETTLE, LogArc, find_arcs
 from spear_pin.studies.logs.doubts import doubts
+from spear_pin.studies.logs.given import UNBOUNDED, check_names, check_values
 from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.measured import FLIGHT, STANCE, find_measured
 from spear_pin.studies.logs.phases import LogPhase
-from spear_pin.studies.logs.played import find_number, make_played, played_with, with_own
+from spear_pin.studies.logs.played import make_played, played_with, with_own
 from spear_pin.studies.logs.residuals import HEIGHT, HEIGHT_SENSOR, LAG, ZERO, Residuals
 from spear_pin.studies.logs.shooting import Shot
 from spear_pin.studies.logs.spread import Found, correlation_time, spread, spread_by_parts
@@ -47,7 +49,8 @@ class MotionFit(Shown):
         arcs: the phases that were shot over.
         shots: the model's motion over each of them.
         residuals: model less log, for each of them, (n, m), in rad or m; NaN where nothing was measured.
-        rms: root of their mean square.
+        rms: root of the mean square of the weighted residuals, in rad: those in m are divided by the leg's length, and
+            those of "boom_z" count by their own noise.
         inflation: factor by which deviations are larger than those of white residuals, at least.
         left_out: phases that were not used, with the reason.
         doubts: what to keep in mind, in sentences.
@@ -114,7 +117,8 @@ def identify_motion(
 
     Raises:
         BadFile: a log has no hop.
-        BadValue: a robot, a log or a value does not fit; or the log does not tell two numbers apart at all.
+        BadValue: a robot, a log or a value does not fit; the model's motion blows up; or the log does not tell two
+            numbers apart at all.
         UnknownName: there is no number of a name.
 
     Example:
@@ -134,13 +138,15 @@ def identify_motion(
         raise BadValue("phases", list(phases), "'stance', 'flight' or both")
     if not logs:
         raise BadValue("log", logs, "a log at least")
+    if len({realpath(each.source) for each in logs}) < len(logs):
+        raise BadValue("log", [each.source for each in logs], "different logs, each once")
     joints = find_measured(system.robot, logs[0])
     beside = (HEIGHT,) if {*HEIGHT_SENSOR} & {*over, *given} else ()
     leg, of_sensors = make_played(system), [*(f"{joint}{ZERO}" for joint in joints.joints), LAG]
     of_sensors += HEIGHT_SENSOR if beside else ()
     own = tuple(name for name in over if name not in of_sensors)
-    for name in (*own, *(name for name in given if name not in of_sensors)):
-        _known(leg, find_number(system, name)[0], of_sensors)
+    check_names(leg, system, (*over, *given), of_sensors)
+    check_values(given)
     leg = played_with(leg, system, {name: value for name, value in given.items() if name not in of_sensors})
     arcs, left_out = [], list[LogPhase]()
     for each in logs:
@@ -151,7 +157,7 @@ def identify_motion(
         raise BadValue("log", [each.source for each in logs], "one with a stance or flight that can be used")
     sensors = {name: float(given.get(name, 0.0)) for name in of_sensors}
     problem = Residuals(system, leg, joints, tuple(arcs), over, own, sensors, beside)
-    return _solved(problem, tuple(left_out))
+    return _solved(problem, given, tuple(left_out))
 
 
 def _unit(problem: Residuals, name: str) -> str:
@@ -164,16 +170,13 @@ def _unit(problem: Residuals, name: str) -> str:
     return unit(problem.system, name) or unit(problem.leg, name)
 
 
-def _known(leg: HybridSystem, name: str, of_sensors: Sequence[str]) -> None:
-    try:
-        number(leg, name)
-    except UnknownName as error:
-        raise UnknownName("number of the leg", name, [*error.valid, *of_sensors]) from None
-
-
-def _solved(problem: Residuals, left_out: tuple[LogPhase, ...]) -> MotionFit:
+def _solved(problem: Residuals, given: Mapping[str, float], left_out: tuple[LogPhase, ...]) -> MotionFit:
     first = problem.first()
-    spread(problem, problem.joined(first), 1.0)  # what is not told apart is refused before the search
+    begun = problem.shots(first)
+    if not all(shot.bounded for shot, _, _ in begun):
+        begins = dict(zip(problem.over, first.tolist(), strict=False))
+        raise BadValue("start", {**given, **begins}, UNBOUNDED)
+    spread(problem, problem.stacked(begun), 1.0)  # what is not told apart is refused before the search
     while True:
         solution = _search(problem, first)
         for _ in range(REWEIGHTED if problem.beside else 0):

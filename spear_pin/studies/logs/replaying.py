@@ -24,17 +24,19 @@ from spear_pin.kinds import typed
 from spear_pin.showing import Shown
 from spear_pin.studies.logs.arcs import MARGIN, RATE, SETTLE, LogArc, find_arcs, fit_rates
 from spear_pin.studies.logs.fit import MotionFit
+from spear_pin.studies.logs.given import UNBOUNDED, check_names, check_values
 from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.measured import FLIGHT, STANCE, Measured, find_measured
 from spear_pin.studies.logs.phases import LogPhase
 from spear_pin.studies.logs.played import make_played, played_with, with_own
-from spear_pin.studies.logs.residuals import LAG, ZERO
-from spear_pin.studies.logs.shooting import Shooter
+from spear_pin.studies.logs.residuals import HEIGHT_SENSOR, LAG, LOST, ZERO
+from spear_pin.studies.logs.shooting import FAR, Shooter
 
 MEASURES = {"compression": "m", "stance": "s", "push_off": "m/s"}
 PUSH = 0.012  # s before lift-off, over which the leg's rate is taken
 STEPS = 4  # by how much steps are shorter than need be, as friction is stiff
 MEASURED, LAW = "measured", "law"
+NONE = "–"  # a measure that a motion does not have
 SAMPLES = 400  # of each phase, between which a simulated motion is interpolated
 WINDOW = 0.04  # s, on which the first state is fitted: some periods of the ringing after a touchdown
 
@@ -50,7 +52,8 @@ class Hop:
         modelled: the model's, (n, m).
         lift_off: time at which the model lifts off, in s of the log; NaN if it does not.
         measures: of the model and of the log, by name: "compression" of the leg, in m; "stance", the time until it
-            is as long as when it lifts off in the log, in s; and "push_off", how fast it lengthens then, in m/s.
+            is as long as when it lifts off in the log, in s; and "push_off", how fast it lengthens then, in m/s. Both
+            of these are NaN if it never is.
     """
 
     stance: LogPhase
@@ -90,11 +93,13 @@ class Replay(Shown):
     left_out: tuple[LogPhase, ...]
 
     def off(self, name: str) -> float:
-        """Returns by how much the model is off on average, relative to the log, over the hops that have the measure."""
-        return float(np.nanmean([hop.off(name) for hop in self.hops]))
+        """Returns by how much the model is off on average, relative to the log, over hops that have it; NaN if none."""
+        found = [each for each in (hop.off(name) for hop in self.hops) if np.isfinite(each)]
+        return float(np.mean(found)) if found else np.nan
 
     def __repr__(self) -> str:
-        said = ", ".join(f"{name} {100.0 * self.off(name):+.1f} %" for name in MEASURES)
+        offs = {name: 100.0 * self.off(name) for name in MEASURES}
+        said = ", ".join(f"{name} {off:+.1f} %" if np.isfinite(off) else f"{name} {NONE}" for name, off in offs.items())
         return f"Replay({self.log.source!r}: {len(self.hops)} hops; model less log: {said})"
 
 
@@ -143,17 +148,20 @@ def replay(
     else:
         user, leg = system, make_played(system)
     joints = find_measured(user.robot, log)
-    sensors = {name: given.pop(name, 0.0) for name in (*(f"{joint}{ZERO}" for joint in joints.joints), LAG)}
-    leg = played_with(leg, user, given)
-    zeros = np.array([sensors[f"{joint}{ZERO}"] for joint in joints.joints])
+    of_sensors = [*(f"{joint}{ZERO}" for joint in joints.joints), LAG, *HEIGHT_SENSOR]
+    check_names(leg, user, given, of_sensors)
+    check_values(given)
+    own = {name: value for name, value in given.items() if name not in of_sensors}
+    leg = played_with(leg, user, own)
     arcs, left_out = find_arcs(user, joints, log, settle, whole=True, torques=motors == MEASURED)
-    shooter, hops = Shooter(leg), list[Hop]()
-    own = with_own(user, leg, given) if motors == LAW else None
-    for arc in arcs:
-        if arc.phase.name == STANCE:
-            hops.append(_replayed(shooter, own, joints, arc, window, zeros, sensors[LAG]))
-    if not hops:
+    stances = [arc for arc in arcs if arc.phase.name == STANCE]
+    if not stances:
         raise BadValue("log", log.source, "one with a stance that can be used")
+    longest = max(arc.phase.duration for arc in stances)
+    if window > longest:
+        raise BadValue("window", window, f"at most {longest:.3g} s, the time of the longest stance")
+    shooter, by_law = Shooter(leg), with_own(user, leg, own) if motors == LAW else None
+    hops = [_replayed(shooter, by_law, joints, arc, window, given) for arc in stances]
     units = tuple(user.robot.units[row] for row in joints.rows)
     return Replay(log, joints.joints, units, tuple(hops), tuple(left_out))
 
@@ -164,12 +172,12 @@ def _replayed(
     joints: Measured,
     arc: LogArc,
     window: float,
-    zeros: Array,
-    lag: float,
+    values: Mapping[str, float],
 ) -> Hop:
     """Returns a stance and what follows, from a state fitted to its first instants; by the law of a given system."""
     m, rows, nv = len(joints.rows), joints.rows, joints.robot.nv
-    first = max(RATE, int(np.searchsorted(arc.t, arc.t[0] + window)))
+    zeros, lag = np.array([values.get(f"{joint}{ZERO}", 0.0) for joint in joints.joints]), values.get(LAG, 0.0)
+    first = max(RATE, int(np.searchsorted(arc.t, min(arc.t[0] + window, arc.phase.end))))
     some = arc.t[:first], arc.torques[:first]
     latched = joints.configuration(arc.touchdown - zeros, arc.near)
 
@@ -183,12 +191,14 @@ def _replayed(
     def missed(x: Array) -> Array:
         y = joints.state(STANCE, x[:m], x[m:], arc.near)
         shot = shooter.shoot(STANCE, *some, y, np.zeros((2 * nv, 1)), latched, steps=STEPS)
-        return (shown(shot.y) - arc.positions[:first]).ravel()
+        return (shown(shot.y) - arc.positions[:first] if shot.bounded else np.full((first, m), LOST)).ravel()
 
     begin = np.concatenate([arc.positions[0] - zeros, fit_rates(joints, STANCE, some[0], arc.positions[:first], 0)])
     found = least_squares(missed, begin, x_scale="jac").x
     y = joints.state(STANCE, found[:m], found[m:], arc.near)
     states, lift_off = _driven(shooter, arc, latched, y) if system is None else _by_law(system, arc, latched, y)
+    if system is None and not (np.abs(states) < FAR).all():
+        raise BadValue("values", dict(values), UNBOUNDED)
     modelled = shown(states)
     model, log = (joints.lengths(each - zeros, arc.near) for each in (modelled, arc.positions))
     leaves = float(np.interp(arc.phase.end - MARGIN, arc.t, log))
@@ -200,14 +210,15 @@ def _replayed(
 def _driven(shooter: Shooter, arc: LogArc, latched: Array, y: Array) -> tuple[Array, float]:
     """Returns states at all samples, (n, 2 nv), with the measured torques, and when the toe lifts off."""
     states, lift_off, none = list[Array](), np.nan, np.zeros((len(y), 1))
-    for state, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, latched, steps=STEPS):
-        states.append(state)
-        if force[-1] < 0.0:
-            lift_off = float(arc.t[len(states) - 1])
-            break
-    rest = slice(len(states) - 1, None)
-    flight = shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states.pop(), none, latched, steps=STEPS)
-    states += [state for state, _, _ in flight]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for state, _, force in shooter.along(STANCE, arc.t, arc.torques, y, none, latched, steps=STEPS):
+            states.append(state)
+            if force[-1] < 0.0:
+                lift_off = float(arc.t[len(states) - 1])
+                break
+        rest = slice(len(states) - 1, None)
+        flight = shooter.along(FLIGHT, arc.t[rest], arc.torques[rest], states.pop(), none, latched, steps=STEPS)
+        states += [state for state, _, _ in flight]
     return np.array(states), lift_off
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,6 +10,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from spear_pin.arrays import Array
+from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import number
 from spear_pin.studies.logs.arcs import RATE, LogArc, fit_rates
@@ -23,6 +24,7 @@ HEIGHT_SENSOR = f"{HEIGHT}{ZERO}", f"{HEIGHT}_{LAG}"
 PARTS = 4  # of each phase, by which what the model misses in every hop is told
 LEAST = 1e-3  # of the joints' residuals: those of what is beside do not count as less
 STEP = 1e-5  # rad or m, by which a start is differentiated
+LOST = 1e3  # rad or m: residuals of a motion that cannot be integrated, so that a search takes a shorter step
 
 
 @dataclass(frozen=True)
@@ -140,6 +142,9 @@ class Residuals:
             shot = shooter.shoot(arc.phase.name, arc.t, arc.torques, y, dy, latched, dlatched, self.steps)
             residual = -arc.seen
             jacobian = np.zeros((*residual.shape, len(x)))
+            if not shot.bounded:
+                found.append((shot, np.where(np.isfinite(residual), LOST, np.nan), jacobian))
+                continue
             for i, name in enumerate(self.names):
                 row, zero = self.leg.robot.index(name), f"{name}{ZERO}"
                 lag = f"{name}_{LAG}" if name in self.beside else LAG
@@ -183,7 +188,13 @@ class Residuals:
 
     def joined(self, x: Array) -> tuple[Array, Array]:
         """Returns all residuals, (N,), weighted, and their Jacobian, (N, unknowns)."""
-        shots = self.shots(x)
+        try:
+            return self.stacked(self.shots(x))
+        except BadValue:  # a search tries what no number can be
+            return np.full(len(self.parts), LOST), np.zeros((len(self.parts), len(x)))
+
+    def stacked(self, shots: Sequence[tuple[Shot, Array, Array]]) -> tuple[Array, Array]:
+        """Returns what `joined` does, of what `shots` returns."""
         there = [np.isfinite(residual) for _, residual, _ in shots]
         residuals = [(self.weights * shot[1])[each] for shot, each in zip(shots, there, strict=True)]
         jacobians = [(self.weights[:, None] * shot[2])[each] for shot, each in zip(shots, there, strict=True)]

@@ -24,6 +24,8 @@ from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.played import TORQUE, latch_rests
 
 LONGEST = 1.6e-3  # s, of a step
+FAR = 1e6  # rad, m, rad/s or m/s: no leg gets there
+STEEP = 1e12  # per unit of any number: no state depends on it so much
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,11 @@ class Shot:
     y: Array
     dy: Array
     forces: Array
+
+    @property
+    def bounded(self) -> bool:
+        """Whether states and derivatives are finite, and have not blown up."""
+        return bool((np.abs(self.y) < FAR).all() and (np.abs(self.dy) < STEEP).all())
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +83,8 @@ class Shooter:
 
     def shoot(self, name: str, t: Array, *given: Any, **options: Any) -> Shot:
         """Integrates from a state over given times; see `along` for what it takes."""
-        return Shot(t, *map(np.array, zip(*self.along(name, t, *given, **options), strict=True)))
+        with np.errstate(over="ignore", invalid="ignore"):  # see `Shot.bounded`
+            return Shot(t, *map(np.array, zip(*self.along(name, t, *given, **options), strict=True)))
 
     def along(
         self,

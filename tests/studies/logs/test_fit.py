@@ -10,7 +10,7 @@ from spear_pin import hopping, load, simulate, vary
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import number
-from spear_pin.studies.logs import Log, identify_motion
+from spear_pin.studies.logs import Log, identify_motion, replay
 from spear_pin.studies.logs.shooting import Shooter
 from spear_pin.viz.plots.logs import fit_over_log
 from tests.studies.logs.crank_leg import DEGREE, configured, sampled, spring, synthetic
@@ -251,3 +251,39 @@ def test_refuses(bare, plain_log, error, over, options, text):
         identify_motion(bare, plain_log[0], over, **options)
     assert text in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_model_that_blows_up_at_the_start_is_refused(bare, plain_log):
+    with pytest.raises(BadValue, match="start is .'crank_viscous': 1000000.0.; expected values with which the model"):
+        identify_motion(bare, plain_log[0], ["crank_viscous"], start={"crank_viscous": 1e6})
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("lag", np.nan, "lag is nan; expected a number from -1 to 1, in s"),
+        ("lag", 10.0, "lag is 10.0; expected a number from -1 to 1, in s"),
+        ("crank_zero", np.inf, "crank_zero is inf; expected a finite number"),
+        ("crank_friction", -1.0, "crank_friction is -1.0; expected a number >= 0"),
+        ("hysteresis", -1.0, "hysteresis is -1.0; expected a number >= 0"),
+        ("torque_scale", 0.0, "torque_scale is 0.0; expected a number > 0"),
+    ],
+)
+def test_values_that_a_number_cannot_have_are_refused(sprung, plain_log, name, value, said):
+    with pytest.raises(BadValue, match=said):
+        identify_motion(sprung, plain_log[0], ["stiffness"], start={name: value})
+    with pytest.raises(BadValue, match=said):
+        replay(sprung, plain_log[0], {name: value})
+
+
+def test_numbers_that_only_the_played_law_has_are_not_offered(sprung, plain_log):
+    for name in ("leg_shift", "leg_hysteresis", "crank_torque"):
+        with pytest.raises(UnknownName, match=f"unknown number of the leg '{name}'") as raised:
+            identify_motion(sprung, plain_log[0], [name])
+        assert {"torque_scale", "crank_friction", "stiffness", "rest", "hysteresis", "lag"} <= {*raised.value.valid}
+        assert name not in raised.value.valid
+
+
+def test_a_log_that_is_given_twice_is_refused(bare, plain_log):
+    with pytest.raises(BadValue, match="log is .'synthetic', 'synthetic'.; expected different logs, each once"):
+        identify_motion(bare, [plain_log[0]] * 2, ["crank_armature"])

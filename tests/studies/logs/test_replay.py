@@ -39,6 +39,17 @@ def test_a_fit_is_replayed_with_its_values(bare, plain_log):
     assert abs(replay(fit, stronger).off("push_off")) < 2e-3 < abs(replay(bare, stronger).off("push_off"))
 
 
+def test_a_leg_that_never_lifts_off_has_no_push_off(bare, plain_log):
+    weak = replay(bare, plain_log[0], {"torque_scale": 0.01})
+    assert np.isnan(weak.off("push_off")) and np.isfinite(weak.off("compression"))
+    assert repr(weak).endswith(" %, stance –, push_off –)")
+
+
+def test_a_model_that_blows_up_is_refused(bare, plain_log):
+    with pytest.raises(BadValue, match="values is .'crank_viscous': 1000000.0.; expected values with which the model"):
+        replay(bare, plain_log[0], {"crank_viscous": 1e6})
+
+
 def test_the_law_makes_the_log_that_it_made():
     """SPEAR-II: the law acts from the fitted state on, and the spring was latched where the log says."""
     robot = load("spear_ii", locked=["boom_x"])
@@ -63,6 +74,8 @@ def test_refuses(bare, plain_log):
     log = plain_log[0]
     with pytest.raises(BadValue, match="window is 0.0; expected a number > 0, in s"):
         replay(bare, log, window=0.0)
+    with pytest.raises(BadValue, match=r"window is 100.0; expected at most 0\.\d+ s, the time of the longest stance"):
+        replay(bare, log, window=100.0)
     with pytest.raises(BadValue, match="motors is 'both'; expected 'measured' or 'law'"):
         replay(bare, log, motors="both")
     with pytest.raises(UnknownName, match="'mass'"):

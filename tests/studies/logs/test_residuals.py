@@ -44,6 +44,18 @@ def test_the_jacobian_is_that_of_differences(problem):
     assert problem.joined(x)[1] @ step == pytest.approx(difference, abs=1e-4 * abs(difference).max())
 
 
+@pytest.mark.parametrize(("name", "value"), [("torque_scale", 1e12), ("crank_armature", -1.0)])
+def test_what_cannot_be_integrated_has_large_residuals_without_slope(problem, name, value):
+    """A search that steps there goes back."""
+    x = problem.first()
+    residual, jacobian = problem.joined(x)
+    x[problem.over.index(name)] = value
+    lost, flat = problem.joined(x)
+    assert lost.shape == residual.shape and flat.shape == jacobian.shape
+    assert np.isfinite(lost).all() and np.isfinite(flat).all()
+    assert lost @ lost > 1e6 * (residual @ residual) and not flat.any()
+
+
 def test_a_part_is_a_quarter_of_all_stances_or_of_all_flights(problem):
     parts = problem.parts
     assert len(parts) == len(problem.joined(problem.first())[0])
