@@ -109,7 +109,7 @@ class Log:
 
         What a column holds is said by `columns`, else by a TOML file of the same name beside it, or "log.toml" in the
         folder, with a table `[columns]`, else by the columns' own names: `knee_deg`, `knee_torque [Nm]`, `time_ms`.
-        Tables of `Trajectory.export` say it themselves.
+        Saved trajectories (.npz) and tables of `Trajectory.export` (.csv) say it themselves.
         In an MCAP file columns are numbers of JSON or protobuf messages, by topic and field:
         "/joint_states.knee.position". The first of them gives the times; another topic is interpolated at them.
 

@@ -7,12 +7,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, BadValue, UnknownName, brief, list_names
 from spear_pin.files import regular
+from spear_pin.hybrid.column_names import heading
+from spear_pin.hybrid.trajectory import Trajectory
 from spear_pin.studies.logs.log import Column, Log
 from spear_pin.studies.tables.columns import MOST_BYTES as TABLE
 from spear_pin.studies.tables.columns import Table, read_columns
@@ -37,8 +40,9 @@ from spear_pin.studies.tables.units import (
     split_name,
 )
 
-MCAP = ".mcap"
-SUFFIXES = ".csv", ".txt", ".tsv", ".dat", ".mat", ".npz", MCAP
+MCAP, NPZ = ".mcap", ".npz"
+SUFFIXES = ".csv", ".txt", ".tsv", ".dat", ".mat", NPZ, MCAP
+SAVED = {"meta.npy", "event_time.npy", "ledger_work.npy"}  # members by which a saved trajectory is known
 FOLDER = "log.toml"
 SAMPLES = {"domain", "phase", "cycle"}  # columns by which a table of this package's own samples is known
 OWN = {"q_": "", "v_": "_rate", "u_": TORQUE}  # how its other columns begin, and how the quantities' names end
@@ -228,10 +232,30 @@ def _read(path: Path, asked: Columns, units: Units) -> Log:
 def _tables(path: Path, wanted: Sequence[str]) -> list[Table]:
     """Reads all columns of a file; of an MCAP file the first message of each topic, and all with wanted columns."""
     if path.suffix.lower() != MCAP:
-        return [read_columns(path, lambda names: names)]
+        return [_trajectory(path) if _is_trajectory(path) else read_columns(path, lambda names: names)]
     from spear_pin.studies.logs.topics import read_topics
 
     return read_topics(regular(path, TABLE), wanted)
+
+
+def _is_trajectory(path: Path) -> bool:
+    """Tells whether `Trajectory.save` wrote a file."""
+    if path.suffix.lower() != NPZ:
+        return False
+    try:
+        with ZipFile(path) as archive:
+            return {*archive.namelist()} >= SAVED
+    except Exception:  # a damaged file may raise anything; reading it says what
+        return False
+
+
+def _trajectory(path: Path) -> Table:
+    """Returns the columns that `Trajectory.export` writes."""
+    saved = Trajectory.load(path)
+    (names, values), units = saved.columns(), saved.units()
+    columns = {heading(name, units[name]): each for name, each in zip(names, values.T, strict=True)}
+    words = np.full(len(saved), np.nan)
+    return Table(path, {**columns, **{name: words for name in SAMPLES - columns.keys()}})
 
 
 def _used(asked: Columns, main: Table) -> list[str]:

@@ -18,6 +18,7 @@ from typing import Any
 from zipfile import ZipFile
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadFile, brief
@@ -29,6 +30,7 @@ from spear_pin.studies.tables.layout import HEAD, find_layout
 ROWS = 1 << 18  # that are read at a time
 LARGEST = 50_000_000  # values of a .mat variable
 MOST_BYTES = 500_000_000
+TRAJECTORY = {"coordinates", "events", "ledger"}  # variables by which `Trajectory.export` is known
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +85,7 @@ def read_columns(path: str | Path, choose: Choice) -> Table:
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     if not head.strip(b"\0 \t\r\n\f\v"):  # nor do zeros, as in the hole of a sparse file, say anything
-        raise BadFile(path, "the file is empty; expected rows of a time and a voltage or angle")
+        raise BadFile(path, "the file is empty; expected rows of a time and what was measured then")
     packed = {".mat": _mat, ".npz": _npz}.get(path.suffix.lower())
     return packed(path, choose) if packed else _text(path, head, choose)
 
@@ -135,7 +137,7 @@ def _text(path: Path, head: bytes, choose: Choice) -> Table:
                 for place, chunk in zip(places, chunks, strict=True):
                     chunk.append(_numbers(table[place], layout.decimal))
     except pd.errors.EmptyDataError:
-        raise BadFile(path, "has no rows; expected rows of a time and a voltage or angle") from None
+        raise BadFile(path, "has no rows; expected rows of a time and what was measured then") from None
     except pd.errors.ParserWarning:
         raise BadFile(
             path, f"rows have more fields than the {len(layout.names)} columns; give each column a name"
@@ -192,7 +194,10 @@ def _numbers(column: Any, decimal: str) -> _Part:
 def _mat(path: Path, choose: Choice) -> Table:
     from scipy.io import loadmat, whosmat
 
-    sizes = {name: max(shape) for name, shape, kind in _tried(path, whosmat) if kind in _NUMBERS and _is_vector(shape)}
+    found = _tried(path, whosmat)
+    if {name for name, _, _ in found} >= TRAJECTORY:
+        raise BadFile(path, "it is a trajectory, not columns; `spear export hop.npz --csv` writes them")
+    sizes = {name: max(shape) for name, shape, kind in found if kind in _NUMBERS and _is_vector(shape)}
     wanted = tuple(choose(tuple(sizes)))
     for name in wanted:
         if sizes[name] > LARGEST:
@@ -211,11 +216,21 @@ def _npz(path: Path, choose: Choice) -> Table:
         if size > MOST_BYTES:
             raise ValueError(f"unpacked it has {size} bytes; at most {MOST_BYTES} are read")
         with np.load(path, allow_pickle=False) as stored:
-            arrays = {name: np.asarray(stored[name]) for name in stored.files}
+            arrays = {name: _stored(stored, name) for name in stored.files}
     except Exception as error:  # a damaged file may raise anything
         raise BadFile(path, f"not an .npz file that can be read: {error}; expected columns of numbers") from None
-    values = {name: each.astype(float) for name, each in arrays.items() if each.ndim == 1 and each.dtype.kind in "fiu"}
+    vectors = {name: each for name, each in arrays.items() if each.ndim == 1 or _is_vector(each.shape)}
+    values = {name: each.ravel().astype(float) for name, each in vectors.items() if each.dtype.kind in "fiu"}
     return _even(path, {name: values[name] for name in choose(tuple(values))})
+
+
+def _stored(stored: Any, name: str) -> NDArray[Any]:
+    """Returns an array of an .npz file; one of Python objects is not read."""
+    try:
+        return np.asarray(stored[name])
+    except ValueError as error:
+        said = "holds Python objects" if "pickle" in str(error) else f"cannot be read: {error}"
+        raise ValueError(f"array {brief(name)} {said}") from None
 
 
 def _even(path: Path, values: Mapping[str, Array]) -> Table:

@@ -73,7 +73,7 @@ def find_layout(path: Path, head: bytes) -> Layout:
     lines = [text[one:other].rstrip("\r\n") for one, other in zip(starts, [*starts[1:], len(text)], strict=True)]
     filled = [i for i, line in enumerate(lines) if line.strip() and not line.startswith("#")][:LOOKED_AT]
     if not filled:
-        raise BadFile(path, "has no rows; expected rows of a time and a voltage or angle")
+        raise BadFile(path, "has no rows; expected rows of a time and what was measured then")
     written = [lines[i] for i in filled]
     mark = next((mark for mark in MARKS if 2 * sum(mark in line for line in written) > len(written)), None)
     rows = [_Line(i + 1, starts[i], _fields(lines[i], mark)) for i in filled]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
+from spear_pin import hopping, load, simulate
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.studies.logs import Column, Log
 from spear_pin.studies.tables.readings import GAP
@@ -221,8 +222,19 @@ class TestFiles:
         columns = {"time": T, "knee": KNEE, "knee_torque": TORQUE}
         for name, save in (("hop.mat", savemat), ("hop.npz", lambda file, each: np.savez(file, **each))):
             file = io.BytesIO()
-            save(file, {**columns, "note": np.eye(3)})
+            save(file, {**columns, "knee_torque": TORQUE[:, None], "note": np.eye(3)})
             same(Log.read(put(file.getvalue(), name)))
+
+    def test_a_saved_trajectory_is_the_log_that_its_table_is(self, tmp_path):
+        leg = hopping(load("spear_ii", locked=["boom_x"]))
+        run = simulate(leg, leg.guess(), 1, progress=False)
+        log, table = (Log.read(each) for each in (run.save(tmp_path / "a.npz"), run.export(tmp_path / "a.csv")))
+        np.testing.assert_array_equal(log.t, table.t)
+        assert [*log.values] == [*table.values] and {"hip", "knee_rate", "knee_torque"} <= {*log.values}
+        for name, values in table.values.items():
+            np.testing.assert_array_equal(log[name], values)
+        with pytest.raises(SpearError, match="a.mat: it is a trajectory, not columns; `spear export hop.npz --csv`"):
+            Log.read(run.export(tmp_path / "a.mat"))
 
     def test_a_last_line_that_is_cut_off_is_left_out(self, put):
         whole = text("time_s,knee_rad,tau", T, KNEE, TORQUE)
@@ -390,7 +402,11 @@ def test_mistakes_in_the_toml(put, toml, said):
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [
-        ("hop.npz", NPZ.getvalue(), "not an .npz file that can be read: .*pickle"),
+        (
+            "hop.npz",
+            NPZ.getvalue(),
+            "not an .npz file that can be read: array 'knee' holds Python objects; expected columns",
+        ),
         ("hop.npz", SHORT.getvalue(), "columns of equal length: time has 250, knee has 249"),
         ("hop.npz", b"PK", "not an .npz file"),
         ("run/log.toml", b"[columns]", "there is no log in this folder; expected files that end in .csv"),
