@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             shown = [NONE if "nan" in cell else cell for cell in cells]
             lines.append(f"{what:<32}{shown[0]:>9}{shown[1]:>9}{shown[2]:>9}")
     if any(NONE in line for line in lines):
-        lines.append(f"note: {NONE}: that leg never gets as long as it is when it lifts off in the log")
+        lines.append(f"note: {NONE} where a leg never gets as long as it is when it lifts off in the log")
     return {
         "hops": [
             {

@@ -54,6 +54,8 @@ def test_its_text(capsys, lab, tmp_path):
             ["--over", "stiffness", "--column", "time=time_s", "--column", "crank=crank_deg"],
             "log hops.csv is ['crank']; expected 'crank_torque' as well; of a motor that is off, zeros",
         ),
+        (["hops.csv", "--over", "stiffness"], "log is ['hops.csv', 'hops.csv']; expected different logs, each once"),
+        (["--over", "stiffness", "--set", "torque_scale=-1"], "torque_scale is -1.0; expected a number > 0"),
         (["--over", "nope"], "unknown number of the leg 'nope'"),
         (["--over", "stiffness,stiffness"], "each once"),
         ([], "--over"),

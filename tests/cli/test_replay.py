@@ -34,6 +34,17 @@ def test_its_text_and_a_false_model(capsys, lab, tmp_path):
 
 @pytest.mark.extra("heyoka")
 @pytest.mark.slow
+def test_what_a_leg_that_never_lifts_off_does_not_have(capsys, tmp_path):
+    leg = hopping(load("spear_ii", locked=["boom_x"]))
+    path = simulate(leg, leg.guess(), 1, progress=False).save(tmp_path / "hop.npz")
+    status, out, _ = run(capsys, "replay", "hop", path, "--set", "torque_scale=0.01", "--out", tmp_path)
+    lines = out.splitlines()
+    assert status == 0 and [line.split()[-1] for line in lines[2:4]] == ["–", "–"] and "nan" not in out
+    assert "note: – where a leg never gets as long as it is when it lifts off in the log" in lines
+
+
+@pytest.mark.extra("heyoka")
+@pytest.mark.slow
 def test_the_law_acts(capsys, tmp_path):
     leg = hopping(load("spear_ii", locked=["boom_x"]))
     simulate(leg, leg.guess(), 2, samples=200, progress=False).export(tmp_path / "hop.csv")
@@ -48,6 +59,8 @@ def test_the_law_acts(capsys, tmp_path):
     ("asked", "said"),
     [
         (["--window", "0"], "window is 0.0; expected a number > 0, in s"),
+        (["--window", "100"], "window is 100.0; expected at most 0."),
+        (["--set", "lag=nan"], "lag is nan; expected a number from -1 to 1, in s"),
         (["--settle", "-1"], "settle is -1.0; expected a number >= 0, in s"),
         (["--set", "nope=1"], "unknown"),
         (["--column", "knee=crank_deg"], "unknown quantity in --column 'knee'; valid: time, mode, boom_z"),
