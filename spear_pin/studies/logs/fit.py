@@ -172,11 +172,8 @@ def _unit(problem: Residuals, name: str) -> str:
 
 def _solved(problem: Residuals, given: Mapping[str, float], left_out: tuple[LogPhase, ...]) -> MotionFit:
     first = problem.first()
-    begun = problem.shots(first)
-    if not all(shot.bounded for shot, _, _ in begun):
-        begins = dict(zip(problem.over, first.tolist(), strict=False))
-        raise BadValue("start", {**given, **begins}, UNBOUNDED)
-    spread(problem, problem.stacked(begun), 1.0)  # what is not told apart is refused before the search
+    problem = _bounded(problem, first, given)
+    spread(problem, problem.joined(first), 1.0)  # what is not told apart is refused before the search
     while True:
         solution = _search(problem, first)
         for _ in range(REWEIGHTED if problem.beside else 0):
@@ -187,7 +184,7 @@ def _solved(problem: Residuals, given: Mapping[str, float], left_out: tuple[LogP
         coarse = _differ(problem.joined(x), finer.joined(x))
         if not coarse or finer.steps > FINEST:
             break
-        problem, first = finer, x
+        problem, first = _bounded(finer, x, given), x
     shots = problem.shots(x)
     residuals = tuple(residual for _, residual, _ in shots)
     each_alone = [each[np.isfinite(each)] for residual in residuals for each in residual.T]
@@ -216,6 +213,19 @@ def _solved(problem: Residuals, given: Mapping[str, float], left_out: tuple[LogP
         bool(solution.success),
         int(solution.nfev),
     )
+
+
+def _bounded(problem: Residuals, x: Array, given: Mapping[str, float]) -> Residuals:
+    """Returns the same with steps that are short enough for the motion not to blow up.
+
+    Raises:
+        BadValue: there are none.
+    """
+    while not all(shot.bounded for shot, _, _ in problem.shots(x)):
+        if problem.steps >= FINEST:
+            raise BadValue("start", {**given, **dict(zip(problem.over, x.tolist(), strict=False))}, UNBOUNDED)
+        problem = replace(problem, steps=2 * problem.steps)
+    return problem
 
 
 def _search(problem: Residuals, first: Array) -> Any:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -189,12 +189,9 @@ class Residuals:
     def joined(self, x: Array) -> tuple[Array, Array]:
         """Returns all residuals, (N,), weighted, and their Jacobian, (N, unknowns)."""
         try:
-            return self.stacked(self.shots(x))
+            shots = self.shots(x)
         except BadValue:  # a search tries what no number can be
             return np.full(len(self.parts), LOST), np.zeros((len(self.parts), len(x)))
-
-    def stacked(self, shots: Sequence[tuple[Shot, Array, Array]]) -> tuple[Array, Array]:
-        """Returns what `joined` does, of what `shots` returns."""
         there = [np.isfinite(residual) for _, residual, _ in shots]
         residuals = [(self.weights * shot[1])[each] for shot, each in zip(shots, there, strict=True)]
         jacobians = [(self.weights[:, None] * shot[2])[each] for shot, each in zip(shots, there, strict=True)]

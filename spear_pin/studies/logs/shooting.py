@@ -25,7 +25,7 @@ from spear_pin.studies.logs.played import TORQUE, latch_rests
 
 LONGEST = 1.6e-3  # s, of a step
 FAR = 1e6  # rad, m, rad/s or m/s: no leg gets there
-STEEP = 1e12  # per unit of any number: no state depends on it so much
+STEEP = 1e15  # per unit of any number: no state depends on it so much
 
 
 @dataclass(frozen=True)
