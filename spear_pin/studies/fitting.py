@@ -7,7 +7,6 @@ from itertools import combinations, count
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
@@ -37,6 +36,8 @@ def search(
         tell: called with the number of evaluations and the residuals' root mean square.
         options: further ones of `scipy.optimize.least_squares`.
     """
+    from scipy.optimize import least_squares  # takes long to import
+
     last, calls = dict[bytes, tuple[Array, Array]](), count(1)
 
     def at(x: Array) -> tuple[Array, Array]:

@@ -135,9 +135,9 @@ def test_an_impact_is_not_over_when_the_next_toe_lands(monkeypatch):
 
     def noted(system, domain, reset, q, v, overlap, now):
         seen.append((overlap.window, overlap.received(system.robot.toes, now)[:, 2].max()))
-        return struck(system, domain, reset, q, v, overlap, now)
+        return strike_toes(system, domain, reset, q, v, overlap, now)
 
-    struck = lone_runner.struck
+    strike_toes = lone_runner.strike_toes
     monkeypatch.setattr(lone_runner, "strike_toes", noted)
     found = simulate_many(gait.system, *(part[None] for part in gait.state), unroll=False)
     assert found.cycles[0] == 1 and not found.repeated[0]

@@ -143,9 +143,10 @@ def _text(path: Path, head: bytes, choose: Choice) -> Table:
             path, f"rows have more fields than the {len(layout.names)} columns; give each column a name"
         ) from None
     except pd.errors.ParserError as error:
-        raise BadFile(path, f"not a table: {_reason(error, layout.line - 1)}") from None
+        expected = "expected rows of as many fields each"
+        raise BadFile(path, f"not a table: {_reason(error, layout.line - 1)}; {expected}") from None
     except (UnicodeDecodeError, ValueError) as error:
-        raise BadFile(path, f"not a table of numbers: {_reason(error)}") from None
+        raise BadFile(path, f"not a table of numbers: {_reason(error)}; expected text in UTF-8") from None
     except OSError as error:
         raise BadFile(path, f"cannot be read: {error.strerror or error}") from None
     with path.open("rb") as file:
@@ -246,7 +247,7 @@ def _tried(path: Path, reader: Callable[[Path], Any]) -> Any:
     except NotImplementedError:
         raise BadFile(path, "a MATLAB 7.3 file: save it with -v7") from None
     except Exception as error:  # a damaged file may raise anything
-        raise BadFile(path, f"not a .mat file that can be read: {_reason(error)}") from None
+        raise BadFile(path, f"not a .mat file that can be read: {_reason(error)}; save it again with -v7") from None
 
 
 _NUMBERS = {"double", "single", *(f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64))}
