@@ -52,7 +52,7 @@ def test_fewer_samples_than_values_are_refused():
 def test_doubts():
     solution = SimpleNamespace(success=False, nfev=60, x=np.array([1.0, 45.0, 0.0]), active_mask=[0, 1, 0])
     correlation = np.array([[1.0, -0.99], [-0.99, 1.0]])
-    assert [*doubt(solution, ["a", "b", "start"], correlation)] == [
+    assert [*doubt(solution, dict(zip(["a", "b", "start"], solution.x, strict=True)), correlation)] == [
         "the search did not converge in 60 evaluations",
         "b is at its bound, 45: its deviation means nothing",
         "a and b are hardly told apart (correlation -0.9900): with one held, the other's deviation would be 7 times"
