@@ -9,7 +9,7 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.model.robot import Robot
-from spear_pin.model.round_feet import Arc, parts_of, turned_from
+from spear_pin.model.round_feet import FootArc, parts_of, turned_from
 
 
 def on_arcs(domain: Domain, robot: Robot) -> Domain:
@@ -20,7 +20,7 @@ def on_arcs(domain: Domain, robot: Robot) -> Domain:
     return replace(domain, guards=(*domain.guards, *(end for end in ends if end.name not in known)))
 
 
-def _arc_ends(toe: str, arc: Arc) -> tuple[Guard, ...]:
+def _arc_ends(toe: str, arc: FootArc) -> tuple[Guard, ...]:
     """Returns the events of the ends of a toe's arc; where it lies on both ends the run ends."""
     parts, half = parts_of(toe), arc.stop - arc.middle
 

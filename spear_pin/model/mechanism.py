@@ -15,7 +15,7 @@ from spear_pin.errors import UnknownName
 from spear_pin.model.directions import Round
 from spear_pin.model.path import Point
 from spear_pin.model.robot import Robot
-from spear_pin.model.round_feet import ANYWHERE, Arc, Parts
+from spear_pin.model.round_feet import ANYWHERE, FootArc, Parts
 from spear_pin.model.vectors import Rows
 
 NO_FORCES: Mapping[str, Sequence[Any]] = {}
@@ -140,7 +140,7 @@ class Mechanism(ABC):
         self.toes, self.loops = {toe: self.frames[toe] for toe in robot.toes}, robot.loops
         self.marks = self.toes | {end: self.frames[end] for loop in robot.loops for end in loop.ends}
         self.radii: Mapping[str, Any] = robot.radii
-        self.arcs: Mapping[str, Arc] = robot.arcs
+        self.arcs: Mapping[str, FootArc] = robot.arcs
         self.guided = robot.guided
 
     @abstractmethod

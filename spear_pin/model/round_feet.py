@@ -26,7 +26,7 @@ ON_END = 1e-9  # rad: this near to an end, the foot's rate decides
 
 
 @dataclass(frozen=True)
-class Arc:
+class FootArc:
     """The range of pitch in which a foot rolls.
 
     Attributes:
@@ -78,7 +78,7 @@ class RoundFoot:
     """
 
     radius: float
-    arc: Arc | None = None
+    arc: FootArc | None = None
     neutral: Array = field(default_factory=lambda: np.eye(3))
     ends: Sequence[float] | None = None
 
@@ -106,13 +106,15 @@ def round_feet(
         radii: radius of each round foot, in m.
         ends: first and last pitch of the arcs that have ends, in rad.
     """
+    if not radii:  # data of many joints take much memory
+        return {}
     data, found = pin.Data(model), {}
     pin.computeJointJacobians(model, data, pin.neutral(model))
     for toe, radius in radii.items():
         jacobian = pin.getFrameJacobian(model, data, frames[toe], pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
         turns = tuple((0.0 - np.round(jacobian.reshape(6, model.nv)[4])).tolist())
         neutral = np.array(pin.updateFramePlacement(model, data, frames[toe]).rotation)
-        found[toe] = RoundFoot(radius, Arc(*ends[toe], turns) if toe in ends else None, neutral)
+        found[toe] = RoundFoot(radius, FootArc(*ends[toe], turns) if toe in ends else None, neutral)
     return found
 
 
