@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     kept = write_text(arguments.out / f"{STEM}.json", json.dumps(figures, indent=1) + "\n")
     picture = save_figure(fit_over_log(found), arguments.out / f"{STEM}.svg")
     rows = [(name, str(each)) for name, each in found.found.items()]
-    rows += [("phases", f"{len(found.arcs)}"), ("rms", f"{found.rms:.3g} rad{_weighted(found)}")]
+    rows += [("phases", f"{len(found.arcs)}"), ("rms", f"{found.rms:.3g} {found.unit}")]
     told = [*notes(system, logs, found.left_out, found.doubts), f"files: {kept}, {picture}"]
     return {
         **figures,
@@ -84,12 +84,6 @@ def _figures(found: MotionFit) -> dict[str, Any]:
         "converged": found.converged,
         "doubts": list(found.doubts),
     }
-
-
-def _weighted(found: MotionFit) -> str:
-    """Says how lengths count, where there are any."""
-    units = [found.leg.robot.units[found.leg.robot.index(name)] for name in found.joints]
-    return ", lengths weighted" if "m" in units else ""
 
 
 def _phase(phase: LogPhase) -> dict[str, Any]:

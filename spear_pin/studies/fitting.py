@@ -70,13 +70,13 @@ def tell_apart(argument: str, names: Sequence[str], jacobian: Array) -> tuple[Ar
     basis = basis[:, sizes > SAME * max(sizes, default=0.0)]
     seen = own - basis @ (basis.T @ own)
     lengths = np.linalg.norm(seen, axis=0)
-    lengths = np.where(lengths > SINGULAR * np.linalg.norm(own, axis=0), lengths, 0.0)
-    scaled = seen / np.where(lengths > 0.0, lengths, 1.0)
+    mute = lengths <= SINGULAR * np.linalg.norm(own, axis=0)  # but for rounding
+    scaled = seen / np.where(mute, 1.0, lengths)
     _, sizes, rows = np.linalg.svd(scaled, full_matrices=False)
-    if len(sizes) < len(names) or sizes[-1] < SINGULAR * sizes[0]:
-        mute = [name for name, length in zip(names, lengths, strict=True) if not length > 0.0]
-        alike = [name for name, share in zip(names, np.abs(rows[-1]), strict=True) if share > 0.2]
-        said = f"say nothing of {' and '.join(mute)}" if mute else f"do not tell {' and '.join(alike)} apart"
+    if mute.any() or len(sizes) < len(names) or sizes[-1] < SINGULAR * sizes[0]:
+        shares = mute if mute.any() else np.abs(rows[-1]) > 0.2
+        told = " and ".join(name for name, share in zip(names, shares, strict=True) if share)
+        said = f"say nothing of {told}" if mute.any() else f"do not tell {told} apart"
         expected = f"fewer of them: the data {said}; hold one that was measured otherwise, such as a mass by weight"
         raise BadValue(argument, list(names), expected)
     return scaled, lengths

@@ -230,3 +230,23 @@ def test_a_wrong_file_is_refused(tmp_path, ends, said):
     with pytest.raises(BadFile) as caught:
         round_spear(tmp_path, f"[feet.toe]\nradius = 0.02\n{ends}")
     assert said in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_moment_says_by_itself_on_which_end_it_stands(rocking):
+    """Beyond the last end, with nothing held, as with that end held."""
+    system, q, v = system_of(rocking), np.array([0.0, 0.3, 0.7]), np.zeros(3)
+    q[:2] -= rocking.toe_position(q, "toe") * (0.0, 1.0)
+    runs = [simulate(system, Moment(q, v, "stance", held)) for held in ({}, {"toe_ends": (0.0, 1.0)})]
+    assert runs[0].reason == runs[1].reason and len(runs[0].events) == len(runs[1].events)
+    np.testing.assert_array_equal(runs[0].q[-1], runs[1].q[-1])
+
+
+@pytest.mark.extra("heyoka")
+@pytest.mark.slow
+def test_a_system_without_a_law_is_compiled(rocking):
+    system, q, v = system_of(rocking), np.array([0.0, 0.3, 0.2]), np.array([0.0, 0.0, 1.5])
+    q[:2] -= rocking.toe_position(q, "toe") * (0.0, 1.0)
+    v[:2] -= rocking.toe_jacobian(q, "toe") @ v
+    runs = [simulate(system, Moment(q, v, "stance", {}), engine=engine) for engine in ("reference", "compiled")]
+    assert [event.name for event in runs[0].events] == [event.name for event in runs[1].events]
+    np.testing.assert_allclose(runs[1].q[-1], runs[0].q[-1], atol=1e-8)

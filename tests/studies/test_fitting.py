@@ -58,3 +58,15 @@ def test_doubts():
         "a and b are hardly told apart (correlation -0.9900): with one held, the other's deviation would be 7 times"
         " less",
     ]
+
+
+def test_what_others_explain_wholly_is_refused_by_name():
+    """But for rounding nothing is left of it."""
+    with pytest.raises(BadValue, match="say nothing of a;"):
+        tell_apart("over", ["a"], np.column_stack([3.0 * T + 0.1, T, np.ones(200)]))
+
+
+def test_others_that_are_one_take_nothing_more_off():
+    _, once = tell_apart("over", ["a"], np.column_stack([T, np.ones(200)]))
+    _, twice = tell_apart("over", ["a"], np.column_stack([T, np.ones(200), np.ones(200), np.zeros(200)]))
+    assert twice == pytest.approx(once, rel=1e-12)

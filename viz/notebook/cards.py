@@ -257,7 +257,7 @@ def _(fit: MotionFit) -> Card:
             )
             for name, each in fit.found.items()
         ),
-        Row("residual", _number(fit.rms), "rad"),
+        Row("residual", _number(fit.rms), fit.unit),
         *(Row("", doubt) for doubt in fit.doubts),
     ]
     return Card("Fit to logs", f"{len(fit.arcs)} phases; values ± standard deviations", tuple(rows))

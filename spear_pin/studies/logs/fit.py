@@ -84,6 +84,12 @@ class MotionFit(Shown):
             raise UnknownName("fitted value", name, self.found)
         return self.found[name]
 
+    @property
+    def unit(self) -> str:
+        """The unit of `rms`, and how lengths count in it."""
+        units = [self.leg.robot.units[self.leg.robot.index(name)] for name in self.joints]
+        return "rad, lengths weighted" if "m" in units else "rad"
+
     def __repr__(self) -> str:
         values = ", ".join(f"{name} {each.value:.4g} ± {each.deviation:.2g}" for name, each in self.found.items())
         return f"MotionFit({values}; {len(self.arcs)} phases, rms {self.rms:.3g})"

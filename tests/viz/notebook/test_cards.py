@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -45,11 +46,14 @@ def batch():
 
 def test_a_fit_to_logs():
     found = {"stiffness": Found(1386.2, 12.34, "N/m"), "torque_scale": Found(0.95, 0.01, "1")}
-    fit = MotionFit(*[None] * 4, found, None, (None,) * 3, (), (), 0.0021, 1.0, (), ("masses were held",), True, 9)
+    leg = SimpleNamespace(robot=load("crank_hopper"))
+    fit = MotionFit(
+        None, None, leg, ("slide",), found, None, (None,) * 3, (), (), 0.0021, 1.0, (), ("masses were held",), True, 9
+    )
     assert rows(fit._repr_html_()) == {
         "stiffness": "1386 ± 12.34 N/m",
         "torque scale": "0.95 ± 0.01",
-        "residual": "0.0021 rad",
+        "residual": "0.0021 rad, lengths weighted",
         "": "masses were held",
     }
 
