@@ -49,7 +49,7 @@ class TestSays:
         assert load(made('base = "fixed"')).coordinates[0] == "FL_swing"
 
     def test_toes_and_locks(self, made):
-        robot = load(made(BASE + 'toes = ["FL_foot", "HR_foot"]\nlocked = ["FR_bend"]'))
+        robot = load(made(BASE + 'toes = ["FL_foot", "HR_foot", "FL_foot"]\nlocked = ["FR_bend"]'))
         assert robot.toes == ("FL_foot", "HR_foot") and robot.locked == ("FR_bend",)
         assert [leg.name for leg in robot.legs] == ["FL", "HR"]
 

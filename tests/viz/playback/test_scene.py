@@ -16,6 +16,7 @@ from spear_pin.viz import player
 from spear_pin.viz.playback.overlays import arrow_path, spring_path
 from spear_pin.viz.playback.scene import ROBOT, joint_paths
 from spear_pin.viz.playback.stage import STAGE, WORLD
+from tests.model.round_feet import round_spear
 from tests.viz import samples
 from tests.viz.recording import Recording, read
 
@@ -155,3 +156,23 @@ def test_an_arrow_round_a_post_is_along_the_circle_that_the_toe_is_on() -> None:
         expected = 0.6 * ahead + [0.0, 0.0, 0.8]
         arrow = np.linalg.inv(record.pose(WORLD, time)) @ record.pose(arrow_path("toe"), time) @ [0, 0, 1, 0]
         np.testing.assert_allclose(arrow[:3], expected, atol=1e-3)
+
+
+def test_an_arrow_begins_where_a_round_foot_touches(tmp_path: Any) -> None:
+    robot = round_spear(tmp_path, "[feet.toe]\nradius = 0.05\n")
+    q = np.array([[0.0, height, 0.6, 1.2] for height in (0.7, 0.8, 0.9)])[:, -robot.nq :]
+    played = SimpleNamespace(
+        t=np.arange(3.0),
+        q=q,
+        domain=3 * ["stance"],
+        force=np.array([[[0.0, 5.0]]] * 3),
+        events=(),
+        spring_joints=(),
+        engaged=np.zeros((3, 0)),
+    )
+    record = read(player.page(robot, played))
+    data, frame = pin.Data(robot.model), robot.toe_id("toe")
+    for time, posture in enumerate(q):
+        pin.framesForwardKinematics(robot.model, data, posture)
+        base = np.linalg.inv(record.pose(WORLD, time)) @ record.pose(arrow_path("toe"), time)[:, 3]
+        assert base[2] == pytest.approx(data.oMf[frame].translation[2] - 0.05, abs=1e-4)
