@@ -15,11 +15,16 @@ from spear_pin.hybrid.domain import Domain, Guard, Mount, Reset
 from spear_pin.hybrid.dry_friction import count_free
 from spear_pin.hybrid.engines.pinocchio import Flow
 from spear_pin.hybrid.engines.symbolic import Motion
+from spear_pin.hybrid.lanes.compilation import Code
+from spear_pin.hybrid.lanes.groups import Group
+from spear_pin.hybrid.lanes.impacts import strike
+from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map
 from spear_pin.hybrid.phases import contact_domains, fall, spring_switches, touchdown
 from spear_pin.hybrid.result import Moment
 from spear_pin.hybrid.soundness import check
+from spear_pin.hybrid.strikes import strike_by_rule
 from spear_pin.hybrid.tangent.section import exact_jacobian
 from spear_pin.model.planar import Planar
 from tests.hybrid.test_symbolic import OPS, compare, of
@@ -203,6 +208,38 @@ class TestImpact:
             assert event.impulse[0, 1] == pytest.approx(heel, rel=1e-7) and heel > 0.0
             np.testing.assert_allclose(event.impulse[:, 0] / event.impulse[:, 1], along / down, rtol=1e-9)
             assert trajectory.phase[-1] == "flat" and len(trajectory.events) == 1
+
+
+class TestBouncesEnd:
+    """The block rocks from heel to toe, ever less, and then rests."""
+
+    @pytest.mark.parametrize(("half", "high"), [(0.1, 0.2), (0.1, 0.15)])
+    def test_it_rests_and_the_ledger_has_what_was_lost(self, tmp_path, half, high):
+        robot, tilt = block(tmp_path, half, high), 0.01
+        q = np.array([0.0, 0.0, tilt])
+        q[:2] -= robot.toe_position(q, "heel")
+        trajectory = moved(standing(robot, free, Contact(50.0)), q, phase="heel")
+        rocks = [event for event in trajectory.events if event.work]
+        assert trajectory.phase[-1] == "flat" and len(rocks) > 8
+        np.testing.assert_allclose(rocks[-1].v, 0.0, atol=1e-14)
+        np.testing.assert_allclose(trajectory.v[-1], 0.0, atol=1e-12)
+        np.testing.assert_allclose(trajectory.q[-1], [0.0, high, 0.0] + np.eye(3)[0] * trajectory.q[-1], atol=1e-12)
+        lost = energy(robot, trajectory, 0) - energy(robot, trajectory, -1)
+        assert sum(event.work["impact"] for event in rocks) == pytest.approx(-lost, abs=1e-12)
+
+    def test_lanes_rest_as_the_reference_engine_does(self, tmp_path):
+        robot, q = block(tmp_path, 0.1, 0.2), np.array([0.0, 0.2, 0.0])
+        system = standing(robot, free, Contact(50.0))
+        (lands,) = (guard.reset for guard in system.of_phase("toe")[0].guards if guard.name == "heel_lands")
+        about_toe = np.array([*-robot.toe_jacobian(q, "toe")[:, 2], 1.0])  # so that the heel comes down
+        v = np.outer(about_toe, [6e-6, 6e-5])  # rad/s
+        numbers = Numbers(system, {"friction": np.full(2, 50.0)}, Code(1e-12))
+        lanes = Group(np.arange(2), np.zeros(2), np.concatenate([np.outer(q, [1.0, 1.0]), v]), {})
+        struck, _ = strike(numbers, list(robot.toes), ("heel",), lanes)
+        expected = [strike_by_rule(system, robot.toes, lands, q, each).v for each in v.T]
+        np.testing.assert_allclose(struck.y[3:].T, expected, atol=1e-18)
+        np.testing.assert_allclose(struck.y[3:, 0], 0.0, atol=1e-18)
+        assert struck.held["toe_rise"][0] == 0.0 and struck.held["toe_rise"][1] > 1e-6
 
 
 @dataclass(frozen=True)

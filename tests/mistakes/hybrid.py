@@ -229,7 +229,10 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/rules/impact",
         ["hybrid/test_heel_and_toe"],
-        {"heel and toe share an impulse equally": ("if normal else 0.5", "if False else 0.5")},
+        {
+            "heel and toe share an impulse equally": ("if normal else 0.5", "if False else 0.5"),
+            "a foot that bounced keeps its last speed": ("up <= LIFTS", "up < 0.0"),
+        },
     ),
     *mistakes_in(
         "hybrid/tangent/resets",

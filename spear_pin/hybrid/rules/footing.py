@@ -15,6 +15,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.scalars import vanishes
 
 AT_REST = 1e-7  # m/s
+LIFTS = 10.0 * AT_REST  # m/s: a toe that the impact of another lifts off more slowly stays on the ground
 UNLOADED = 1e-5  # N: near Painlevé's paradox rounding is amplified a hundredfold and more
 LET_GO = 1e-9  # N, N·m: margin of dry friction, which is often almost exhausted where a robot comes to rest
 STARTS_TO_SLIDE = 1e-3  # m/s²: on the cone's edge a sliding toe begins with no acceleration

@@ -12,7 +12,7 @@ from spear_pin.hybrid.contact import SIGN, SLIP, SLOW, STICK
 from spear_pin.hybrid.domain import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.elimination import determinant
-from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, UNLOADED, along, size
+from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, LIFTS, UNLOADED, along, size
 from spear_pin.model.robot import Robot
 
 ON_GROUND = 1e-8  # m: above the integration's error of the constraint, below any foot clearance
@@ -86,7 +86,7 @@ def rise(toe: str) -> str:
 
 def stays(toe: str) -> GuardValue:
     """Returns a guard that is positive unless the impact by which the phase was entered lifts the toe off."""
-    return lambda t, q, v, held, p, dyn, ops: 10.0 * AT_REST - held.get(rise(toe), 0.0)
+    return lambda t, q, v, held, p, dyn, ops: LIFTS - held.get(rise(toe), 0.0)
 
 
 def struck(toe: str) -> str:

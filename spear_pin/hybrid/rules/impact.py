@@ -15,6 +15,7 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Reset
+from spear_pin.hybrid.rules.footing import LIFTS
 from spear_pin.hybrid.rules.scalars import nowhere, quotient, where
 
 RESTING = 1e-9  # m/s: a toe that approaches more slowly does not strike, whatever its friction
@@ -47,7 +48,7 @@ class JointImpact:
         v: velocity after the impact, (nv,).
         impulse: Λ on each toe, along the ground and normal to it, in N·s, (m, 2), in space (m, 3).
         loss: kinetic energy lost, in J: -½ Σ Λᵀ (J v⁺ + J v⁻).
-        slides: for each toe, whether it stays on the ground and slides.
+        slides: for each toe, whether it stays on the ground and slides; not told of a toe whose bounces end.
         leaves: for each toe, whether the impact lifts it off.
     """
 
@@ -157,6 +158,9 @@ def joint_impact(D: Array, J: Array, v: Array, friction: float, leads: Sequence[
 
     Toes of one body stick or slide together. Two of them share the impulse along the ground as the normal one.
 
+    A toe that would rise by no more than `LIFTS` bounces no more. A second impact takes its speed: it stays, and so do
+    the toes that stay anyway, without friction against those that slide. It loses energy, too.
+
     The law compares only the velocities before and after. If a single toe sticks in the end, the result is that of
     `plastic_impact`; if its sliding reverses during the impact, the two may differ.
 
@@ -173,12 +177,14 @@ def joint_impact(D: Array, J: Array, v: Array, friction: float, leads: Sequence[
     impulse, modes = moreau(A, before, friction, leads)
     after = v + response @ impulse
     work = 0.5 * float(impulse @ (before + J @ after))
-    slides, leaves = (tuple(KINDS[mode] == kind for mode in modes) for kind in ("slip", "open"))
+    slides, leaves = (tuple(mode == kind for mode in modes) for kind in ("slip", "open"))
     return JointImpact(after, impulse.reshape(-1, 2), -work, slides, leaves)
 
 
-def moreau(A: Array, before: Array, friction: float, leads: Sequence[int]) -> tuple[Array, tuple[int, ...]]:
-    """Returns the impulses of a joint impact, (2 m,), and the modes of the toes.
+def moreau(A: Array, before: Array, friction: float, leads: Sequence[int]) -> tuple[Array, list[str]]:
+    """Returns the impulses of a joint impact, (2 m,), and the modes of the toes: "stick", "slip", "open", or "rest".
+
+    A toe that rests would have risen by no more than `LIFTS`.
 
     Args:
         A: J D⁻¹ Jᵀ, (2 m, 2 m).
@@ -196,7 +202,27 @@ def moreau(A: Array, before: Array, friction: float, leads: Sequence[int]) -> tu
             least, modes, impulse = violation, candidate, trial
         if violation <= allowed:
             break
-    return impulse, modes
+    after = before + A @ impulse
+    kinds = [_KINDS[mode] for mode in modes]
+    kinds = ["rest" if kind == "open" and up <= LIFTS else kind for kind, up in zip(kinds, after[1::2], strict=True)]
+    if "rest" in kinds:
+        rows = find_held_rows(kinds, leads)
+        impulse[rows] -= np.linalg.lstsq(A[np.ix_(rows, rows)], after[rows], rcond=None)[0]
+    return impulse, kinds
+
+
+def find_held_rows(kinds: Sequence[str], leads: Sequence[int]) -> list[int]:
+    """Returns the rows in which toes have no velocity after a joint impact.
+
+    Args:
+        kinds: modes of the toes, by `moreau`.
+        leads: of each toe, the first toe on its body; if that sticks, both have no velocity along the ground.
+    """
+    rows = list[int]()
+    for i, kind in enumerate(kinds):
+        along = kind == "stick" and (leads[i] == i or kinds[leads[i]] != "stick")
+        rows += [] if kind == "open" else [2 * i, 2 * i + 1] if along else [2 * i + 1]
+    return rows
 
 
 def rises(speed: Any) -> Any:
@@ -230,7 +256,7 @@ def land_toes(D: Array, J: Array, v: Array, lands: Sequence[bool]) -> tuple[Arra
 
 _STICK, _OPEN = 0, 2
 _SIDES = (1, -1)  # a toe that slides forward, or backward
-KINDS = {_STICK: "stick", **dict.fromkeys(_SIDES, "slip"), _OPEN: "open"}
+_KINDS = {_STICK: "stick", **dict.fromkeys(_SIDES, "slip"), _OPEN: "open"}
 
 
 @cache

@@ -15,7 +15,7 @@ from spear_pin.hybrid.dual import Dual, derivatives, duals, value_of
 from spear_pin.hybrid.elimination import solve
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.guards import struck as told
-from spear_pin.hybrid.rules.impact import KINDS, moreau, rises, routh
+from spear_pin.hybrid.rules.impact import find_held_rows, moreau, rises, routh
 from spear_pin.hybrid.rules.spatial_impact import find_impulses
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
@@ -178,7 +178,7 @@ def _check_modes(modes: Sequence[str], after: Array, total: Array, friction: flo
     """Checks that toes keep their modes, "open", "stick" or "slip", if an impact changes a little.
 
     Args:
-        modes: mode of each toe.
+        modes: mode of each toe, "rest" among them where an impact is of `moreau`.
         after: velocities of the toes after the impact, along the ground and normal to it, (m, 2) or (m, 3).
         total: impulses on the toes, of the same shape.
         friction: coefficient of friction.
@@ -187,6 +187,8 @@ def _check_modes(modes: Sequence[str], after: Array, total: Array, friction: flo
     for mode, (*along, up), (*pushed, normal) in zip(modes, after.tolist(), total.tolist(), strict=True):
         if mode == "open":
             margin = up / speed
+        elif mode == "rest":  # more or fewer of the last bounces change nothing
+            continue
         elif mode == "slip":
             margin = min(normal / push, math.hypot(*along) / speed)
         else:
@@ -205,8 +207,8 @@ def _joint(
         raise NotDifferentiable("toes in an impact cannot move independently, so their impulses are not unique")
     if np.abs(feet.speeds).max() < DEGENERATE:  # in m/s: the toes only touch, and rounding decides the rest
         raise NotDifferentiable(BORDER)
-    impulse, found = moreau(values, feet.speeds, mu, leads)
-    after, modes = feet.speeds + values @ impulse, [KINDS[mode] for mode in found]
+    impulse, modes = moreau(values, feet.speeds, mu, leads)
+    after = feet.speeds + values @ impulse
     _check_modes(modes, after.reshape(-1, 2), impulse.reshape(-1, 2), mu)
     rows: list[int] = []
     directions: list[list[Any]] = []
@@ -223,5 +225,11 @@ def _joint(
     matrix = [[dot(A[row], direction) for direction in directions] for row in rows]
     pushes = solve(matrix, [-before[row] for row in rows])
     impulses = [dot([direction[k] for direction in directions], pushes) for k in range(size)]
+    if "rest" in modes:
+        held = find_held_rows(modes, leads)
+        left = [before[k] + dot(A[k], impulses) for k in held]
+        stopping = solve([[A[k][j] for j in held] for k in held], [-speed for speed in left])
+        for k, push in zip(held, stopping, strict=True):
+            impulses[k] = impulses[k] + push
     speeds = [before[k] + dot(A[k], impulses) if modes[k // 2] == "open" else 0.0 for k in range(1, size, 2)]
     return impulses, speeds

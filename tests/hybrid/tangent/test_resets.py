@@ -7,6 +7,7 @@ import pytest
 
 from spear_pin import Gait, load
 from spear_pin.hybrid.dual import derivative_of, value_of
+from spear_pin.hybrid.rules.footing import LIFTS
 from spear_pin.hybrid.rules.guards import rise
 from spear_pin.hybrid.rules.impact import joint_impact, plastic_impact
 from spear_pin.hybrid.tangent.fields import ToeNumbers
@@ -90,6 +91,29 @@ def test_random_joint_impacts():
     every = ["leaves slides", "leaves sticks", "slides slides", "slides sticks", "sticks sticks"]
     assert sorted(" ".join(kinds) for kinds in seen) == every
     assert sum(seen.values()) > 0.9 * CASES and min(seen.values()) >= 3
+
+
+def test_impacts_with_which_bounces_end():
+    """Random ones, as slow as that: a toe that would rise stays, beside one that sticks or slides."""
+    seen = Counter()
+    for seed in range(CASES):
+        line = Line(seed)
+        rises = outcome(line, 0.0)[0][-2:].max()
+        if not rises:
+            continue
+        line.v = 0.5 * LIFTS / rises * line.v
+        if outcome(line, STEP)[1] != outcome(line, -STEP)[1]:
+            continue
+        D, J, v, friction = line.at(0.0)
+        impact = joint_impact(D, J, v, friction)
+        assert not any(impact.leaves) and impact.loss > 0.0
+        np.testing.assert_allclose((J @ impact.v)[1::2], 0.0, atol=1e-18)
+        expected = richardson(lambda s, line=line: outcome(line, s)[0])
+        found, slopes = line.struck(TOES)
+        np.testing.assert_allclose(found[:-2], impact.v, rtol=0, atol=1e-16)
+        np.testing.assert_allclose(slopes, expected, rtol=0, atol=1e-7 * np.abs(expected).max())
+        seen[any(impact.slides)] += 1
+    assert min(seen[True], seen[False]) > 3
 
 
 def test_random_impacts_of_one_toe():
