@@ -245,6 +245,8 @@ def _leg(robot: Robot, name: str | None, side: int | None, body: float | None, l
     names = [leg.name for leg in robot.legs]
     if not names:
         raise BadValue("robot", robot.source, lacking_legs(robot))
+    if robot.arm is not None:
+        raise BadValue("robot", robot.source, "one whose leg goes round no post, such as hoppy_leg")
     if name is not None and name not in names:
         raise UnknownName("leg", name, names)
     leg = robot.legs[0 if name is None else names.index(name)]

@@ -253,7 +253,7 @@ def simple(leg: Leg) -> Leg:
         BadValue: the leg has other joints, such as ankles.
     """
     if leg.others:
-        expected = f"a leg of hip and knee only; lock {', '.join(leg.others)}: load(..., locked=[...])"
+        expected = f"a leg of hip and knee only; lock {', '.join(leg.others)} by `locked`, of load or a TOML file"
         raise BadValue("leg", leg.name, expected)
     return leg
 

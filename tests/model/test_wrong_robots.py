@@ -249,7 +249,7 @@ def test_wrong_call(robots, call, says):
         ("--robot {dog} --body -2", "--body is -2.0; expected a finite number >= 0, in kg"),
         ("--robot {dog}.gone", "dog.urdf.gone: cannot be read: No such file"),
         ("--robot {leg}", "leg.xml:5: joint 'hip' has the axis '0 0 0'; expected a direction"),
-        ("--robot {ankle}", "a leg of hip and knee only; lock FL_sole"),
+        ("--robot {ankle}", "a leg of hip and knee only; lock FL_sole by `locked`, of load or a TOML file"),
         ("--robot solo99", "unknown robot 'solo99'; "),
     ],
     ids=["leg", "side", "body", "no file", "MJCF", "ankle", "name"],
