@@ -140,10 +140,16 @@ def number(system: HybridSystem, name: str) -> float:
     bodies = body_numbers(robot)
     try:
         return parameter(system, name)
-    except UnknownName as error:
+    except UnknownName:
         if name not in bodies:
-            raise UnknownName("parameter", name, [*error.valid, *parameters_of(robot), *bodies]) from None
+            raise UnknownName("parameter", name, list_numbers(system)) from None
         return bodies[name].value
+
+
+def list_numbers(system: HybridSystem) -> list[str]:
+    """Returns the names of all numbers of a system: of its law, its springs, its ground and its robot."""
+    own = (name for places in _places(system).values() for name in places)
+    return [*dict.fromkeys((*own, *numbers_of_robot(system.robot)))]
 
 
 def nonzero(system: HybridSystem, names: Iterable[str]) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from spear_pin.errors import UnknownName, require
 from spear_pin.hybrid.automaton import HybridSystem
-from spear_pin.hybrid.parameters import number
+from spear_pin.hybrid.parameters import list_numbers, number
 from spear_pin.studies.logs.played import FRICTION, SCALE, find_number
 from spear_pin.studies.logs.residuals import HEIGHT_SENSOR, HYSTERESIS, LAG
 
@@ -14,28 +14,29 @@ LATEST = 1.0  # s, of a sensor
 UNBOUNDED = "values with which the model can be integrated: its motion blows up"
 
 
-def check_names(leg: HybridSystem, system: HybridSystem, names: Iterable[str], sensors: Sequence[str]) -> None:
-    """Checks that names are numbers of a leg or of sensors; numbers that only the played law has are not for users.
+def check_names(leg: HybridSystem, system: HybridSystem, names: Iterable[str], others: Sequence[str]) -> None:
+    """Checks that names are numbers of a leg, or others.
+
+    What only the played law has is not for users. A log tells nothing of the ground: toes on it are at rest.
 
     Args:
         leg: the played leg.
         system: the user's system.
         names: the names.
-        sensors: names of the sensors' numbers.
+        others: names that are valid besides the leg's, such as those of the sensors' numbers.
 
     Raises:
         BadValue: a number has no value to begin from.
         UnknownName: there is no number of a name.
     """
-    inner = {each for each in type(leg.law).__dataclass_fields__ if each != SCALE and not each.endswith(FRICTION)}
+    of_law, of_ground = (each.__dataclass_fields__ for each in (leg.law, leg.ground))
+    inner = {each for each in of_law if each != SCALE and not each.endswith(FRICTION)}
+    valid = [name for name in list_numbers(leg) if name not in inner and name not in of_ground]
     for name in names:
-        if name in sensors:
-            continue
-        try:
-            number(leg, "" if name in inner else find_number(system, name)[0])  # nothing has the name ""
-        except UnknownName as error:
-            valid = [each for each in error.valid if each not in inner]
-            raise UnknownName("number of the leg", name, [*valid, *sensors]) from None
+        if name not in valid and name not in others:
+            raise UnknownName("number of the leg", name, [*valid, *others])
+        if name not in others:
+            number(leg, find_number(system, name)[0])
 
 
 def check_values(values: Mapping[str, float]) -> None:

@@ -276,8 +276,8 @@ def test_values_that_a_number_cannot_have_are_refused(sprung, plain_log, name, v
         replay(sprung, plain_log[0], {name: value})
 
 
-def test_numbers_that_only_the_played_law_has_are_not_offered(sprung, plain_log):
-    for name in ("leg_shift", "leg_hysteresis", "crank_torque"):
+def test_numbers_that_only_the_played_law_has_and_those_of_the_ground_are_not_offered(sprung, plain_log):
+    for name in ("leg_shift", "leg_hysteresis", "crank_torque", "friction", "slope", "height"):
         with pytest.raises(UnknownName, match=f"unknown number of the leg '{name}'") as raised:
             identify_motion(sprung, plain_log[0], [name])
         assert {"torque_scale", "crank_friction", "stiffness", "rest", "hysteresis", "lag"} <= {*raised.value.valid}

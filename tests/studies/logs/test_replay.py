@@ -68,6 +68,10 @@ def test_the_law_makes_the_log_that_it_made():
     assert weaker.off("push_off") < -0.03
     # the weaker leg lands sooner, where its motion ends
     assert np.isnan(weaker.hops[0].modelled[-1]).all() and np.isfinite(weaker.hops[0].modelled[0]).all()
+    # by the law a toe may slide; by the log it rests
+    assert replay(system, log, {"friction": 0.3}, motors="law").hops[0].rms > 2.0 * found.hops[0].rms
+    with pytest.raises(UnknownName, match="unknown number of the leg 'friction'"):
+        replay(system, log, {"friction": 0.3})
 
 
 def test_refuses(bare, plain_log):
