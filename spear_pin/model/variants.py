@@ -35,6 +35,7 @@ ALL = (*MONOPODS, *QUADRUPEDS, "biped")
 TABLE, TABLES, ASSUMPTION = "source Table 5.1", "source Tables 2.4 and 5.1", "assumption"
 COMPUTED = f"computed from {TABLES}"
 MASS, SIZE = "motor_mass", "motor_size"
+AXIS = {"hip_distance": 0, "hip_spacing": 1}
 CURVED = (MASS, SIZE)
 """Ends of names of parameters of which the equations' numbers are no polynomials."""
 OWN = {"hip": motor("faulhaber_3863h024cr").known("mass"), "knee": motor("spear_ii_knee").known("mass")}
@@ -111,15 +112,18 @@ def motor_size(robot: Robot, joint: str) -> float:
 def value_of(robot: Robot, name: str) -> float:
     """Returns the value of a robot's parameter, in its unit; an unvaried parameter of a cut comes from its model.
 
+    If a number of a body was set that is the same under another name, as "roll_mass" may be, the value is that.
+
     Raises:
         BadValue: the joints that share the parameter have different values.
     """
     kind = _kind(name)
     if name in robot.varied or robot.cut is None:
-        return float(robot.varied.get(name, PARAMETERS[name].default))
+        value = float(robot.varied.get(name, PARAMETERS[name].default))
+        return value if kind is not None else value + (_read(robot.model, name) - _read(robot.base, name))
     model, found = robot.model, set[float]()
-    if kind is None:  # its slider's friction
-        return float(model.damping[robot.index("boom_z")])
+    if kind is None:
+        return _read(model, name)
     for joint in robot.actuated:
         if _is(joint, name):
             row = robot.index(joint)
@@ -233,16 +237,37 @@ def _model(robot: Robot, varied: Mapping[str, float]) -> pin.Model:
 
 def _change(model: pin.Model, name: str, value: float) -> None:
     if name == "boom_damping":
-        model.damping[model.joints[model.getJointId("boom_z")].idx_v] = value
+        model.damping[_slider(model)] = value
         return
-    torso = int(model.frames[model.getFrameId("torso", pin.FrameType.BODY)].parentJoint)
+    torso = _torso(model)
     body = model.inertias[torso]
     if name == "torso_mass":
         model.inertias[torso] = pin.Inertia(value, body.lever, body.inertia)
     elif name == "torso_inertia":
         model.inertias[torso] = pin.Inertia(body.mass, body.lever, body.inertia * (value / body.inertia[1, 1]))
     else:
-        _move_hips(model, torso, {"hip_distance": 0, "hip_spacing": 1}[name], value)
+        _move_hips(model, torso, AXIS[name], value)
+
+
+def _read(model: pin.Model, name: str) -> float:
+    """Returns what `_change` changes; of the torso with the motors on it."""
+    if name == "boom_damping":
+        return float(model.damping[_slider(model)])
+    body = model.inertias[_torso(model)]
+    if name == "torso_mass":
+        return float(body.mass)
+    if name == "torso_inertia":
+        return float(body.inertia[1, 1])
+    along = [place[AXIS[name]] for place in _places_of_hips(model, _torso(model))]
+    return float(max(along) - min(along))
+
+
+def _slider(model: pin.Model) -> int:
+    return int(model.joints[model.getJointId("boom_z")].idx_v)
+
+
+def _torso(model: pin.Model) -> int:
+    return int(model.frames[model.getFrameId("torso", pin.FrameType.BODY)].parentJoint)
 
 
 def _kind(parameter: str) -> str | None:
@@ -300,8 +325,12 @@ def _set_motors(model: pin.Model, name: str, size: float, more: float) -> None:
 
 def _move_hips(model: pin.Model, torso: int, axis: int, distance: float) -> None:
     """Sets the distance, in m, between the joints on the torso's two ends along an axis, keeping their midpoint."""
-    hips = [joint for joint in range(1, model.njoints) if model.parents[joint] == torso]
-    places = [model.jointPlacements[joint].translation for joint in hips]
+    places = _places_of_hips(model, torso)
     middle = 0.5 * (min(place[axis] for place in places) + max(place[axis] for place in places))
     for place in places:
         place[axis] = middle + copysign(distance / 2, place[axis] - middle)
+
+
+def _places_of_hips(model: pin.Model, torso: int) -> list[Any]:
+    hips = [joint for joint in range(1, model.njoints) if model.parents[joint] == torso]
+    return [model.jointPlacements[joint].translation for joint in hips]

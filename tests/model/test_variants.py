@@ -13,7 +13,7 @@ from spear_pin.model.loading import load
 from spear_pin.model.monopod import monopod
 from spear_pin.model.numbers import body_numbers
 from spear_pin.model.robot import Robot
-from spear_pin.model.variants import PARAMETERS, motor_size, vary, with_knee_motor
+from spear_pin.model.variants import PARAMETERS, motor_size, value_of, vary, with_knee_motor
 
 LEG_MASS = 1.72 + 0.47
 EACH = [(name, robot) for name, parameter in PARAMETERS.items() for robot in parameter.robots]
@@ -308,6 +308,23 @@ class TestPurity:
         robot = vary(load("q_spear", toes=["anterior_toe", "torso"]), hip_distance=0.9)
         assert robot.toes == ("anterior_toe", "torso")
         np.testing.assert_allclose(robot.toe_position(np.zeros(7), "anterior_toe"), [0.45, -0.636], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("source", "first", "then", "values"),
+    [
+        ("q_spear_full", {}, {"roll_mass": 40.0, "roll_inertia_yy": 2.2}, {"torso_mass": 40.0, "torso_inertia": 2.2}),
+        ("q_spear", {"torso_mass": 41.0}, {"pitch_inertia": 2.5}, {"torso_mass": 41.0, "torso_inertia": 2.5}),
+        ("q_spear", {"hip_motor_mass": 1.0}, {"pitch_mass": 40.0}, {"hip_motor_mass": 1.0, "torso_mass": 37.56}),
+        ("q_spear", {}, {"pitch_to_anterior_hip": 0.4, "pitch_to_posterior_hip": 0.4}, {"hip_distance": 0.8}),
+        ("spear_ii", {"boom_damping": 1.0}, {"boom_z_viscous": 2.0}, {"boom_damping": 2.0}),
+    ],
+)
+def test_value_that_a_number_of_a_body_set(source, first, then, values):
+    """It is the same number under another name, if no motor adds to it."""
+    robot = load(source, base="chain") if source == "q_spear_full" else load(source)
+    robot = vary(vary(robot, **first), **then)
+    assert {name: value_of(robot, name) for name in values} == pytest.approx(values, rel=1e-12)
 
 
 class TestRefusals:
