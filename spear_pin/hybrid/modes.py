@@ -31,6 +31,7 @@ from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latch_values, standing
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, is_aloft, rests, start
 from spear_pin.model.robot_posture import row_along
+from spear_pin.model.round_feet import parts_of
 
 F = TypeVar("F", bound=Flow)
 
@@ -160,12 +161,20 @@ def resuming_phase(system: HybridSystem, moment: Moment) -> tuple[str, Held]:
 
     Raises:
         UnknownName: there is no such phase.
-        BadValue: the state has the wrong shape, is not finite, or has a toe below the ground.
+        BadValue: the state has the wrong shape, is not finite, or has a toe below the ground, or a round foot on the
+            ground does not stand on the part of its arc that is held.
     """
     if moment.phase not in system.phases:
         raise UnknownName("phase", moment.phase, system.phases)
     _feet(system, moment.q, moment.v)
-    return moment.phase, {**standing(system.robot, [*moment.q], [*moment.v]), **moment.held}
+    robot, q = system.robot, [*moment.q]
+    own = standing(robot, q, [*moment.v])
+    for toe, _ in closed_toes(robot.toes, system.of_phase(moment.phase)[0]):
+        name = parts_of(toe)
+        if name in own and robot.arcs[toe].contradicts(moment.held.get(name, own[name]), q):
+            pitch = f"as the foot's pitch is {robot.arcs[toe].pitch(q):.4g} rad"
+            raise BadValue(f"held[{name!r}]", moment.held[name], f"({own[name][0]:g}, {own[name][1]:g}), {pitch}")
+    return moment.phase, {**own, **moment.held}
 
 
 def _feet(system: HybridSystem, q: Any, v: Any) -> dict[str, tuple[float, Array]]:

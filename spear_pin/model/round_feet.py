@@ -23,6 +23,7 @@ Parts = Mapping[str, Sequence[Any]]
 """For toes two values: 1 if the foot stands on the first, or on the last, end of its arc, else 0."""
 ANYWHERE: Parts = {}
 ON_END = 1e-9  # rad: this near to an end, the foot's rate decides
+NEAR_END = 2e-5  # rad: this near to an end, the foot may be on either side of it
 
 
 @dataclass(frozen=True)
@@ -61,9 +62,21 @@ class FootArc:
 
     def parts(self, q: Sequence[Any], v: Sequence[Any]) -> tuple[Any, Any]:
         """Returns on which end the foot stands or is about to, see `Parts`, of numbers or arrays."""
-        angle, rate = self.pitch(q), self.pitch(v)
-        turned, half = turned_from(self.middle, np.sin(angle), np.cos(angle), np), self.stop - self.middle
-        return _there(-turned - half, -rate), _there(turned - half, rate)
+        rate = self.pitch(v)
+        first, last = self._beyond(q)
+        return _there(first, -rate), _there(last, rate)
+
+    def contradicts(self, parts: Any, q: Sequence[float]) -> bool:
+        """Tells whether a foot at a configuration cannot stand on these parts, see `Parts`, by its pitch."""
+        both = np.array(parts, float)
+        beyond = np.array(self._beyond(q))
+        return both.shape != (2,) or bool(((both != (beyond > 0.0)) & (np.abs(beyond) > NEAR_END)).any())
+
+    def _beyond(self, q: Sequence[Any]) -> tuple[Any, Any]:
+        """Returns how far the foot is turned beyond the first and the last end, in rad."""
+        angle, half = self.pitch(q), self.stop - self.middle
+        turned = turned_from(self.middle, np.sin(angle), np.cos(angle), np)
+        return -turned - half, turned - half
 
 
 @dataclass(frozen=True)

@@ -241,6 +241,31 @@ def test_a_moment_says_by_itself_on_which_end_it_stands(rocking):
     np.testing.assert_array_equal(runs[0].q[-1], runs[1].q[-1])
 
 
+@pytest.mark.parametrize(
+    ("pitch", "held", "expected"),
+    [
+        (0.7, (0.0, 0.0), "(0, 1), as the foot's pitch is 0.7 rad"),
+        (0.7, (1.0, 0.0), "(0, 1), as the foot's pitch is 0.7 rad"),
+        (0.1, (0.0, 1.0), "(0, 0), as the foot's pitch is 0.1 rad"),
+        (0.1, (0.0, 0.5), "(0, 0), as the foot's pitch is 0.1 rad"),
+        (0.1, (), "(0, 0), as the foot's pitch is 0.1 rad"),
+    ],
+)
+def test_a_moment_whose_ends_contradict_the_pitch_is_refused(rocking, pitch, held, expected):
+    """At an end it may be on either side."""
+    system, v = system_of(rocking), np.zeros(3)
+
+    def placed(pitch):
+        q = np.array([0.0, 0.3, pitch])
+        q[:2] -= rocking.toe_position(q, "toe") * (0.0, 1.0)
+        return q
+
+    with pytest.raises(BadValue) as caught:
+        simulate(system, Moment(placed(pitch), v, "stance", {"toe_ends": held}))
+    assert str(caught.value) == f"held['toe_ends'] is {held}; expected {expected}"
+    assert not any(rocking.arcs["toe"].contradicts((0.0, last), placed(LAST)) for last in (0.0, 1.0))
+
+
 @pytest.mark.extra("heyoka")
 @pytest.mark.slow
 def test_a_system_without_a_law_is_compiled(rocking):
