@@ -196,7 +196,7 @@ def sections(summary: dict[str, Any], by: str = "") -> list[tuple[str, str]]:
 def list_push(summary: dict[str, Any]) -> Rows:
     """Rows with a push, and what is left of it at the end."""
     return [
-        ("push", f"{summary['push']:g} m/s to the left"),
+        ("push", f"{summary['push']:g} m/s to the left" if summary["push"] else "none"),
         ("at the end", f"{summary['aside']:.3f} m aside, heading {math.degrees(summary['heading']):.2f}°"),
         ("largest roll", f"{math.degrees(summary['largest_roll']):.2f}°"),
     ]
@@ -208,7 +208,7 @@ def list_checks_in_space(summary: dict[str, Any], by: str = "a stride") -> Rows:
         ("friction used", f"{summary['friction_used']:.2f}, across {summary['friction_used_across']:.2f}"),
         ("slips", f"{summary['slips']}"),
         *((part, joint_in_words(summary["joints"][part])) for part in ("adduction", "hip", "knee")),
-        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J {by}"),
+        ("energy ledger", f"closes to {summary['energy_residual']:.1e} J in {by}"),
         ("simulated", f"{summary['cycles']} strides ({summary['reason']})"),
     ]
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, Trajectory, simulate
+from spear_pin.cli.bound_in_space import list_checks_in_space, list_push
 from spear_pin.cli.durations import usual
 from spear_pin.gaits import feedback
 from spear_pin.gaits.parity import merge_multipliers
@@ -32,6 +33,7 @@ def test_a_gait_with_feedback_is_played(capsys, tmp_path, steady):
     assert result["goes"] == "trot" and result["in_a_stride"] == 2 and result["cycles"] == 2
     assert result["stride_time"] == pytest.approx(0.459, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=0.01)
     assert result["residual"] <= 1e-9 and result["slips"] == 0 and result["energy_residual"] < 1e-8
+    assert abs(result["aside"]) < 1e-5  # its heading at the beginning is half a degree off its course
     assert result["multipliers_without_feedback"] is None and result["stable"] is False
     assert result["lost"] is None and result["beyond_limits"] == []
     assert Trajectory.load(tmp_path / "trot.npz").cycles == 4
@@ -61,6 +63,17 @@ def test_a_pronk_is_held_by_all_inputs(capsys, tmp_path, monkeypatch):
     assert result["goes"] == "pronk" and result["in_a_stride"] == 1 and result["cycles"] == 1
     assert result["stride_time"] == pytest.approx(0.289, abs=1e-3) and result["speed"] == pytest.approx(2.0, abs=1e-6)
     assert Gait.load(tmp_path / "trot_steady.json").system.kind == "pronking"
+
+
+def test_rows_of_a_push_and_of_a_cycle():
+    summary = {"push": 0.0, "aside": 0.0, "heading": 0.0, "largest_roll": 0.0}
+    assert list_push(summary)[0] == ("push", "none")
+    assert list_push(summary | {"push": -0.1})[0] == ("push", "-0.1 m/s to the left")
+    summary = {"friction_used": 0.5, "friction_used_across": 0.1, "slips": 0, "energy_residual": 1e-9}
+    joints = {part: {"range": 0, "speed": 0, "torque": 0, "power": 0} for part in ("adduction", "hip", "knee")}
+    summary |= {"joints": joints, "cycles": 2, "reason": "complete"}
+    said = dict(list_checks_in_space(summary, "half a stride"))
+    assert said["energy ledger"] == "closes to 1.0e-09 J in half a stride"
 
 
 @pytest.mark.parametrize(

@@ -25,8 +25,9 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     Returns:
         - residual, multipliers: see `Gait`.
         - cycles, reason, energy_residual: whole strides, why it ended, and the largest imbalance of a stride, in J.
-        - speed, period: along the heading at the begin, in m/s; of whole strides, in s.
-        - aside, heading: where it is at the end across its first heading, in m, and its heading then.
+        - speed, period: along its course at the begin, in m/s; of whole strides, in s.
+        - aside, heading: where it is at the end across that course, in m, and how its heading has changed. The course
+          is the first heading; if the halves of a stride are mirror images, it is halfway between those of both halves.
         - largest_roll: on the way.
         - slips: how often a foot begins to slide.
         - friction_used: largest ratio of tangential to normal force, where a foot carries 2 % of its even share.
@@ -38,8 +39,10 @@ def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     legs = [leg for pair in pairs_of(robot) for leg in pair]
     q, t = trajectory.q, trajectory.t
     whole = t[(trajectory.cycle > 0) & (trajectory.cycle <= trajectory.cycles)]
-    ahead, aside = _turned(q[-1, [X, Y]] - q[0, [X, Y]], q[0, YAW])
     sampled, halves = Sampled(robot, trajectory, ()), bool(gait.system.mirrored_toes)
+    second = q[trajectory.cycle > 1][:1] if halves else q[:0]
+    course = float(np.mean([q[0, YAW], *second[:, YAW]]))
+    ahead, aside = _turned(q[-1, [X, Y]] - q[0, [X, Y]], course)
     curves, joints = sampled.curves, {}
     for i, part in enumerate(PARTS):
         names = [robot.actuated[leg.motors[i]] for leg in legs]
