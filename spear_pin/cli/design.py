@@ -34,13 +34,13 @@ def add(commands: Commands) -> None:
         action="extend",
         required=True,
         metavar=RANGE,
-        help="parameters and their bounds, which include the gait's own values, separated by commas",
+        help="parameters and their bounds, which include the gait's own values, separated by commas; help lists all",
     )
     parser.add_argument(
         "--minimize",
         required=True,
         metavar="MEASURE",
-        help="measure such as work, peak_torque_knee, or electricity_knee with --motor and --bus; 'help' lists all",
+        help="measure such as work, peak_torque_knee, or electricity_knee with --motor and --bus; help lists all",
     )
     parser.add_argument("--vary", type=names, action="extend", metavar="NAME", help=f"{VARY}; separated by commas")
     for option, text in (

@@ -15,6 +15,7 @@ PLACES = (
     "Words in capitals stand for a joint, toe, phase or event, N for a number. Searches take all without (*).\n"
     "Of joints that slide, angles are in m, speeds in m/s and torques in N."
 )
+MARGINS = "Designs take margin_EVENT as well: how far an event's guard stays from zero."
 
 
 def add(commands: Commands) -> None:
@@ -34,4 +35,4 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         head = f"{each.pattern:<{WIDE}}{show_unit(each.unit):<9}"
         first, *more = textwrap.wrap(each.text + ("" if target else " (*)"), WIDTH - len(head))
         lines += [head + first, *(" " * len(head) + line for line in more)]
-    return {"measures": rows, "text": join_lines([*lines, "", *PLACES.splitlines()])}
+    return {"measures": rows, "text": join_lines([*lines, "", *PLACES.splitlines(), MARGINS])}

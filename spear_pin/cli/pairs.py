@@ -1,4 +1,4 @@
-"""Names with values on the command line: `a=1,b=2`, and ranges, `a=1:2`."""
+"""Names with values on the command line: `a=1,b=2`, and ranges, `a=1:2`; `help` stands for a name that is unknown."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable
 from typing import TypeVar
 
-from spear_pin.errors import BadValue
+from spear_pin.errors import ALL, BadValue
 
 RANGE = "NAME=LOW:HIGH"
 T = TypeVar("T")
@@ -24,6 +24,8 @@ def names(word: str) -> list[str]:
 
 def ranges(word: str) -> list[tuple[str, tuple[float, float]]]:
     """Read ranges, `NAME=LOW:HIGH`, apart by commas."""
+    if word == ALL:
+        return [(ALL, (0.0, 1.0))]
     found = []
     for name, value in _pairs(word, RANGE):
         ends = value.split(":")
@@ -43,6 +45,8 @@ def one_range(word: str) -> tuple[str, tuple[float, float]]:
 
 def values(word: str) -> list[tuple[str, float]]:
     """Read values, `NAME=VALUE`, apart by commas."""
+    if word == ALL:
+        return [(ALL, 1.0)]
     return [(name, _number(value, name)) for name, value in _pairs(word, "NAME=VALUE")]
 
 

@@ -60,13 +60,11 @@ def add(commands: Commands) -> None:
         metavar="±1",
         help=f"1 if a knee points forward, -1 if backward: one number with --leg, else two, posterior first; {SIDE}",
     )
-    parser.add_argument("--body", type=float, metavar="KG", help=f"{BODY}; needs --leg")
+    parser.add_argument("--body", type=float, metavar="KG", help=f"{BODY}; for hops")
     add_repair(parser)
     four = "(default: four, by the robot's size)"
     parser.add_argument("--speeds", type=numbers, metavar="A,B,...", help=f"speeds of bounds, in m/s {four}")
-    parser.add_argument(
-        "--flight-times", type=numbers, metavar="A,B,...", help=f"flight times of hops, in s; needs --leg {four}"
-    )
+    parser.add_argument("--flight-times", type=numbers, metavar="A,B,...", help=f"flight times of hops, in s {four}")
     parser.add_argument(
         "--stiffnesses",
         type=numbers,

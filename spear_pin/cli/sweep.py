@@ -23,7 +23,7 @@ from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import align_lines
 from spear_pin.cli.pairs import once
 from spear_pin.cli.python_lines import Code, Program
-from spear_pin.errors import BadFile, BadValue, SpearError, UnknownName
+from spear_pin.errors import ALL, BadFile, BadValue, SpearError, UnknownName
 from spear_pin.words import number
 
 if TYPE_CHECKING:
@@ -48,7 +48,8 @@ def add(commands: Commands) -> None:
         action="append",
         required=True,
         metavar="NAME=VALUES",
-        help="a parameter and its values: LOW:HIGH:NUMBER, or A,B,..., or LOW:HIGH with --sobol or --latin; repeatable",
+        help="a parameter and its values: LOW:HIGH:NUMBER, or A,B,..., or LOW:HIGH with --sobol or --latin; repeatable;"
+        " help lists all parameters",
     )
     add_wanted(parser)
     parser.add_argument("--gait", metavar="GAIT", help=f"the gait of bound, by name or path (default: {BOUND})")
@@ -177,6 +178,8 @@ def _check(arguments: argparse.Namespace) -> None:
 
 def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
     """A parameter and its values, or its range."""
+    if word == ALL:
+        return ALL, (1.0,)
     name, _, values = word.partition("=")
     colons = values.count(":")
     try:

@@ -29,6 +29,8 @@ def test_a_hop(capsys, tmp_path):
     [
         (HOP, "--over"),
         ((*HOP, "--over", "stiffness"), "is not NAME=LOW:HIGH"),
+        ((*HOP, "--over", "help"), "each valid parameter: knee_touchdown, "),
+        ((*HOP, "--over", "stiffness=40:60", "--at-most", "help"), "each valid measure: stance_time, "),
         ((*HOP, "--over", "stiffness=1:2"), "the gait's own value"),
         ((*HOP, "--over", "stiffness=40:60", "--at-most", "work"), "is not NAME=VALUE"),
         ((*HOP, "--over", "stiffness=40:60", "--at-most", "nope=1"), "'nope'"),

@@ -11,6 +11,7 @@ def test_lists_every_measure(capsys):
     status, out, _ = run(capsys, "measures")
     assert status == 0 and all(each.pattern in out for each in CATALOGUE)
     assert max(map(len, out.splitlines())) <= 116 and "Words in capitals" in out
+    assert "margin_EVENT" in out
 
 
 def test_the_manual_says_the_same_of_names_and_units():

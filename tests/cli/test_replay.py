@@ -73,3 +73,11 @@ def test_mistakes(capsys, tmp_path, monkeypatch, asked, said):
     hops(tmp_path / "hops.csv")
     assert said in refused(capsys, "replay", "crank_hopper", "hops.csv", *asked)
     assert [path.name for path in tmp_path.iterdir()] == ["hops.csv"]
+
+
+@pytest.mark.extra("heyoka")
+def test_it_lists_the_numbers_of_the_leg(capsys, tmp_path):
+    leg = hopping(load("spear_ii", locked=["boom_x"]))
+    path = simulate(leg, leg.guess(), 1, progress=False).save(tmp_path / "hop.npz")
+    said = refused(capsys, "replay", "hop", path, "--set", "help", "--out", tmp_path)
+    assert "each valid number of the leg: torque_scale, " in said and ", friction," not in said

@@ -95,6 +95,7 @@ class TestMistakes:
             (("stiffness=1:2:0",), "a whole NUMBER of values"),
             (("stiffness=46:52",), "--sobol or --latin with a range"),
             (("stiffness=1,2", "--over", "stiffness=3,4"), "each name once"),
+            (("help",), "each valid parameter: knee_touchdown, "),
             (("stiffness=46,52", "--speed", "2"), "only with bound; for a hop give --flight-time"),
             (("stiffness=46,52", "--flight-time", "0.03"), "flight_time is 0.03; expected a number from 0.05 to 5"),
             (("flight_time=0.2,0.03",), "flight_time is 0.03; expected"),
