@@ -71,7 +71,7 @@ def studied(knee: Knee, samples: int) -> dict[str, Any]:
     sigma = spread.parameter_deviations
     return {
         "knee": knee.name,
-        "parameters": dict(zip(OVER, spread.local.values.tolist(), strict=True)),
+        "parameters": dict(zip(OVER, spread.table.given.tolist(), strict=True)),
         "deviations": dict(zip(OVER, sigma.tolist(), strict=True)),
         "correlation": (knee.covariance / np.outer(sigma, sigma)).tolist(),
         "best": {name: spread.best(name) for name in spread.outputs if spread.moves(name)},

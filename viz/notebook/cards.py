@@ -177,7 +177,7 @@ def _(table: Sensitivity) -> Card:
 
 @described.register
 def _(spread: Uncertainty) -> Card:
-    given = zip(spread.over, spread.local.values, spread.parameter_deviations, spread.parameter_units, strict=True)
+    given = zip(spread.over, spread.table.given, spread.parameter_deviations, spread.table.units, strict=True)
     rows = [
         *(Row(_words(name), f"{_number(value)} ± {_number(sigma)}", unit) for name, value, sigma, unit in given),
         *(
@@ -191,7 +191,7 @@ def _(spread: Uncertainty) -> Card:
         ),
     ]
     remark = "standard deviations to first order; per cent of the variance that knowing each parameter takes away"
-    return Card("Uncertainty of a gait", f"of {spread.local.system.robot.name}; {remark}", tuple(rows))
+    return Card("Uncertainty of a gait", f"of {spread.table.system.robot.name}; {remark}", tuple(rows))
 
 
 def _gains(spread: Uncertainty, name: str) -> str:
@@ -204,7 +204,7 @@ def _(drawn: MonteCarlo) -> Card:
         Row(
             _words(name),
             f"{_number(first)} to first order, {_number(drawn.deviation(name))} ± {_number(drawn.error(name))}",
-            drawn.units[name],
+            drawn.spread.output_units[name],
         )
         for name, first in drawn.first.items()
     ]

@@ -37,7 +37,7 @@ def variance_shares(spread: Uncertainty) -> Figure:
         for j, name in enumerate(spread.over):
             place = np.arange(len(names)) + (height * (j - 0.5 * (count - 1)) if beside else 0.0)
             color = COLORS[j % len(COLORS)]
-            unit = spread.parameter_units[j] or UNITS.get(name, "")
+            unit = spread.table.units[j] or UNITS.get(name, "")
             sigma = f"{spread.parameter_deviations[j]:.3g} {unit}".strip()
             label = f"{name.replace('_', ' ')}, ±{sigma}"
             panel.barh(place, gains[:, j], height, left=0.0 if beside else left, color=color, label=label)
@@ -87,7 +87,7 @@ def monte_carlo(drawn: MonteCarlo, outputs: Sequence[str] = ()) -> Figure:
 def draw(axes: Axes, drawn: MonteCarlo, name: str) -> None:
     """Draws a histogram of an output's samples, another order of events apart, with the first order's normal."""
     values = drawn.samples.outputs[name]
-    middle, first = drawn.values[name], drawn.first[name]
+    middle, first = drawn.spread.outputs[name], drawn.first[name]
     half = WIDTH * max(first, min(drawn.deviation(name), 3.0 * first)) if first > 0.0 else WIDTH * drawn.deviation(name)
     edges = np.linspace(middle - half, middle + half, BINS + 1)
     there = np.isfinite(values)
@@ -103,7 +103,7 @@ def draw(axes: Axes, drawn: MonteCarlo, name: str) -> None:
     lost = int((~there).sum())
     notes = [f"{beyond} beyond"] * bool(beyond) + [f"{lost} without a value"] * bool(lost)
     axes.set_title("\n".join(notes), fontsize=7.0)
-    axes.set_xlabel(with_unit(name, drawn.units[name] or UNITS.get(name, "") or "1"))
+    axes.set_xlabel(with_unit(name, drawn.spread.output_units[name] or UNITS.get(name, "") or "1"))
     axes.set_xlim(edges[0], edges[-1])
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from spear_pin.errors import UnknownName
 from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.samples import Samples
 from spear_pin.showing import Shown
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
 
 WITHIN = 0.05  # share of Monte Carlo's deviation within which first order agrees
 FEW = 0.01  # share of samples without a value that needs no mention
@@ -32,26 +35,24 @@ class MonteCarlo(Shown):
     """Gaits found for parameters drawn at random from a normal distribution around one gait's parameters.
 
     Attributes:
-        over: names of the parameters.
-        at: values of the parameters in the gait itself, (m,).
+        spread: the gait's uncertainty to first order.
         samples: the gaits.
-        values: values of the outputs in the gait itself, by name.
-        units: units of the outputs.
-        derivatives: derivatives of the outputs by the parameters, by name, (m,) each.
-        first: standard deviations to first order, by name.
-        one_sided: events that meet another in the gait itself; their derivatives hold for the order that happens.
         seed: seed of the random numbers.
     """
 
-    over: tuple[str, ...]
-    at: Array
+    spread: Uncertainty
     samples: Samples
-    values: Mapping[str, float]
-    units: Mapping[str, str]
-    derivatives: Mapping[str, Array]
-    first: Mapping[str, float]
-    one_sided: tuple[str, ...]
     seed: int
+
+    @property
+    def over(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return self.spread.over
+
+    @cached_property
+    def first(self) -> dict[str, float]:
+        """Standard deviations to first order, by name."""
+        return self.spread.deviations
 
     def __len__(self) -> int:
         """Returns the number of samples."""
@@ -66,7 +67,8 @@ class MonteCarlo(Shown):
         columns = ("value", "σ, 1st order", "σ, M. Carlo", "± its error", "differs", "same samples")
         lines = [f"{'':{width}} " + " ".join(f"{each:>12}" for each in columns)]
         for name, first in self.first.items():
-            row = f"{self.values[name]:12.6g} {first:12.4g} {self.deviation(name):12.4g} {self.error(name):12.2g}"
+            value = self.spread.outputs[name]
+            row = f"{value:12.6g} {first:12.4g} {self.deviation(name):12.4g} {self.error(name):12.2g}"
             shares = f"{_percent(self.difference(name))} {_percent(self.bend(name))}"
             lines.append(f"{name:{width}} {row} {shares} {self.verdict(name)}")
         return "\n".join([*lines, self.statement()])
@@ -124,7 +126,7 @@ class MonteCarlo(Shown):
         chosen = np.isfinite(values) & (self.samples.alike | (not alike))
         if self._still(output):
             return float("nan")
-        straight = (self.samples.parameters[chosen] - self.at) @ self.derivatives[output]
+        straight = (self.samples.parameters[chosen] - self.spread.table.given) @ self.spread.derivatives[output]
         return _deviation(straight) / _deviation(values[chosen]) - 1.0
 
     def verdict(self, output: str) -> str:
@@ -144,7 +146,7 @@ class MonteCarlo(Shown):
         if abs(self.bend(output)) > WITHIN:
             if self.samples.alike.sum() >= FEWEST and abs(self.bend(output, alike=True)) <= WITHIN:
                 return OTHER_ORDER
-            return ONE_SIDED if self.one_sided else NOT_LINEAR
+            return ONE_SIDED if self.spread.table.one_sided else NOT_LINEAR
         lost = 1.0 - len(self.drawn(output)) / len(self)
         return AGREES if abs(self.difference(output)) <= WITHIN or lost <= FEW else LOST
 
@@ -164,8 +166,8 @@ class MonteCarlo(Shown):
         moving = sum(self.verdict(name) != STAYS for name in self.first)
         all_but_chance = f"within {WITHIN:.0%} of Monte Carlo, apart from sampling error"
         lines.append(f"first order {all_but_chance}, for {moving - len(off)} of the {moving} outputs that move")
-        if self.one_sided:
-            lines.append(f"one-sided: {', '.join(self.one_sided)} meets another event in this gait")
+        if one_sided := self.spread.table.one_sided:
+            lines.append(f"one-sided: {', '.join(one_sided)} meets another event in this gait")
         for why in dict.fromkeys(verdict for _, verdict in off):
             lines.append(f"{why}: {', '.join(name for name, verdict in off if verdict == why)}")
         return "\n".join(lines)
@@ -194,8 +196,8 @@ class MonteCarlo(Shown):
             "unstable": int((samples.largest[samples.found] >= 1.0).sum()),
             "outputs": {
                 name: {
-                    "value": self.values[name],
-                    "unit": self.units[name],
+                    "value": self.spread.outputs[name],
+                    "unit": self.spread.output_units[name],
                     "first_order": first,
                     "deviation": self.deviation(name),
                     "standard_error": self.error(name),
@@ -211,7 +213,7 @@ class MonteCarlo(Shown):
         return dict(plain(data))
 
     def _still(self, output: str) -> bool:
-        size = STILL * max(abs(self.values[output]), STILL)
+        size = STILL * max(abs(self.spread.outputs[output]), STILL)
         return not self.first[output] > size and not self.deviation(output) > size
 
 

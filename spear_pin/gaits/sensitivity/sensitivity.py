@@ -14,7 +14,6 @@ from spear_pin.errors import UnknownName
 from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.measure import MULTIPLIER, DualMeasure, estimate_rounding
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
-from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
 from spear_pin.gaits.sensitivity.orbit import branch, orbit_of_gait
 from spear_pin.gaits.sensitivity.spread import covariance_of
 from spear_pin.gaits.sensitivity.uncertainty import Uncertainty
@@ -135,26 +134,7 @@ class Sensitivity(Shown):
             >>> round(spread.deviation("apex_height") * 1e3, 2), spread.best("apex_height")  # mm
             (1.88, 'damping')
         """
-        covariance = covariance_of(spread, self.parameters, self.given)
-        d = len(self.solved)
-        local = Neighbourhood(
-            self.system,
-            self.at,
-            self.parameters,
-            self.given,
-            tuple(self.solved),
-            np.array([number(self.system, name) for name in self.solved]),
-            self.keep,
-            np.array([self.outputs[name] for name in self.keep]),
-            self.state,
-            np.array(list(self.solved.values())).reshape(d, len(self.parameters)),
-            self.multipliers,
-            self.motors,
-        )
-        derivatives = {**self.derivatives, **dict(zip(local.columns, self.state, strict=True))}
-        outputs = {**self.outputs, **dict(zip(local.columns, np.concatenate(self.at).tolist(), strict=True))}
-        units = {**self.output_units, **local.units}
-        return Uncertainty(local, self.units, covariance, outputs, units, derivatives, self.one_sided)
+        return Uncertainty(self, covariance_of(spread, self.parameters, self.given))
 
     def to_json(self) -> str:
         """Returns the whole table as JSON."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,11 +15,13 @@ from spear_pin.errors import BadValue, UnknownName
 from spear_pin.files import plain
 from spear_pin.gaits.sensitivity.measure import MULTIPLIER, ROUNDING, estimate_rounding
 from spear_pin.gaits.sensitivity.monte_carlo import MonteCarlo
-from spear_pin.gaits.sensitivity.neighbourhood import Neighbourhood
-from spear_pin.gaits.sensitivity.samples import find_anew
+from spear_pin.gaits.sensitivity.samples import find_anew, state_columns
 from spear_pin.gaits.sensitivity.spread import factor
 from spear_pin.kinds import typed
 from spear_pin.showing import Shown
+
+if TYPE_CHECKING:
+    from spear_pin.gaits.sensitivity.sensitivity import Sensitivity
 
 MOST = 1_000_000  # samples
 
@@ -27,13 +31,8 @@ class Uncertainty(Shown):
     """Standard deviations of a gait's outputs to first order, from the covariance of its parameters.
 
     Attributes:
-        local: the gait, and where gaits near it are.
-        parameter_units: units of the parameters, empty where nothing says one.
-        covariance: covariance of the parameters, (m, m).
-        outputs: values by name: solved numbers, measures, moduli of multipliers, numbers of the state.
-        output_units: units of the outputs.
-        derivatives: derivatives of the outputs by the parameters, by name, (m,) each.
-        one_sided: events that meet another in this gait; their derivatives hold for the order that happens.
+        table: derivatives of the gait, and the gait.
+        covariance: covariance of its parameters, (m, m).
 
     Example:
         >>> from spear_pin import find_gait, hopping, load
@@ -45,18 +44,30 @@ class Uncertainty(Shown):
         MonteCarlo(50 samples: 50 gaits found, 50 with the same order of events)
     """
 
-    local: Neighbourhood
-    parameter_units: tuple[str, ...]
+    table: Sensitivity
     covariance: Array
-    outputs: Mapping[str, float]
-    output_units: Mapping[str, str]
-    derivatives: Mapping[str, Array]
-    one_sided: tuple[str, ...]
 
     @property
     def over(self) -> tuple[str, ...]:
         """Names of the parameters."""
-        return self.local.over
+        return self.table.parameters
+
+    @cached_property
+    def outputs(self) -> dict[str, float]:
+        """Values by name: solved numbers, measures, moduli of multipliers, numbers of the state."""
+        columns = zip(state_columns(self.table.system.robot), np.concatenate(self.table.at).tolist(), strict=True)
+        return {**self.table.outputs, **dict(columns)}
+
+    @cached_property
+    def output_units(self) -> dict[str, str]:
+        """Units of the outputs."""
+        return {**self.table.output_units, **state_columns(self.table.system.robot)}
+
+    @cached_property
+    def derivatives(self) -> dict[str, Array]:
+        """Derivatives of the outputs by the parameters, by name, (m,) each."""
+        rows = zip(state_columns(self.table.system.robot), self.table.state, strict=True)
+        return {**self.table.derivatives, **dict(rows)}
 
     @property
     def parameter_deviations(self) -> Array:
@@ -85,8 +96,8 @@ class Uncertainty(Shown):
             lines.append(
                 "errors are correlated: to know one parameter tells of others, and shares do not add up to 100"
             )
-        if self.one_sided:
-            lines.append(f"one-sided, for events meet in this gait: {', '.join(self.one_sided)}")
+        if self.table.one_sided:
+            lines.append(f"one-sided, for events meet in this gait: {', '.join(self.table.one_sided)}")
         return "\n".join(lines)
 
     def deviation(self, output: str) -> float:
@@ -174,25 +185,14 @@ class Uncertainty(Shown):
         if seed < 0:
             raise BadValue("seed", seed, "a whole number >= 0")
         normal = np.random.default_rng(seed).standard_normal((samples, len(self.over)))
-        parameters = self.local.values + normal @ factor(self.covariance).T
-        found = find_anew(self.local, parameters, on_lanes)
-        return MonteCarlo(
-            self.over,
-            self.local.values,
-            found,
-            self.outputs,
-            self.output_units,
-            self.derivatives,
-            self.deviations,
-            self.one_sided,
-            seed,
-        )
+        parameters = self.table.given + normal @ factor(self.covariance).T
+        return MonteCarlo(self, find_anew(self.table, parameters, on_lanes), seed)
 
     def to_json(self) -> str:
         """Returns the uncertainty as JSON."""
         data = {
-            "over": dict(zip(self.over, self.local.values.tolist(), strict=True)),
-            "units": dict(zip(self.over, self.parameter_units, strict=True)),
+            "over": dict(zip(self.over, self.table.given.tolist(), strict=True)),
+            "units": dict(zip(self.over, self.table.units, strict=True)),
             "deviations": dict(zip(self.over, self.parameter_deviations.tolist(), strict=True)),
             "covariance": self.covariance.tolist(),
             "outputs": {
@@ -205,7 +205,7 @@ class Uncertainty(Shown):
                 }
                 for name, value in self.outputs.items()
             },
-            "one_sided": list(self.one_sided),
+            "one_sided": list(self.table.one_sided),
         }
         return json.dumps(plain(data), indent=1)
 

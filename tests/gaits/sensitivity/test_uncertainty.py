@@ -51,13 +51,8 @@ def drawn(spread):
 
 def with_slopes(spread, slopes, covariance):
     """The same with an output "y" of these slopes alone."""
-    return replace(
-        spread,
-        covariance=np.array(covariance, dtype=float),
-        outputs={"y": 1.0},
-        output_units={"y": "1"},
-        derivatives={"y": np.array(slopes, dtype=float)},
-    )
+    own = {"outputs": {"y": 1.0}, "output_units": {"y": "1"}, "derivatives": {"y": np.array(slopes, dtype=float)}}
+    return replace(spread, table=replace(spread.table, **own), covariance=np.array(covariance, dtype=float))
 
 
 class TestFirstOrder:
@@ -97,7 +92,7 @@ class TestFirstOrder:
 
     def test_the_order_of_parameters_does_not_matter(self, hop, spread):
         order = [2, 0, 1]
-        motors = spread.local.motors
+        motors = spread.table.motors
         other = hop.sensitivity([OVER[i] for i in order], ["stance_torque"], ["flight_time"], motors).uncertainty(SMALL)
         for name in spread.outputs:
             # derivatives of multipliers are differences
@@ -179,9 +174,9 @@ class TestMonteCarlo:
                 assert peak[j] == pytest.approx(found.outputs[f"peak_torque_{joint}"][i], rel=1e-3)
 
     def test_what_is_found_in_lanes_is_found_alone(self, spread):
-        chosen = spread.local.values + np.array([[0.4, 0.02, -0.002], [-0.6, -0.03, 0.003]])
-        assert side_by_side(spread.local)
-        lanes, alone = find_anew(spread.local, chosen), samples._one_by_one(spread.local, chosen, lambda n: None)
+        chosen = spread.table.given + np.array([[0.4, 0.02, -0.002], [-0.6, -0.03, 0.003]])
+        assert side_by_side(spread.table)
+        lanes, alone = find_anew(spread.table, chosen), samples._one_by_one(spread.table, chosen, lambda n: None)
         assert lanes.alike.all() and alone.alike.all()
         assert set(lanes.outputs) == set(alone.outputs)
         for name, values in lanes.outputs.items():
@@ -201,7 +196,7 @@ class TestMonteCarlo:
 
     def test_bodies_are_found_one_by_one(self, hop):
         spread = hop.sensitivity(["knee_mass", "hip_to_knee"]).uncertainty({"knee_mass": "1 %", "hip_to_knee": 1e-4})
-        assert not side_by_side(spread.local)
+        assert not side_by_side(spread.table)
         drawn = spread.monte_carlo(8)
         assert drawn.samples.alike.all() and drawn.verdict("positive_work") == "agrees"
         assert abs(drawn.bend("flight_time")) < 0.02
