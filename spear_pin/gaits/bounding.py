@@ -19,7 +19,6 @@ from spear_pin.gaits.bounding_law import (
     LEGS,
     STATES,
     BoundingLaw,
-    Leg,
     Phase,
     double_law,
     evolution,
@@ -28,6 +27,7 @@ from spear_pin.gaits.bounding_law import (
     phases_of,
     stance_law,
 )
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.springing import Springing, springing_of
 from spear_pin.gaits.virtual_constraints import Evolution, begin_evolution, progress, value
 from spear_pin.hybrid.automaton import HybridSystem

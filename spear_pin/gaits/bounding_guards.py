@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
+from spear_pin.gaits.legs import Leg
 from spear_pin.hybrid.domain import Guard, Reset
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 
@@ -12,15 +13,7 @@ BEYOND = 1e-3  # rad: a knee must flex so far beyond θ̄ before its return lift
 SHORTEST_SPAN = 0.2  # share of a stance's span that remains at least when a swing begins late
 
 
-class Kneed(Protocol):
-    """The leg's knee: the name of the leg, and how far the knee is flexed."""
-
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    def flexion(self, q: Any) -> Any: ...  # noqa: D102
-
-
-def knee_back(leg: Kneed, reset: Reset) -> tuple[Guard, Guard]:
+def knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
     """Returns guards for the knee passing θ̄ of (5.5)-(5.6), the law's `knee_rest`, as it flexes and comes back."""
     name = f"{leg.name}_flexed"
 

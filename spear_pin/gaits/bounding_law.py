@@ -13,7 +13,8 @@ from typing import Any, ClassVar
 
 from spear_pin.errors import BadValue, list_names, require
 from spear_pin.gaits.inputs import ANGLE, Input
-from spear_pin.gaits.virtual_constraints import Evolution, Leaning, Outputs, Shifted, Variable, zero_outputs
+from spear_pin.gaits.legs import AHEAD, Leg
+from spear_pin.gaits.virtual_constraints import Evolution, Outputs, zero_outputs
 from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.kinds import typed
@@ -23,9 +24,8 @@ from spear_pin.model.robot import Robot
 
 Shape = tuple[tuple[float, ...], ...]
 Valid = Mapping[str, tuple[Callable[[float], bool], str]]
-AHEAD, PITCH = 0, 2  # indices of the torso's travel and pitch
+PITCH = 2  # index of the torso's pitch
 SIDES = (1.0, -1.0)  # to which Q-SPEAR's knees flex
-ALIKE = 1e-9  # relative: thigh and shank count as equally long, and the leg angle is linear
 LEGS = ("posterior", "anterior")
 PAIR = 2  # a leg of the sagittal model stands for so many legs, so a joint has so many motors
 INPUTS = (
@@ -176,97 +176,6 @@ def has_shape(value: Any, shape: tuple[int, ...]) -> bool:
     return fits and all(has_shape(item, shape[1:]) for item in value)
 
 
-def leg_angle(
-    pitch: int,
-    hip: int,
-    knee: int,
-    lengths: tuple[float, float],
-    signs: Sequence[float] = (1.0, 1.0),
-    zeros: Sequence[float] = (0.0, 0.0),
-) -> Variable:
-    """Returns γ, the angle of the line from hip to toe: pitch + hip - knee / 2 where thigh and shank are equally long.
-
-    Args:
-        pitch: index of the torso's pitch.
-        hip: index of the hip.
-        knee: index of the knee.
-        lengths: lengths of thigh and shank, in m.
-        signs: signs of the own angles of hip and knee; angles of the convention are sign (q - zero).
-        zeros: zeros of these angles, in rad.
-    """
-    thigh, shank = lengths
-    above = (pitch, 1.0), (hip, signs[0])
-    if abs(thigh - shank) <= ALIKE * thigh:
-        return shift_variable((*above, (knee, -0.5 * signs[1])), 0.5 * signs[1] * zeros[1] - signs[0] * zeros[0])
-    turn = None if (signs[1], zeros[1]) == (1.0, 0.0) else (signs[1], zeros[1])
-    return shift_variable(Leaning(above, knee, thigh, shank, turn), -signs[0] * zeros[0])
-
-
-def convert_angle(index: int, sign: float, zero: float) -> Variable:
-    """Returns an angle of the convention, sign (q - zero)."""
-    return shift_variable(((index, sign),), -sign * zero)
-
-
-def shift_variable(variable: Variable, by: float) -> Variable:
-    """Adds a constant to a variable, if the constant is not zero."""
-    return Shifted(variable, by) if by else variable
-
-
-@dataclass(frozen=True)
-class Leg:
-    """A leg of the sagittal model.
-
-    Attributes:
-        name: "posterior" or "anterior".
-        hip: index of the leg's hip.
-        knee: index of the leg's knee.
-        side: +1 if the knee flexes to positive angles, -1 if to negative.
-        lengths: lengths of thigh and shank, in m.
-        motors: columns of the leg's motors.
-    """
-
-    name: str
-    hip: int
-    knee: int
-    side: float
-    lengths: tuple[float, float]
-    motors: tuple[int, int]
-
-    @property
-    def toe(self) -> str:
-        """Name of the leg's toe."""
-        return f"{self.name}_toe"
-
-    @property
-    def above(self) -> str:
-        """Name of the leg's hip."""
-        return f"{self.name}_hip"
-
-    @property
-    def joint(self) -> str:
-        """Name of the leg's knee."""
-        return f"{self.name}_knee"
-
-    @property
-    def angle(self) -> Variable:
-        """Leg angle γ."""
-        return leg_angle(PITCH, self.hip, self.knee, self.lengths)
-
-    @property
-    def controlled(self) -> tuple[Variable, Variable]:
-        """Variables that the motors of hip and knee control in the air: γ and the knee."""
-        return self.angle, ((self.knee, 1.0),)
-
-    @property
-    def bends(self) -> float:
-        """+1 if the knee flexes to positive angles, -1 if to negative."""
-        return self.side
-
-    def flexion(self, q: Any) -> Any:
-        """Returns how far the knee is flexed, in rad."""
-        return self.side * q[self.knee]
-
-
 @dataclass(frozen=True)
 class Phase:
     """A phase in which some leg swings.
@@ -328,7 +237,18 @@ def legs_of(robot: Robot) -> tuple[Leg, Leg]:
         alike = f"a robot as sagittal(...) makes it: coordinates {names}, motors on the last four, two toes"
         raise BadValue("robot", robot, alike)
     posterior, anterior = (
-        Leg(name, hip, hip + 1, _side(robot, found, usual), (found.thigh, found.shank), (hip - 3, hip - 2))
+        Leg(
+            end=name,
+            hip=hip,
+            knee=hip + 1,
+            side=_side(robot, found, usual),
+            lengths=(found.thigh, found.shank),
+            motors=(hip - 3, hip - 2),
+            joint=f"{name}_knee",
+            above=f"{name}_hip",
+            toe=f"{name}_toe",
+            pitch=PITCH,
+        )
         for name, hip, found, usual in zip(LEGS, (3, 5), robot.legs, SIDES, strict=True)
     )
     return posterior, anterior

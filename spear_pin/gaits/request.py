@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from spear_pin.errors import BadValue, UnknownName, require
-from spear_pin.gaits.bounding_law import PAIR, BoundingLaw, Leg, legs_of
+from spear_pin.gaits.bounding_law import PAIR, BoundingLaw, legs_of
+from spear_pin.gaits.legs import Leg
 from spear_pin.hybrid.contact import Contact
 from spear_pin.kinds import typed
 from spear_pin.model.motor import Drive

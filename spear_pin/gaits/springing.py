@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any
 
 from spear_pin.errors import BadValue
+from spear_pin.gaits.legs import Leg
 from spear_pin.hybrid.clutch import make_delay_event, make_slip_events
 from spear_pin.hybrid.conditions import make_condition_events
 from spear_pin.hybrid.domain import ENGAGES, HOLDS, KEEPS, LEAVES, RELEASES, TOUCHES, Edge, Guard, Held, Mount
@@ -147,21 +148,6 @@ def _at_lift_off(clutch: Clutch) -> str:
     return LEAVES if clutch.off_delay else KEEPS if clutch.hold else RELEASES
 
 
-class Legged(Protocol):
-    """A leg: its name, the names of its joints and of its toe, and the side to which its knee flexes."""
-
-    @property
-    def name(self) -> str: ...  # noqa: D102
-    @property
-    def above(self) -> str: ...  # noqa: D102
-    @property
-    def joint(self) -> str: ...  # noqa: D102
-    @property
-    def toe(self) -> str: ...  # noqa: D102
-    @property
-    def side(self) -> float: ...  # noqa: D102
-
-
 def springing(robot: Robot, springs: Springs) -> Springing:
     """Returns how the springs of a robot with one leg act; one without a path acts on the joint of its name.
 
@@ -171,7 +157,7 @@ def springing(robot: Robot, springs: Springs) -> Springing:
     return Springing(robot, springs, tuple(_mounted(name, name, path, springs) for name, path in paths_of(springs)))
 
 
-def springing_in_space(robot: Robot, springs: Springs, leg: Legged) -> Springing:
+def springing_in_space(robot: Robot, springs: Springs, leg: Leg) -> Springing:
     """Returns how the springs of a leg in space act: at the knee, or on another joint if they pull and push.
 
     Raises:
@@ -185,7 +171,7 @@ def springing_in_space(robot: Robot, springs: Springs, leg: Legged) -> Springing
     return springing_of(robot, springs, leg)
 
 
-def springing_of(robot: Robot, springs: Springs, leg: Legged) -> Springing:
+def springing_of(robot: Robot, springs: Springs, leg: Leg) -> Springing:
     """Returns how the springs of one leg of several act, whose paths name parts such as `knee`, `hip` and `shank`.
 
     Raises:

@@ -12,9 +12,10 @@ from spear_pin.arrays import Array
 from spear_pin.gaits.bounding_law import LEGS, BoundingLaw, legs_of
 from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.footfalls.limbs import length
-from spear_pin.gaits.footfalls.nodes import Free, Leg, Room, Support, limits, within
+from spear_pin.gaits.footfalls.nodes import Free, Room, Support, limits, within
 from spear_pin.gaits.footfalls.programme import Transcription
 from spear_pin.gaits.footfalls.sequence import Footfalls
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.request import FARTHEST, FASTEST, HIGHEST, LONGEST_PHASE, LONGEST_STRIDE, SHORTEST_FLIGHT, Request
 from spear_pin.hybrid.fields import with_fields
 from spear_pin.hybrid.result import State

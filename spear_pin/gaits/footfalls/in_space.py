@@ -12,8 +12,8 @@ from spear_pin.gaits.footfalls.nodes import Room, Support, limits, within
 from spear_pin.gaits.footfalls.plan import Plan
 from spear_pin.gaits.footfalls.request import FootfallRequest
 from spear_pin.gaits.footfalls.swing import WIDEST
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.request import FLEXED
-from spear_pin.gaits.spatial.legs import Leg
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, scale_in_space

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from spear_pin.gaits.spatial.legs import Leg, pairs_of
+from spear_pin.gaits.legs import Leg
+from spear_pin.gaits.spatial.legs import pairs_of
 from spear_pin.model.legs import lean
 from spear_pin.model.robot import Robot
 

@@ -10,18 +10,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.bounding_law import Leg as LegInPlane
 from spear_pin.gaits.collocation import Programme, casadi, node_name
 from spear_pin.gaits.footfalls.sequence import Footfalls
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.request import Wishes
-from spear_pin.gaits.spatial.legs import Leg as LegInSpace
 from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.mechanism import Mechanism
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale
 from spear_pin.model.spring import Spring
 
-Leg = LegInPlane | LegInSpace
 WITHIN, AWAY = 0.95, 0.01  # share of torque and rate limits, rad from angle limits; error needs it
 HARDEST, STRONGEST = 2000.0, 4000.0  # m/s² or rad/s², N of a leg of Q-SPEAR
 Part = str  # of a leg: "hip", "knee" or "adduction"
@@ -161,7 +159,7 @@ class Room:
             (leg, part): getattr(limb, part) - self.base
             for leg, limb in self.limbs.items()
             for part in parts
-            if hasattr(limb, part)
+            if getattr(limb, part) is not None
         }
 
     def add(self, programme: Programme, phase: int, s: float) -> tuple[Any, Any, Any, Mapping[str, Any]]:

@@ -12,7 +12,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.gaits.footfalls.limbs import find_limb_angles, length
 from spear_pin.gaits.footfalls.request import FootfallRequest
-from spear_pin.gaits.spatial.legs import Leg
+from spear_pin.gaits.legs import Leg
 from spear_pin.model.chain import CHAIN
 from spear_pin.model.scale import Scale
 

@@ -15,11 +15,11 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.collocation import Guess, Programme, Solution, casadi, hermite_simpson, node_name, quadrature
-from spear_pin.gaits.footfalls.nodes import Free, Leg, Mechanics, Node, Room, Support
+from spear_pin.gaits.footfalls.nodes import Free, Mechanics, Node, Room, Support
 from spear_pin.gaits.footfalls.sequence import Bearing, opposite
 from spear_pin.gaits.footfalls.swing import Air, Swings
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.objectives import Costs, at_most
-from spear_pin.gaits.spatial.legs import Leg as LegInSpace
 from spear_pin.gaits.virtual_constraints import Evolution
 from spear_pin.hybrid.fields import with_fields
 from spear_pin.hybrid.symmetry import YAW, X, Y, mirror_of
@@ -160,12 +160,11 @@ class _Writer:
 
     def aim(self, leg: str, limb: Leg) -> Any:
         """Returns the angle at which a leg's adduction lands; with mirrored footfalls a right leg's is the left's."""
-        if not isinstance(limb, LegInSpace):
+        if limb.adduction is None:
             return 0.0
         own, aims = opposite(leg) if self.footfalls.mirrored and leg.endswith("right") else leg, self.result.aims
         if own not in aims:
-            i = self.limbs[own].adduction  # type: ignore[union-attr]
-            least, most = (bound[i] for bound in self.room.configurations)
+            least, most = (bound[self.limbs[own].rows[0]] for bound in self.room.configurations)
             aims[own] = self.programme.variable(f"{own} adduction lands at", 0.0, least, most)
         if leg not in aims:
             aims[leg] = -aims[own]
@@ -224,8 +223,8 @@ class _Writer:
             u[limb.hip - base] - hip,
             total + limb.side * (knee + law.stiffness * (limb.flexion(node.q) - law.knee_rest)),
         ]
-        if isinstance(limb, LegInSpace):
-            i, (stiffness, damping, _) = limb.adduction, law.upright
+        if (i := limb.adduction) is not None:
+            stiffness, damping, _ = law.upright
             held = stiffness * (node.q[i] - self.landed[limb.name].q[i]) + damping * node.v[i]
             missed.append(u[i - base] - upright[0] + held)
         self.programme.require(f"law in {label}", casadi().vertcat(*missed), 0.0, 0.0, scale=50.0 * self.scale.torque)

@@ -12,7 +12,6 @@ from spear_pin.arrays import Array
 from spear_pin.gaits.collocation import Programme, casadi
 from spear_pin.gaits.footfalls.nodes import Node, Room, Support
 from spear_pin.gaits.request import FLEXED
-from spear_pin.gaits.spatial.legs import Leg as LegInSpace
 from spear_pin.gaits.virtual_constraints import (
     Evolution,
     Outputs,
@@ -95,8 +94,8 @@ class Swings:
             for node in air.nodes:
                 past = 0.0 if bears or node is not last else 1.0
                 missed = accelerations(outputs, replace(begun, past=past), node.q, node.v, node.a, ca)
-                if isinstance(limb, LegInSpace):
-                    i, off = limb.adduction, node.q[limb.adduction] - adductions[name]
+                if (i := limb.adduction) is not None:
+                    off = node.q[i] - adductions[name]
                     missed = [*missed, node.a[i] + (off / self.epsilon + 2.0 * node.v[i]) / self.epsilon]
                 programme.require(f"law in {air.label}", ca.vertcat(*missed), 0.0, 0.0, scale=self.rate)
         return found

@@ -19,8 +19,9 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, overload
 from spear_pin.gaits.bounding_law import PAIR
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.spatial.latches import bears, find_landing_legs, lands, swings, trails, waits
-from spear_pin.gaits.spatial.legs import YAW, Group, Groups, Leg
+from spear_pin.gaits.spatial.legs import YAW, Group, Groups
 from spear_pin.gaits.spatial.torques import LegLaw, law_of, nominal_start
 from spear_pin.gaits.springing import Springing, springing_in_space
 from spear_pin.gaits.virtual_constraints import progress

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from spear_pin.gaits.bounding_guards import SHORTEST_SPAN
-from spear_pin.gaits.spatial.legs import YAW, Group, Leg
+from spear_pin.gaits.legs import Leg
+from spear_pin.gaits.spatial.legs import YAW, Group
 from spear_pin.gaits.spatial.torques import LegLaw
 from spear_pin.gaits.virtual_constraints import begin_evolution, value
 from spear_pin.hybrid.domain import Held
@@ -46,7 +47,7 @@ def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, p: LegLaw, anew: bool) -
         "flexed": 0.0,
         "hip_torque": leg.signs[1] * hip,
         "knee_torque": knee,
-        "adduction": q[leg.adduction],
+        "adduction": q[leg.rows[0]],
         "adduction_torque": leg.signs[0] * adduction,
     }
     of_group = {f"{own.name}_leg": mean_angle(own, q)} if anew else {}
@@ -78,7 +79,7 @@ def waits(leg: Leg, last: Group, others: Legs, q: Numbers, p: LegLaw) -> dict[st
     outputs = leg.outputs(others, weights)
     stays = tuple(5 * (value(row, q),) for row in outputs.rows)
     origin, span = value(outputs.phase, q), p.span_of_flight(last)
-    return _named(leg, weights, stays, origin, span, 1.0) | {f"{leg.name}_lands_at": q[leg.adduction]}
+    return _named(leg, weights, stays, origin, span, 1.0) | {f"{leg.name}_lands_at": q[leg.rows[0]]}
 
 
 def find_landing_legs(legs: Iterable[Leg], held: Held) -> list[Leg]:

@@ -8,7 +8,8 @@ from typing import ClassVar
 
 from spear_pin.gaits.bounding_law import LEGS, PAIR, BoundingLaw, Shape, Valid, check_numbers
 from spear_pin.gaits.inputs import ANGLE, Input
-from spear_pin.gaits.spatial.legs import FLIGHTS, Group, Leg
+from spear_pin.gaits.legs import Leg
+from spear_pin.gaits.spatial.legs import FLIGHTS, Group
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space

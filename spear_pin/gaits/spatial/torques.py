@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.spatial.law import SpatialLaw
-from spear_pin.gaits.spatial.legs import Group, Leg, Z
+from spear_pin.gaits.spatial.legs import Group, Z
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.gaits.virtual_constraints import demand_accelerations
 from spear_pin.hybrid.domain import Law
@@ -63,8 +64,9 @@ def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Sequence[Leg]]]
         for leg, others in airborne:
             outputs = leg.outputs(others, held[f"{leg.name}_weights"])
             demand = demand_accelerations(outputs, leg.evolution(held), q, v, p.epsilon, ops)
-            off, rate = q[leg.adduction] - held[f"{leg.name}_lands_at"], v[leg.adduction]
-            rows += [*demand[0], ((leg.adduction, 1.0),)]
+            i = leg.rows[0]
+            off, rate = q[i] - held[f"{leg.name}_lands_at"], v[i]
+            rows += [*demand[0], ((i, 1.0),)]
             wanted += [*demand[1], -(off / p.adduction_epsilon + 2.0 * rate) / p.adduction_epsilon]
         swing = dyn.imposing(rows, wanted, in_the_air, torques)
         return [torque for _, torque in sorted([*torques, *zip(in_the_air, swing, strict=True)])]

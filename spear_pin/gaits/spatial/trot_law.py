@@ -9,8 +9,9 @@ from typing import ClassVar
 
 from spear_pin.gaits.bounding_law import LEGS, Shape, Valid, check_numbers
 from spear_pin.gaits.inputs import ANGLE, Input
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.spatial.law import SpatialLaw
-from spear_pin.gaits.spatial.legs import Group, Leg
+from spear_pin.gaits.spatial.legs import Group
 from spear_pin.kinds import typed
 
 INPUTS_OF_A_LEG = {

@@ -8,8 +8,9 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_law import PAIR, Leg, legs_of
+from spear_pin.gaits.bounding_law import PAIR, legs_of
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.measures.curves import Mask
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.virtual_constraints import value
