@@ -147,8 +147,19 @@ def _all_taken(cycle: Signals) -> Any:
     return None if None in parts else sum(parts)
 
 
+def _heat(cycle: Signals, joint: str) -> Any:
+    heating = cycle.heating(joint)
+    return None if heating is None else cycle.squares[joint] * heating
+
+
+def _energy(cycle: Signals) -> Any:
+    heats = [heat for joint in cycle.torques if (heat := _heat(cycle, joint)) is not None]
+    return cycle.net_work + sum(heats) if heats else None
+
+
 def _heating(cycle: Signals, joint: str) -> Any:
-    return _rms(cycle, joint) / cycle.drives[joint].continuous_torque if joint in cycle.drives else None
+    most = cycle.continuous(joint)
+    return None if most is None else _rms(cycle, joint) / most
 
 
 def _normal(cycle: Signals, toe: str) -> Any:
@@ -259,8 +270,8 @@ CATALOGUE: list[Measure] = [
         lambda cycle, joint: cycle.released.get(joint),
         sampled=False,
     ),
-    Measure("heat_JOINT", "J", "Heat of the windings of all motors of a joint in a cycle."),
-    Measure("energy", "J", "Work and heat of all motors in a cycle."),
+    Measure("heat_JOINT", "J", "Heat of the windings of all motors of a joint in a cycle.", _heat, driven=True),
+    Measure("energy", "J", "Work and heat of all motors in a cycle.", _energy, driven=True),
     Measure(
         "electricity_JOINT",
         "J",
@@ -275,7 +286,13 @@ CATALOGUE: list[Measure] = [
         _all_taken,
         driven=True,
     ),
-    Measure("reserve_JOINT", "N·m", "Smallest torque that one motor still has in reserve, at the joint."),
+    Measure(
+        "reserve_JOINT",
+        "N·m",
+        "Smallest torque that one motor still has in reserve, at the joint.",
+        lambda cycle, joint: cycle.reserve(joint),
+        driven=True,
+    ),
     Measure(
         "heating_JOINT",
         "1",

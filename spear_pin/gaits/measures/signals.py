@@ -108,6 +108,18 @@ class Signals(ABC):
         """Returns what all motors of a joint take from their supply, and what they give back, in J; None if unknown."""
         return None
 
+    def reserve(self, joint: str) -> Any:
+        """Returns the least torque that a motor has in reserve, at the joint, in N·m; None if unknown."""
+        return None
+
+    def heating(self, joint: str) -> Any:
+        """Returns the heat of a joint's windings per squared torque of a motor, in W/(N·m)²; None if unknown."""
+        return None
+
+    def continuous(self, joint: str) -> Any:
+        """Returns the continuous torque of a motor behind its gears, in N·m; None if unknown."""
+        return self.drives[joint].continuous_torque if joint in self.drives else None
+
     # integrals and peaks
 
     @abstractmethod

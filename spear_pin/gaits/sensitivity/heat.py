@@ -1,78 +1,116 @@
-"""Heat in windings, and energy of a cycle with ideal motors behind gears without losses."""
+"""Motors and drives of joints, whose gears and sizes may vary: heat in windings, continuous torques."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import UnknownName
-from spear_pin.gaits.sensitivity.measure import DualMeasure, Group, total
+from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.column_names import motors_at
+from spear_pin.hybrid.dual import Dual
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.catalogue import size_motor
 from spear_pin.model.motor import Drive, Gearbox, Motor, gear_constant
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import SIZE, motor_size
 
-WORK, ENERGY, HEAT, HEATING = "work", "energy", "heat_", "heating_"
+
+class Behind(NamedTuple):
+    """A drive behind a joint.
+
+    Attributes:
+        drive: the drive of each motor.
+        motors: number of motors that share the joint's torque.
+        constant: N kt with the robot's ratio, in N·m/A.
+        change: relative derivative of `constant`, (c,).
+        resistance: resistance of a motor of the robot's size, in Ω.
+        wider: relative derivative of that size, minus that of the resistance, (c,).
+    """
+
+    drive: Drive
+    motors: int
+    constant: float
+    change: Array
+    resistance: float
+    wider: Array
 
 
-def heat(system: HybridSystem, motors: Mapping[str, Motor], names: Sequence[str], d: int) -> Group:
-    """Returns the measures `heat_JOINT`, R / (N kt)² ∫ u² dt of a joint's motors, and `energy`, work plus heat, in J.
+@dataclass(frozen=True)
+class Driven:
+    """Motors and drives of joints; gears have the robot's ratio, and motors that are given are those of size 1.
 
-    A joint without a motor here adds only its work. Gears have the robot's ratio and lose nothing; see `electricity`
-    for drives with losses in gears. The motors given are those of size 1.
+    Gears of a `Motor` lose nothing, those of a `Drive` have its efficiency.
 
-    Args:
+    Attributes:
         system: the system.
-        motors: motors by the names of their joints; a joint in a pair of legs has two.
+        motors: motors or drives by the names of their joints; a joint in a pair of legs has two.
         names: names of the parameters.
         d: number of coordinates ahead of the parameters.
-
-    Raises:
-        UnknownName: when a measure is found, if its joint has no motor torque.
-        BadValue: when a measure is found, if a motor's resistance or torque constant is not known.
     """
 
-    def found(of: Mapping[str, DualMeasure]) -> dict[str, DualMeasure]:
-        heats = {HEAT + joint: _heat(of, system, joint, motor, names, d) for joint, motor in motors.items()}
-        return {**heats, ENERGY: total([of[WORK], *heats.values()])}
+    system: HybridSystem
+    motors: Mapping[str, Motor | Drive]
+    names: Sequence[str]
+    d: int
 
-    return Group(f"{HEAT}.*|{ENERGY}", found)
+    def heat(self, joint: str) -> Dual | None:
+        """Returns the heat of a joint's windings per squared torque of a motor, in W/(N·m)²; None for a drive.
 
+        Raises:
+            UnknownName: the joint has no motor torque.
+            BadValue: the motor's resistance or torque constant is not known.
+        """
+        motor = self.motors.get(joint)
+        if not isinstance(motor, Motor):
+            return None
+        ratio, size = self.gears(joint)
+        heating: Dual = (find_heating(self.system, joint, motor) * ratio.x**2 * size.x) / (ratio * ratio * size)
+        return heating
 
-def _heat(
-    of: Mapping[str, DualMeasure], system: HybridSystem, joint: str, motor: Motor, names: Sequence[str], d: int
-) -> DualMeasure:
-    factor, ((ratio, size), (of_ratio, of_size)) = find_heating(system, joint, motor), drive_of(system, joint, names, d)
-    rms, period = of[f"rms_torque_{joint}"], of["period"]
-    value = factor * rms.value**2 * period.value
-    of_rms = 2.0 * factor * rms.value * period.value * rms.derivative
-    of_rest = factor * rms.value**2 * period.derivative - value * (2.0 * of_ratio / ratio + of_size / size)
-    return DualMeasure(value, of_rms + of_rest, "J")
+    def continuous(self, joint: str) -> Dual | None:
+        """Returns a motor's continuous torque behind its gears, in N·m; None where it is not known."""
+        each = self.motors.get(joint)
+        motor, share = (each.motor, each.gearbox.efficiency) if isinstance(each, Drive) else (each, 1.0)
+        if motor is None or motor.nominal_torque is None and motor.nominal_current is None:
+            return None
+        ratio, size = self.gears(joint)
+        torque: Dual = share * size_motor(motor, float(size.x)).continuous_torque / size.x * (ratio * size)
+        return torque
 
+    def behind(self, joint: str) -> Behind | None:
+        """Returns the drive behind a joint; None where there is none.
 
-def heatings(system: HybridSystem, motors: Mapping[str, Motor | Drive], names: Sequence[str], d: int) -> Group:
-    """Returns the measures `heating_JOINT`, a motor's rms torque over its continuous torque, both behind the gears.
+        Raises:
+            UnknownName: the joint has no motor torque.
+            BadValue: the motor's resistance or torque constant is not known.
+        """
+        drive = self.motors.get(joint)
+        if not isinstance(drive, Drive):
+            return None
+        motors, kt = motors_of_joint(self.system, joint), drive.motor.known("torque_constant")
+        ratio, size = self.gears(joint)
+        resistance = size_motor(drive.motor, float(size.x)).known("resistance")
+        return Behind(drive, motors, ratio.x * kt, ratio.d / ratio.x, resistance, size.d / size.x)
 
-    A motor of which the continuous torque is not known has none. The arguments are those of `heat`.
-    """
+    def gears(self, joint: str) -> tuple[Dual, Dual]:
+        """Returns a joint's gear ratio and size of motor, with derivatives by the parameters."""
 
-    def found(of: Mapping[str, DualMeasure]) -> dict[str, DualMeasure]:
-        heatings = {}
-        for joint, each in motors.items():
-            one, share = (each.motor, each.gearbox.efficiency) if isinstance(each, Drive) else (each, 1.0)
-            if one.nominal_torque is not None or one.nominal_current is not None:
-                (ratio, size), (of_ratio, of_size) = drive_of(system, joint, names, d)
-                rms, most = of[f"rms_torque_{joint}"], share * ratio * size_motor(one, float(size)).continuous_torque
-                change = rms.derivative - rms.value * (of_ratio / ratio + of_size / size)
-                heatings[HEATING + joint] = DualMeasure(rms.value / most, change / most, "1")
-        return heatings
+        def of(robot: Robot) -> Array:
+            return np.array([robot.gear_ratio(joint), motor_size(robot, joint)])
 
-    return Group(f"{HEATING}.*", found)
+        found, change = of(self.system.robot), np.zeros((2, self.d + len(self.names)))
+        for j, name in enumerate(self.names):
+            if name.endswith(("_ratio", SIZE)):  # of which they are multiples
+                value = number(self.system, name)
+                there = of(with_numbers(self.system, {name: 2.0 * value}).robot)
+                change[:, self.d + j] = (there - found) / value
+        return Dual(found[0], change[0]), Dual(found[1], change[1])
 
 
 def find_heating(system: HybridSystem, joint: str, motor: Motor) -> float:
@@ -98,15 +136,17 @@ def motors_of_joint(system: HybridSystem, joint: str) -> int:
     return motors_at(joint)
 
 
-def drive_of(system: HybridSystem, joint: str, names: Sequence[str], d: int) -> tuple[Array, Array]:
-    """Returns a joint's gear ratio and size of motor, (2,), and their derivatives by the parameters, (2, d + m)."""
+def check_gears(system: HybridSystem, motors: Mapping[str, Motor | Drive]) -> None:
+    """Refuses drives with gears other than the robot's.
 
-    def of(robot: Robot) -> Array:
-        return np.array([robot.gear_ratio(joint), motor_size(robot, joint)])
-
-    found, change = of(system.robot), np.zeros((2, d + len(names)))
-    for j, name in enumerate(names):
-        if name.endswith(("_ratio", SIZE)):  # of which they are multiples
-            value = number(system, name)
-            change[:, d + j] = (of(with_numbers(system, {name: 2.0 * value}).robot) - found) / value
-    return found, change
+    Raises:
+        BadValue: a ratio differs from the robot's.
+        UnknownName: a joint has no motor torque.
+    """
+    for joint, each in motors.items():
+        if isinstance(each, Drive) and not math.isclose(each.gearbox.ratio, system.robot.gear_ratio(joint)):
+            expected = (
+                f"{system.robot.gear_ratio(joint):g}, as the robot has; change it there: vary(robot, {joint}_ratio=...)"
+            )
+            raise BadValue(f"ratio of the drive of {joint}", each.gearbox.ratio, expected)
+        motors_of_joint(system, joint)

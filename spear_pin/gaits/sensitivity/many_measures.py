@@ -8,7 +8,7 @@ from contextlib import suppress
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.sensitivity.heat import heat, heatings
+from spear_pin.gaits.sensitivity.heat import Driven
 from spear_pin.gaits.sensitivity.measure import DualMeasure
 from spear_pin.gaits.sensitivity.measures import differentiate_measures
 from spear_pin.hybrid.automaton import HybridSystem
@@ -44,14 +44,14 @@ def measure_lanes(
     n, numbers, found = len(q), many(system, given), dict[str, Array]()
     orders: list[Order] = [()] * n
     weight, still = DualMeasure(system.robot.weight, np.zeros(1), "N"), np.zeros((2 * system.robot.nv, 1))
-    more = [heat(system, motors, (), 1), heatings(system, motors, (), 1)] if motors else []
+    driven = Driven(system, motors, (), 1)
     for i in range(n):
         recorder = Recorder(system, numbers, i)
         nothing = np.zeros((len(recorder.numbers), 1))
         with suppress(NotDifferentiable):
             cycle = differentiate_cycle(system, recorder, np.concatenate([q[i], v[i]]), still, nothing)
             orders[i] = cycle.record.order
-            for name, each in differentiate_measures(cycle, still, weight, more).items():
+            for name, each in differentiate_measures(cycle, still, weight, driven).items():
                 found.setdefault(name, np.full(n, np.nan))[i] = each.value if np.isfinite(each.value) else np.nan
         on_lanes(1)
     return found, orders

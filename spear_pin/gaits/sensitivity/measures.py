@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,9 @@ from spear_pin.gaits.sensitivity.along_arcs import (
     long,
     with_partner,
 )
-from spear_pin.gaits.sensitivity.measure import DualMeasure, Group, Measures
+from spear_pin.gaits.sensitivity.electricity import find_drawn, find_reserve
+from spear_pin.gaits.sensitivity.heat import Behind, Driven
+from spear_pin.gaits.sensitivity.measure import DualMeasure
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.domain import ACTS, RELEASES, Guard, Held, Switch
@@ -36,31 +38,51 @@ from spear_pin.hybrid.tangent.stretched import measure_stretch
 OF_ENDS = (".*_time|period", "stride|mean_speed|turn", ".*_at_.*")
 
 
+class Measures(Mapping[str, DualMeasure]):
+    """Measures of a cycle by name: reading one finds it, with the others of its entry of the catalogue.
+
+    Args:
+        signals: signals of the cycle.
+        entries: entries of the catalogue; see `spear_pin.gaits.measures.catalogue`.
+    """
+
+    def __init__(self, signals: Differentiated, entries: Sequence[Measure]) -> None:
+        self._signals, self._entries, self._found = signals, tuple(entries), dict[int, dict[str, DualMeasure]]()
+
+    def __getitem__(self, name: str) -> DualMeasure:
+        for i, entry in enumerate(self._entries):
+            if re.fullmatch(match_pattern(entry), name) and name in self._of(i):
+                return self._of(i)[name]
+        raise KeyError(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for i in range(len(self._entries)) for name in self._of(i))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def _of(self, i: int) -> dict[str, DualMeasure]:
+        if i not in self._found:
+            entry, system, still = self._entries[i], self._signals.cycle.system, np.zeros(self._signals.start.shape[1])
+            self._found[i] = {
+                name: DualMeasure(float(value_of(x)), derivative_of(x) + still, unit_in(system, entry, name))
+                for name, x in entry.values(self._signals).items()
+            }
+        return self._found[i]
+
+
 def differentiate_measures(
-    cycle: Derivative, start: Array, weight: DualMeasure, more: Sequence[Group] = ()
+    cycle: Derivative, start: Array, weight: DualMeasure, driven: Driven | None = None
 ) -> Measures:
     """Returns all named measures of a cycle, each found when it is asked for.
-
-    `spear_pin.gaits.measures.catalogue` lists their names, units and meanings.
 
     Args:
         cycle: the cycle.
         start: derivatives of the state in which it begins, (2 nv, c).
         weight: weight of the robot.
-        more: other groups of measures.
+        driven: motors and drives of joints, for their heat, electricity and reserve.
     """
-    signals = Differentiated(cycle, start, weight)
-    wanted = [each for each in CATALOGUE if each.wanted]
-    return Measures([*(Group(match_pattern(each), partial(_found, each, signals)) for each in wanted), *more])
-
-
-def _found(entry: Measure, signals: Differentiated, of: Any) -> dict[str, DualMeasure]:
-    still = np.zeros(signals.start.shape[1])
-    found, system = entry.values(signals).items(), signals.cycle.system
-    return {
-        name: DualMeasure(float(value_of(x)), np.asarray(derivative_of(x)) + still, unit_in(system, entry, name))
-        for name, x in found
-    }
+    return Measures(Differentiated(cycle, start, weight, driven), CATALOGUE)
 
 
 @dataclass(frozen=True)
@@ -93,10 +115,12 @@ class Differentiated(Signals):
         cycle: the cycle.
         start: derivatives of the state in which it begins, (2 nv, c).
         weight: weight of the robot.
+        driven: motors and drives of joints.
     """
 
-    def __init__(self, cycle: Derivative, start: Array, weight: DualMeasure) -> None:
+    def __init__(self, cycle: Derivative, start: Array, weight: DualMeasure, driven: Driven | None = None) -> None:
         self.cycle, self.start, self._weight = cycle, start, weight
+        self._driven = driven or Driven(cycle.system, {}, (), 0)
         self.robot, self.section, self.stretches = cycle.system.robot, cycle.system.section, cycle.stretches
 
     @property
@@ -235,6 +259,32 @@ class Differentiated(Signals):
             if aloft:
                 found[toe] = Signal(aloft, len(with_partner(self.cycle.system, toe)))
         return found
+
+    @cached_property
+    def _taken(self) -> dict[str, Any]:
+        return {joint: Dual(*find_drawn(*each)) for joint in self.robot.actuated if (each := self._powered(joint))}
+
+    def electricity(self, joint: str) -> Any:
+        """Returns what all motors of a joint take from their supply, in J, and that they give nothing back."""
+        return (self._taken[joint], 0.0) if joint in self._taken else None
+
+    def reserve(self, joint: str) -> Any:
+        """Returns the least torque that a motor has in reserve, at the joint, in N·m."""
+        powered = self._powered(joint)
+        return powered and Dual(*find_reserve(*powered))
+
+    def _powered(self, joint: str) -> tuple[list[Pieces], list[Pieces], Behind] | None:
+        """Returns the torque of a joint's motors, its speed, and the drive behind it, if there is one."""
+        behind = self._driven.behind(joint)
+        return behind and (*find_powered(self.stretches, self.robot, joint), behind)
+
+    def heating(self, joint: str) -> Any:
+        """Returns the heat of a joint's windings per squared torque of a motor, in W/(N·m)²."""
+        return self._driven.heat(joint)
+
+    def continuous(self, joint: str) -> Any:
+        """Returns the continuous torque of a motor behind its gears, in N·m."""
+        return self._driven.continuous(joint)
 
     def integral(self, signal: Signal) -> Any:
         """Returns ∫ of a signal over the cycle."""

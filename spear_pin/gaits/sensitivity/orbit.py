@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.sensitivity.electricity import check_gears, electricity
-from spear_pin.gaits.sensitivity.heat import heat, heatings
+from spear_pin.gaits.sensitivity.heat import Driven, check_gears
 from spear_pin.gaits.sensitivity.margins import margins
-from spear_pin.gaits.sensitivity.measure import DualMeasure, Measures
-from spear_pin.gaits.sensitivity.measures import differentiate_measures
+from spear_pin.gaits.sensitivity.measure import DualMeasure
+from spear_pin.gaits.sensitivity.measures import Measures, differentiate_measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import check_equations
 from spear_pin.hybrid.charts import Chart
@@ -105,14 +104,8 @@ class Orbit:
             UnknownName: when a measure is read, if its joint has no motor torque.
             BadValue: when a measure is read, if a motor's resistance or torque constant is not known.
         """
-        drives = {joint: each for joint, each in self.motors.items() if isinstance(each, Drive)}
-        motors = {joint: each for joint, each in self.motors.items() if isinstance(each, Motor)}
-        more = electricity(self.cycle, drives, self.names, self.dimension) if drives else ()
-        if motors:
-            more = (*more, heat(self.system, motors, self.names, self.dimension))
-        if self.motors:
-            more = (*more, heatings(self.system, self.motors, self.names, self.dimension))
-        return differentiate_measures(self.cycle, self.start, self.weight, more)
+        driven = Driven(self.system, self.motors, self.names, self.dimension)
+        return differentiate_measures(self.cycle, self.start, self.weight, driven)
 
     @property
     def weight(self) -> DualMeasure:

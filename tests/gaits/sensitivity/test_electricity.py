@@ -1,15 +1,17 @@
 """Electricity of drives against simulations sampled ever finer, and derivatives against gaits that are found again."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from spear_pin import Gait, find_gait, hopping, simulate
 from spear_pin.errors import BadValue, UnknownName
+from spear_pin.gaits.measures.catalogue import Measure
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.search import gait_beside
-from spear_pin.gaits.sensitivity.measure import DualMeasure, Group, Measures, total
+from spear_pin.gaits.sensitivity.measures import Measures
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.tangent.seeds import seeds
@@ -175,37 +177,28 @@ def test_what_is_built_into_events_is_refused(hop):
 
 class TestMeasures:
     def measures(self, asked):
-        def group(names, *values):
-            def found(of):
-                asked.append(names)
-                return {name: DualMeasure(value, np.array([value]), "J") for name, value in values}
+        def entry(name, value):
+            def found(cycle):
+                asked.append(name)
+                if value is None:
+                    raise BadValue("it", 1.0, "another")
+                return value
 
-            return Group(names, found)
+            return Measure(name, "J", "A measure.", found)
 
-        def twice(of):
-            asked.append("twice")
-            return {"twice": total([of["a_knee"]] * 2)}
-
-        return Measures([group("a_.*", ("a_knee", 1.0), ("a_hip", 2.0)), group("b", ("b", 3.0)), Group("twice", twice)])
+        signals = SimpleNamespace(
+            start=np.zeros((2, 1)), cycle=SimpleNamespace(system=SimpleNamespace(robot=None)), section=""
+        )
+        return Measures(signals, [entry("a", 1.0), entry("b", 2.0), entry("c", None)])
 
     def test_are_found_when_they_are_asked_for(self):
         asked = []
         found = self.measures(asked)
-        assert found["a_hip"].value == 2.0 and asked == ["a_.*"]
-        assert found["a_knee"].value == 1.0 and "a_toe" not in found and asked == ["a_.*"]
-        assert found["twice"].value == 2.0 and list(found) == ["a_knee", "a_hip", "b", "twice"] and len(found) == 4
-        assert asked == ["a_.*", "twice", "b"]
-
-    def test_make_use_of_others(self):
-        asked = []
-        assert self.measures(asked)["twice"].value == 2.0
-        assert asked == ["twice", "a_.*"]
+        assert found["b"].value == 2.0 and asked == ["b"]
+        assert "d" not in found and found["b"].unit == "J" and asked == ["b"]
 
     def test_one_that_is_not_found_is_not_found_again(self):
-        def fails(of):
-            raise BadValue("it", 1.0, "another")
-
-        found = Measures([Group("c", fails)])
+        found = self.measures([])
         for _ in range(2):
             with pytest.raises(BadValue, match="it is 1"):
                 found["c"]
