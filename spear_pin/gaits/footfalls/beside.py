@@ -9,17 +9,19 @@ import numpy as np
 
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.bounding_law import LEGS, PAIR, BoundingLaw
-from spear_pin.gaits.footfalls.course import CollocatedGait, Swing
+from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.request import StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import FLIGHTS
 from spear_pin.gaits.spatial.pronking import pronking
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.gaits.spatial.trotting import ALIKE, halfway, pacing, trotting
+from spear_pin.gaits.virtual_constraints import Evolution
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import chart, return_map
@@ -102,36 +104,19 @@ def law_of_trot(gait: CollocatedGait) -> TrotLaw:
     stance, flight = gait.stretches
     numbers: dict[str, Any] = {}
     for name, leg in legs_of(gait.robot).items():
-        end = leg.end
+        last = flight.evolutions[name]
         if name in stance.bearing:
-            hip, knee, upright = gait.constants[name]
-            trailing = flight.evolutions[name]
-            numbers |= {
-                f"{end}_hip_torque": leg.signs[1] * hip,
-                f"{end}_knee_torque": knee,
-                f"{end}_squeeze": -leg.lateral * leg.signs[0] * upright,
-                f"{end}_trailing": _shape(trailing),
-            }
+            numbers |= {**_on_ground(gait, leg), f"{leg.end}_trailing": tuple(row[2:] for row in last.alpha)}
             continue
-        landing = flight.evolutions[name]
         numbers |= {
-            f"{end}_swing": _shape(stance.evolutions[name]),
-            f"{end}_landing": tuple(landing.alpha[:, 2].tolist()),
-            f"{end}_leg_touchdown": float(landing.alpha[0, -1]),
-            f"{end}_spread": leg.lateral * leg.signs[0] * landing.adduction,
+            **_landing(gait, leg, last),
+            f"{leg.end}_swing": tuple(row[2:] for row in stance.evolutions[name].alpha),
+            f"{leg.end}_landing": tuple(row[2] for row in last.alpha),
             "stance_span": stance.evolutions[name].span,
-            "flight_span": landing.span,
+            "flight_span": last.span,
         }
-    return TrotLaw(
-        leg_stiffness=law.stiffness,
-        knee_rest=law.knee_rest,
-        knee_touchdown=law.knee_rest,
-        adduction_stiffness=law.adduction_stiffness,
-        adduction_damping=law.adduction_damping,
-        adduction_epsilon=swing.adduction_epsilon,
-        epsilon=swing.epsilon,
-        **numbers,
-    )
+    plane, across = _shared(law, swing)
+    return TrotLaw(leg_stiffness=law.stiffness, **plane, **across, **numbers)
 
 
 def law_of_pronk(gait: CollocatedGait) -> SpatialLaw:
@@ -142,42 +127,44 @@ def law_of_pronk(gait: CollocatedGait) -> SpatialLaw:
     """
     law, swing = _laws_of(gait, ("pronk",), "pronk")
     _, flight = gait.stretches
-    plane: dict[str, Any] = {
+    plane, across = _shared(law, swing)
+    plane |= {
+        "virtual_stiffness": PAIR * law.stiffness,
         **{f"{each}_trailing": NOTHING for each in FLIGHTS},
         **{f"{end}_stance_swing": NOTHING for end in LEGS},
         **{f"{end}_stance_span": NO_SPAN for end in LEGS},
     }
-    across: dict[str, Any] = {}
     landings = dict(zip(LEGS, FLIGHTS[::-1], strict=True))  # a bound's, before the touchdown of each pair
     for name, leg in legs_of(gait.robot).items():
         if leg.lateral < 0:
             continue
-        hip, knee, upright = gait.constants[name]
-        landing = flight.evolutions[name]
-        plane |= {
-            f"{leg.end}_hip_torque": PAIR * leg.signs[1] * hip,
-            f"{leg.end}_knee_torque": PAIR * knee,
-            f"{leg.end}_leg_touchdown": float(landing.alpha[0, -1]),
-            f"{landings[leg.end]}_landing": tuple(landing.alpha[:, 2].tolist()),
-            **{f"{each}_span": landing.span for each in FLIGHTS},
-        }
-        across |= {
-            f"{leg.end}_spread": leg.signs[0] * landing.adduction,
-            f"{leg.end}_squeeze": -leg.signs[0] * upright,
-        }
-    return SpatialLaw(
-        BoundingLaw(
-            **plane,
-            virtual_stiffness=PAIR * law.stiffness,
-            knee_rest=law.knee_rest,
-            knee_touchdown=law.knee_rest,
-            epsilon=swing.epsilon,
-        ),
-        **across,
-        adduction_stiffness=law.adduction_stiffness,
-        adduction_damping=law.adduction_damping,
-        adduction_epsilon=swing.adduction_epsilon,
-    )
+        last = flight.evolutions[name]
+        for field, value in {**_on_ground(gait, leg), **_landing(gait, leg, last)}.items():
+            of = across if field.endswith(("spread", "squeeze")) else plane
+            of[field] = PAIR * value if field.endswith("torque") else value
+        plane[f"{landings[leg.end]}_landing"] = tuple(row[2] for row in last.alpha)
+        plane |= {f"{each}_span": last.span for each in FLIGHTS}
+    return SpatialLaw(BoundingLaw(**plane), **across)
+
+
+def _on_ground(gait: CollocatedGait, leg: Leg) -> dict[str, float]:
+    """Returns the numbers of a law for a leg on the ground."""
+    hip, knee, upright = gait.constants[leg.name]
+    squeeze = -leg.lateral * leg.signs[0] * upright
+    return {f"{leg.end}_hip_torque": leg.signs[1] * hip, f"{leg.end}_knee_torque": knee, f"{leg.end}_squeeze": squeeze}
+
+
+def _landing(gait: CollocatedGait, leg: Leg, last: Evolution) -> dict[str, float]:
+    """Returns the angles of a law at which a leg lands."""
+    spread = leg.lateral * leg.signs[0] * gait.aims[leg.name]
+    return {f"{leg.end}_leg_touchdown": last.alpha[0][-1], f"{leg.end}_spread": spread}
+
+
+def _shared(law: StanceLaw, swing: SwingLaw) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Returns the numbers that all legs share: those of a plane's law, and those of the adductions."""
+    plane = {"knee_rest": law.knee_rest, "knee_touchdown": law.knee_rest, "epsilon": swing.epsilon}
+    across = {name: getattr(law, name) for name in ("adduction_stiffness", "adduction_damping")}
+    return plane, {**across, "adduction_epsilon": swing.adduction_epsilon}
 
 
 def _laws_of(gait: CollocatedGait, among: Sequence[str], called: str) -> tuple[StanceLaw, SwingLaw]:
@@ -193,11 +180,6 @@ def _laws_of(gait: CollocatedGait, among: Sequence[str], called: str) -> tuple[S
     if law is None or swing is None or not known:
         raise BadValue("gait", own.phases, f"a {called} whose request has law=StanceLaw(...) and swing=SwingLaw(...)")
     return law, swing
-
-
-def _shape(swing: Swing) -> tuple[tuple[float, ...], ...]:
-    """Returns a leg's Bézier coefficients from the third on."""
-    return tuple(tuple(row) for row in swing.alpha[:, 2:].tolist())
 
 
 def _orbit_beside(

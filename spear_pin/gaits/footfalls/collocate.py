@@ -11,7 +11,7 @@ import numpy as np
 
 from spear_pin.errors import BadValue
 from spear_pin.gaits.collocation import Progress, Solution, casadi, quadrature, resample
-from spear_pin.gaits.footfalls.course import CollocatedGait, Stretch, Swing
+from spear_pin.gaits.footfalls.course import CollocatedGait, Stretch
 from spear_pin.gaits.footfalls.in_space import in_space
 from spear_pin.gaits.footfalls.obstacles import obstacle
 from spear_pin.gaits.footfalls.programme import Transcription, impulse_name, transcribe
@@ -90,6 +90,7 @@ def _read(
     seconds: tuple[float, float],
 ) -> CollocatedGait:
     room, programme, stretches, begun = transcription.room, transcription.programme, list[Stretch](), 0.0
+    swings = transcription.evolutions_at(solution) or [{} for _ in room.names]
     for i, (nodes, torques) in enumerate(zip(transcription.phases, transcription.torques, strict=True)):
         bearing, ca = request.footfalls.phases[i], casadi()
         columns = [
@@ -114,7 +115,7 @@ def _read(
                 needed=needed,
                 forces=dict(zip(bearing, forces, strict=False)),
                 impulses={leg: impulse for leg, impulse in struck.items() if impulse is not None},
-                evolutions=_swings(transcription, i, solution),
+                evolutions=swings[i],
             )
         )
         begun += lasting
@@ -122,15 +123,7 @@ def _read(
         leg: tuple(transcription.number(part, solution) for part in parts)
         for leg, parts in transcription.constants.items()
     }
-    effort = sum(quadrature(each.duration, [float(u @ u) for u in each.u]) for each in stretches)
+    aims = {leg: transcription.number(aim, solution) for leg, aim in transcription.aims.items()}
     distance = request.speed * sum(each.duration for each in stretches)
-    return CollocatedGait(robot, request, tuple(stretches), constants, effort / distance, solution, taken, seconds)
-
-
-def _swings(transcription: Transcription, phase: int, solution: Solution) -> dict[str, Swing]:
-    found: dict[str, Swing] = {}
-    for leg, evolution in (transcription.evolutions[phase] if transcription.evolutions else {}).items():
-        parts = [*evolution.alpha[0], *evolution.alpha[1], evolution.origin, evolution.span, transcription.aims[leg]]
-        *alpha, origin, span, adduction = transcription.programme.read(casadi().vertcat(*parts), solution).tolist()
-        found[leg] = Swing(np.array(alpha).reshape(2, -1), origin, span, adduction)
-    return found
+    effort = sum(quadrature(each.duration, [float(u @ u) for u in each.u]) for each in stretches) / distance
+    return CollocatedGait(robot, request, tuple(stretches), constants, aims, effort, solution, taken, seconds)

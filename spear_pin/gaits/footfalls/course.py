@@ -8,25 +8,8 @@ from dataclasses import dataclass
 from spear_pin.arrays import Array
 from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.footfalls.request import FootfallRequest
+from spear_pin.gaits.virtual_constraints import Evolution
 from spear_pin.model.robot import Robot
-
-
-@dataclass(frozen=True)
-class Swing:
-    """The law for one leg in the air in a phase.
-
-    Attributes:
-        alpha: Bézier coefficients of leg angle and knee, of the convention, (2, 6), in rad.
-        origin: origin of the phase variable: the mean leg angle of the legs on the ground, in rad, or the torso's x, in
-            m.
-        span: change of that quantity from s = 0 to s = 1.
-        adduction: target angle of the adduction, in rad.
-    """
-
-    alpha: Array
-    origin: float
-    span: float
-    adduction: float
 
 
 @dataclass(frozen=True)
@@ -43,7 +26,7 @@ class Stretch:
         u: torques of the motors, in the order of the coordinates, (nodes, nv - 6), in N·m.
         needed: torques of the joints including those of the knee springs, (nodes, nv - 6), in N·m.
         forces: forces of the ground on the foot of each leg on the ground, x, y and z of the world, (nodes, 3), in N.
-        evolutions: swing law of each leg in the air, if the request has one.
+        evolutions: desired evolution of leg angle and knee of each leg in the air, if the request has a law for it.
         impulses: impulses on the feet of the legs on the ground, of the impact at the phase's beginning, (3,), in N·s;
             those of the first phase act where the stride closes, mirrored and turned as the gait then is.
     """
@@ -57,7 +40,7 @@ class Stretch:
     needed: Array
     forces: Mapping[str, Array]
     impulses: Mapping[str, Array]
-    evolutions: Mapping[str, Swing]
+    evolutions: Mapping[str, Evolution]
 
     @property
     def duration(self) -> float:
@@ -74,6 +57,7 @@ class CollocatedGait:
         request: request that the gait meets.
         stretches: phases of the gait; with mirrored footfalls those of half a stride.
         constants: constants of the stance law for each leg, if the request has one: hip, knee and adduction, in N·m.
+        aims: angle at which the adduction of each leg lands, if the request has a law in the air, in rad.
         effort_per_distance: integral of the squared torques of all motors over the distance, in N²·m·s.
         solution: solution of the optimiser, to start another search from.
         iterations: number of iterations of all the solves.
@@ -84,6 +68,7 @@ class CollocatedGait:
     request: FootfallRequest
     stretches: tuple[Stretch, ...]
     constants: Mapping[str, tuple[float, float, float]]
+    aims: Mapping[str, float]
     effort_per_distance: float
     solution: Solution
     iterations: int

@@ -168,10 +168,10 @@ def read(transcription: Transcription, solution: Solution) -> tuple[BoundingLaw,
 
     for name, (hip, knee) in transcription.constants.items():
         values |= {f"{name}_hip_torque": number(hip), f"{name}_knee_torque": number(knee)}
-    for phase, evolutions in zip(PHASES, transcription.evolutions, strict=True):
+    for phase, evolutions in zip(PHASES, transcription.evolutions_at(solution), strict=True):
         for leg, evolution in evolutions.items():
-            shape = tuple(tuple(map(number, row[2:])) for row in evolution.alpha)
-            values[f"{phase}_span"] = number(evolution.span)
+            shape = tuple(row[2:] for row in evolution.alpha)
+            values[f"{phase}_span"] = evolution.span
             if phase == LANDINGS[leg]:
                 values[f"{phase}_landing"] = tuple(row[0] for row in shape)
                 values[f"{leg}_leg_touchdown"] = shape[0][-1]

@@ -63,6 +63,16 @@ class Transcription:
         """Returns the value of a scalar at a solution."""
         return float(self.programme.read(expression, solution)[0])
 
+    def evolutions_at(self, solution: Solution) -> list[dict[str, Evolution]]:
+        """Returns the numbers of the swing law at a solution, in each phase for each leg in the air."""
+
+        def solved(each: Evolution) -> Evolution:
+            found = [self.programme.read(casadi().vertcat(*row), solution) for row in each.alpha]
+            alpha = tuple(tuple(row.tolist()) for row in found)
+            return Evolution(alpha, self.number(each.origin, solution), self.number(each.span, solution))
+
+        return [{leg: solved(each) for leg, each in swings.items()} for swings in self.evolutions]
+
 
 def transcribe(room: Room, start: Guess | None = None) -> Transcription:
     """Builds the nonlinear programme for a request.
