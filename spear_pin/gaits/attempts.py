@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,18 +11,18 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait, list_names
 from spear_pin.gaits.diagnosis import Reached
+from spear_pin.gaits.family import Family
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.leading import lead_along
 from spear_pin.gaits.tangent_cycles import TangentCycles, tangent_cycles
-from spear_pin.gaits.targets import measure_of
 from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.charts import Chart
 from spear_pin.hybrid.clutch import waiting
 from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.newton import CONVERGED, NO_NEIGHBOUR, NO_PROGRESS, NO_START, TOO_LONG, Lanes
-from spear_pin.hybrid.parameters import parameter, with_parameters
-from spear_pin.hybrid.periodic import chart, displacement, multipliers, one_by_one, return_map
+from spear_pin.hybrid.parameters import parameter
+from spear_pin.hybrid.periodic import chart, displacement, multipliers, return_map
 from spear_pin.hybrid.result import EVALUATIONS, Moment, Options, Run, State
 from spear_pin.hybrid.run import run
 from spear_pin.hybrid.shooting import Shooting
@@ -53,10 +53,10 @@ def search_gait(
     on_iteration: Callable[[int, float], object] = lambda n, norm: None,
 ) -> Search:
     """Searches for a gait; see `find_gait` for the arguments. Uses derivatives where an engine compiles the cycles."""
-    measures = tuple(measure_of(system, name) for name in target)
     own = tuple(callable(name) or name in system.measures for name in target)
-    exact = tangent_cycles(system, vary, tuple(target))
-    return Search(tuple(vary), measures, np.array([*target.values()], dtype=float), rtol, on_iteration, exact, own)
+    exact, effort = tangent_cycles(system, vary, tuple(target)), Effort()
+    family = Family(system, tuple(vary), tuple(target), rtol, effort.look_after)
+    return Search(family, np.array([*target.values()], dtype=float), on_iteration, exact, own, effort)
 
 
 @dataclass
@@ -73,42 +73,47 @@ class Effort:
     strained: int = 0
     reached: Reached | None = None
 
+    def look_after(self, result: Run) -> None:
+        """Counts evaluations, and gives the search up when too many cycles took more than any gait's."""
+        self.evaluations += result.evaluations
+        if result.reason == "evaluation_cap":
+            self.strained += 1
+            if self.strained == STRAINED:
+                raise Hopeless
+
 
 @dataclass(frozen=True)
 class Search:
     """Search for the gait.
 
     Attributes:
-        vary: names of the varied parameters.
-        measures: measures that have targets, of a system and the run of its cycle.
+        family: the systems with any values of the varied parameters, and the measures that have targets.
         wanted: the targets, (k,).
-        rtol: relative tolerance of the integrator.
         on_iteration: called with the iteration and the residual.
         exact: cycles with derivatives, if there are any.
         own: which of the measures the system defines itself, so that a name might mean something else there.
         effort: how much work was done.
     """
 
-    vary: tuple[str, ...]
-    measures: tuple[Callable[[HybridSystem, Run], float], ...]
+    family: Family
     wanted: Array
-    rtol: float
     on_iteration: Callable[[int, float], object]
     exact: TangentCycles | None
     own: tuple[bool, ...]
-    effort: Effort = field(default_factory=Effort)
+    effort: Effort
 
     def directly(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """Finds the system and state that meet the targets by Newton's method."""
         start = self.roughly(system, state, self.wanted)
-        return self.newton(*start, self.wanted, self.rtol, min(TOLERANCE, self.rtol))
+        return self.newton(*start, self.wanted, self.family.rtol, min(TOLERANCE, self.family.rtol))
 
     def by_continuation(self, system: HybridSystem, state: State) -> tuple[HybridSystem, State]:
         """Finds the system and state from the fixed point of the system as it is; moves the targets step by step."""
-        unasked = replace(search_gait(system, (), {}, self.rtol, self.on_iteration), effort=self.effort)
+        alone, exact = replace(self.family, system=system, names=(), measures=()), tangent_cycles(system, (), ())
+        unasked = replace(self, family=alone, wanted=self.wanted[:0], exact=exact, own=())
         system, state = unasked.roughly(system, state, self.wanted[:0])
-        cycle = return_map(system, state, self.rtol)
-        begin = np.array([measure(system, cycle) for measure in self.measures], dtype=float)
+        cycle = return_map(system, state, self.family.rtol)
+        begin = np.array([measure(system, cycle) for measure in self.family.of_runs], dtype=float)
 
         def solve(share: float, near: tuple[HybridSystem, State]) -> tuple[HybridSystem, State]:
             found = self.roughly(*near, begin + share * (self.wanted - begin))
@@ -123,14 +128,14 @@ class Search:
 
     def roughly(self, system: HybridSystem, state: State, wanted: Array) -> tuple[HybridSystem, State]:
         """Finds the system and state that meet the targets to a few digits, at less than half the cost."""
-        return self.newton(system, state, wanted, max(ROUGH_RTOL, self.rtol), ROUGH_TOLERANCE)
+        return self.newton(system, state, wanted, max(ROUGH_RTOL, self.family.rtol), ROUGH_TOLERANCE)
 
     def newton(
         self, system: HybridSystem, state: State, wanted: Array, rtol: float, tolerance: float
     ) -> tuple[HybridSystem, State]:
         """Runs Newton's method from a state on the section and the system's own parameters."""
         local, before = chart(system, state), self._cycles
-        shooting = self._shooting(local, system, wanted, rtol)
+        shooting = self._shooting(local, wanted, rtol)
         roots = shooting.solve(self._values(system)[None], tolerance, on_iterates=self._tell)
         self.effort.evaluations += A_CYCLE * (self._cycles - before)
         if roots.end[0] != CONVERGED:
@@ -139,64 +144,43 @@ class Search:
                 why += f": {broken.message}"
             raise NoGait(why, float(roots.norm[0]))
         q, v = shooting.states(np.zeros(1, dtype=np.int64), roots.x)
-        return with_parameters(system, self.named(roots.x[0, local.dimension :])), (q[0], v[0])
+        return self.family.member(roots.x[0, local.dimension :].tolist()), (q[0], v[0])
 
-    def _shooting(self, local: Chart, system: HybridSystem, wanted: Array, rtol: float) -> Shooting:
+    def _shooting(self, local: Chart, wanted: Array, rtol: float) -> Shooting:
         """Returns the equations about a state, with derivatives where there are some."""
-
-        def cycle(begun: State, values: Array) -> Run:
-            result = return_map(with_parameters(system, self.named(values)), begun, rtol)
-            self._look_after(result)
-            return result
-
-        def measured(measure: Callable[[HybridSystem, Run], float]) -> Callable[[Run, Array], float]:
-            return lambda result, values: measure(with_parameters(system, self.named(values)), result)
-
-        cycles = one_by_one(system, cycle, [measured(measure) for measure in self.measures])
+        cycles, vary = replace(self.family, rtol=rtol).by_reference, self.family.names
         if self.exact is None:
-            return Shooting(local.lane, cycles, self.vary, wanted[None])
-        return Shooting(local.lane, self.exact.otherwise(cycles), self.vary, wanted[None], self.exact.slopes)
+            return Shooting(local.lane, cycles, vary, wanted[None])
+        return Shooting(local.lane, self.exact.otherwise(cycles), vary, wanted[None], self.exact.slopes)
 
     @property
     def _cycles(self) -> int:
         """Number of cycles that had derivatives."""
         return 0 if self.exact is None else self.exact.count
 
-    def named(self, values: Array) -> dict[str, float]:
-        """Returns the values of the varied parameters, by name."""
-        return dict(zip(self.vary, values.tolist(), strict=True))
-
     def _tell(self, lanes: Lanes, iteration: Lanes, norm: Array) -> None:
         for n, residual in zip(iteration.tolist(), norm.tolist(), strict=True):
             self.on_iteration(n, residual)
 
-    def _look_after(self, result: Run) -> None:
-        """Counts evaluations, and gives the search up when too many cycles took more than any gait's."""
-        self.effort.evaluations += result.evaluations
-        if result.reason == "evaluation_cap":
-            self.effort.strained += 1
-            if self.effort.strained == STRAINED:
-                raise Hopeless
-
     def gait(self, system: HybridSystem, state: State) -> Gait:
         """Returns the gait at a solution, checked on the whole state and on the cycle after it."""
-        result = return_map(system, state, self.rtol)
+        result = return_map(system, state, self.family.rtol)
         error = float(np.abs(displacement(system, state, result.state)).max())
-        allowed = max(RESIDUAL, 10.0 * self.rtol)
+        allowed = max(RESIDUAL, 10.0 * self.family.rtol)
         if not error <= allowed:
-            reason = f"the cycle that was found does not close to {allowed:.1g} at rtol {self.rtol:g}"
+            reason = f"the cycle that was found does not close to {allowed:.1g} at rtol {self.family.rtol:g}"
             raise NoGait(reason, error, remedy="a smaller rtol")
-        pairs = zip(self.measures, self.wanted, self.own, strict=True)
+        pairs = zip(self.family.of_runs, self.wanted, self.own, strict=True)
         meant = [(measure(system, result), wanted) for measure, wanted, own in pairs if own]
         if self.exact is not None and not all(np.isclose(*each, rtol=MEANT, atol=MEANT) for each in meant):
             differenced = replace(self, exact=None)  # the system means something else by a name
             return differenced.gait(*differenced.directly(system, state))
-        values = multipliers(system, state, self.rtol)
-        _check_memory(system, result, allowed * max(1.0, float(np.abs(values).max())), self.rtol)
+        values = multipliers(system, state, self.family.rtol)
+        _check_memory(system, result, allowed * max(1.0, float(np.abs(values).max())), self.family.rtol)
         return Gait(
             system=system,
             state=state,
-            parameters={name: parameter(system, name) for name in self.vary},
+            parameters={name: parameter(system, name) for name in self.family.names},
             residual=error,
             multipliers=values,
             durations=result.durations,
@@ -229,7 +213,7 @@ class Search:
 
     def _values(self, system: HybridSystem) -> Array:
         """Returns the values of the varied parameters in a system, (k,)."""
-        return np.array([parameter(system, name) for name in self.vary])
+        return np.array([parameter(system, name) for name in self.family.names])
 
 
 def _check_memory(system: HybridSystem, cycle: Run, allowed: float, rtol: float) -> None:

@@ -16,7 +16,6 @@ from spear_pin.hybrid.arc import Record
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import LOCK, has_lanes, may_vary
 from spear_pin.hybrid.newton import Lanes
-from spear_pin.hybrid.orders import Order
 from spear_pin.hybrid.parameters import left_out_at_zero, parameter, with_parameters
 from spear_pin.hybrid.result import Moment, Run
 from spear_pin.hybrid.shooting import Cycle, Cycles
@@ -29,10 +28,42 @@ from spear_pin.hybrid.tangent.resets import REFUSALS
 SAME = 1e-14  # relative: states that differ only by rounding, as from charts, have one cycle
 
 
-class _Differentiated(NamedTuple):
+class Differentiated(NamedTuple):
+    """A cycle and what is measured of it, with derivatives."""
+
     cycle: Derivative
     measured: list[DualMeasure]
-    order: Order
+
+    @property
+    def values(self) -> Cycles:
+        """The cycle of one lane, without derivatives."""
+        y, measured, nv = self.cycle.y[None], np.array([[each.value for each in self.measured]]), len(self.cycle.y) // 2
+        durations = {phase: np.array([seconds.x]) for phase, seconds in self.cycle.durations.items()}
+        order, no_words, fast = self.cycle.record.order, np.array([""], dtype=object), np.zeros(1, dtype=bool)
+        return Cycles(y[:, :nv], y[:, nv:], measured, durations, no_words, fast, [order])
+
+
+def differentiate_measured(
+    recorder: Recorder, y: Array, start: Array, seeds: Array, weight: Array, names: Sequence[str]
+) -> Differentiated | None:
+    """Differentiates a cycle and what is measured of it; returns None where it lacks a measure.
+
+    See `differentiate_cycle` for the first arguments and for what is raised.
+
+    Args:
+        recorder: runs the cycle.
+        y: state in which it begins, (2 nv,).
+        start: derivatives of that state, (2 nv, c).
+        seeds: derivatives of the system's numbers, (p, c).
+        weight: derivatives of the robot's weight, (c,).
+        names: names of the measures.
+    """
+    fineness = ENDS if of_ends(names) else INSIDE
+    with LOCK:
+        cycle = differentiate_cycle(recorder.system, recorder, y, start, seeds, fineness)
+    known = differentiate_measures(cycle, start, DualMeasure(recorder.system.robot.weight, weight, "N"))
+    found = [known[name] for name in names if name in known]
+    return Differentiated(cycle, found) if len(found) == len(names) else None
 
 
 @dataclass
@@ -40,7 +71,7 @@ class _Found:
     """The last cycle that was asked for, with its derivatives; None where there are none."""
 
     place: Any = np.nan
-    cycle: _Differentiated | None = None
+    cycle: Differentiated | None = None
     count: int = 0
 
 
@@ -106,12 +137,7 @@ class TangentCycles:
     def one(self, q: Array, v: Array, values: Array) -> Cycles | None:
         """Returns the cycle of one lane, or None where it has no derivatives."""
         found = self._at(q, v, values)
-        if found is None:
-            return None
-        y, measured = found.cycle.y[None], np.array([[each.value for each in found.measured]])
-        durations = {phase: np.array([seconds.x]) for phase, seconds in found.cycle.durations.items()}
-        closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
-        return Cycles(y[:, : len(q)], y[:, len(q) :], measured, durations, closes, reference, [found.order])
+        return found and found.values
 
     def slopes(self, lanes: Lanes, q: Array, v: Array, values: Array) -> tuple[Array, Array, Array]:
         """Returns derivatives of cycles; see `hybrid.shooting.Slopes`."""
@@ -125,7 +151,7 @@ class TangentCycles:
                 measured[i] = np.reshape([each.derivative for each in found.measured], (-1, width))
         return after, ends, measured
 
-    def _at(self, q: Array, v: Array, values: Array) -> _Differentiated | None:
+    def _at(self, q: Array, v: Array, values: Array) -> Differentiated | None:
         """Returns the cycle from a state, along all directions of the state and the numbers."""
         y = np.concatenate([q, v])
         place = np.concatenate([y, values])
@@ -134,25 +160,16 @@ class TangentCycles:
             self._found.count += 1
         return self._found.cycle
 
-    def _differentiated(self, y: Array, values: Array) -> _Differentiated | None:
+    def _differentiated(self, y: Array, values: Array) -> Differentiated | None:
         if not (np.isfinite(y).all() and np.isfinite(values).all()):
             return None
         along = np.eye(len(y), len(y) + len(values))
         try:
             with_parameters(self.system, dict(zip(self.vary, values.tolist(), strict=True)))  # it says what is valid
-            with LOCK:
-                recorder = self._recorder(values)
-                fineness = ENDS if of_ends(self.measures) else INSIDE
-                cycle = differentiate_cycle(self.system, recorder, y, along, self.seeds, fineness)
-            load = DualMeasure(
-                self.system.robot.weight, np.zeros(along.shape[1]), "N"
-            )  # which none of the numbers changes
-            found = differentiate_measures(cycle, along, load)
-            measured = [found.get(name) for name in self.measures]
+            still = np.zeros(along.shape[1])  # none of the numbers changes the weight
+            return differentiate_measured(self._recorder(values), y, along, self.seeds, still, self.measures)
         except REFUSALS:
             return None
-        known = [each for each in measured if each is not None]
-        return _Differentiated(cycle, known, cycle.record.order) if len(known) == len(measured) else None
 
     @cached_property
     def seeds(self) -> Array:

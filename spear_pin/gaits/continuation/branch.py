@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.borders import CONTINUOUS, DISCONTINUOUS, LOST, TURNED
-from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.signs import CROSSING, FLIP, FOLD, KINK, SADDLE, TORUS
+from spear_pin.gaits.family import Family
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.gait_table import REASONS
 from spear_pin.hybrid.orders import Order, find_differing, write_order

@@ -12,11 +12,11 @@ from spear_pin.errors import BadValue, NoGait, UnknownName, require
 from spear_pin.gaits.attempts import WHY
 from spear_pin.gaits.continuation.borders import Border
 from spear_pin.gaits.continuation.branch import BorderPoint, Branch, End, SpecialPoint
-from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.follow import BORDER, CLOSED, LOST, Way, follow
 from spear_pin.gaits.continuation.gaits import Gaits
 from spear_pin.gaits.continuation.problem import NoValue
 from spear_pin.gaits.continuation.stepping import Point, correct_point, orient_tangent
+from spear_pin.gaits.family import Family
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted, measures_of
 from spear_pin.hybrid.parameters import numbers_of_robot, parameter

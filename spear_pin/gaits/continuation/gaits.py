@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.continuation.cycles import Family
 from spear_pin.gaits.continuation.differences import differentiate_values as differenced
 from spear_pin.gaits.continuation.problem import Local, NoValue
-from spear_pin.gaits.sensitivity.measure import DualMeasure
-from spear_pin.gaits.sensitivity.measures import differentiate_measures, of_ends
+from spear_pin.gaits.family import Family
+from spear_pin.gaits.tangent_cycles import differentiate_measured
 from spear_pin.hybrid.batch import LOCK
 from spear_pin.hybrid.charts import Chart, Charts
 from spear_pin.hybrid.newton import differentiate_stencil as differences
@@ -27,8 +26,6 @@ from spear_pin.hybrid.periodic import chart, eigenvalues
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import SHORT_CYCLE, SHORTEST_CYCLE, Cycles
-from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE
-from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.hybrid.tangent.section import columns, on_section
 
@@ -106,29 +103,20 @@ class Gaits:
         if not family.differentiable or vanishing:  # what is zero is not in the equations
             return None
         d, k = local.dimension, len(values)
-        names, state = [str(name) for name in family.measures], local.state(np.zeros(d))
-        fineness = ENDS if of_ends(names) else INSIDE
+        names, (q, v) = [str(name) for name in family.measures], local.state(np.zeros(d))
         try:
             system, own = family.member(numbers.tolist()), family.seeds(numbers)
-            along = np.concatenate([np.zeros((len(own.numbers), d)), own.numbers], axis=1)
-            start = on_section(system, local, along)
+            along, weight = np.pad(own.numbers, ((0, 0), (d, 0))), np.pad(own.weight, (d, 0))
+            start, y = on_section(system, local, along), np.concatenate([q, v])
+            found = differentiate_measured(family.recorder(numbers), y, start, along, weight, names)
+            if found is None:
+                return None
             with LOCK:
-                recorder = family.recorder(numbers)
-                cycle = differentiate_cycle(recorder.system, recorder, np.concatenate(state), start, along, fineness)
-                moves = columns(system, local, cycle)
-            weight = DualMeasure(system.robot.weight, np.concatenate([np.zeros(d), own.weight]), "N")
-            known = differentiate_measures(cycle, start, weight)
-            measured = [known[name] for name in names if name in known]
+                moves = columns(system, local, found.cycle)
         except REFUSALS:
             return None
-        if len(measured) < len(names):
-            return None
-        nq, (q, v) = system.robot.nq, state
-        durations = {phase: np.array([seconds.x]) for phase, seconds in cycle.durations.items()}
-        ends, found = cycle.y[None], np.array([[each.value for each in measured]])
-        closes, reference = np.array([""], dtype=object), np.zeros(1, dtype=bool)
-        cycles = Cycles(ends[:, :nq], ends[:, nq:], found, durations, closes, reference, [cycle.record.order])
-        (residual,), cycles = self._compared(charts, charts.coordinates(q[None], v[None]), values[None], cycles)
+        begins, measured = charts.coordinates(q[None], v[None]), found.measured
+        (residual,), cycles = self._compared(charts, begins, values[None], found.values)
         if cycles.reason[0]:
             raise NoValue(cycles.reason[0], cycles.orders[0])
         of_numbers = np.concatenate([np.ones(d), self.scale[: len(numbers)]])

@@ -185,8 +185,8 @@ def test_each_lane_is_on_its_own_slope_where_the_robot_differs_too(free_robot):
 
 @pytest.mark.slow
 def test_without_lanes_the_reference_engine_says_the_same(robot, given, monkeypatch):
-    monkeypatch.setattr("spear_pin.gaits.continuation.cycles.Family._in_lanes", False)
-    monkeypatch.setattr("spear_pin.gaits.continuation.cycles.Family.differentiable", False)
+    monkeypatch.setattr("spear_pin.gaits.family.Family._in_lanes", False)
+    monkeypatch.setattr("spear_pin.gaits.family.Family.differentiable", False)
     branch = continue_gait(given, "stance_torque", (7.59, 7.81))
     assert branch.ends[0].parameter == pytest.approx(7.59794, abs=1e-5)
     assert SLACK in branch.ends[0].border.after

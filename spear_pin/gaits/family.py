@@ -1,4 +1,4 @@
-"""Cycles of a family of gaits from given states with given numbers, run by lanes or by the reference engine."""
+"""Systems that differ in a few numbers, and their cycles: by lanes, as recorded ones, or by the reference engine."""
 
 from __future__ import annotations
 
@@ -36,12 +36,14 @@ class Family:
         names: names of the numbers, as `with_numbers` takes them; at most the last one belongs to the robot.
         measures: names of measures, or functions of a cycle's run.
         rtol: relative tolerance of the integration.
+        watch: called with each run of the reference engine.
     """
 
     system: HybridSystem
     names: tuple[str, ...]
     measures: tuple[NameOrMeasure, ...]
     rtol: float
+    watch: Callable[[Run], object] = lambda run: None
 
     @cached_property
     def of_robot(self) -> bool:
@@ -75,7 +77,7 @@ class Family:
             return self._by_lanes(q, v, values)
         if self.differentiable and not self.measures:
             return _joined([self._recorded(*each) for each in zip(q, v, values, strict=True)])
-        return self._by_reference(np.arange(len(q)), q, v, values)
+        return self.by_reference(np.arange(len(q)), q, v, values)
 
     def _recorded(self, q: Array, v: Array, values: Array) -> Cycles:
         """Runs a cycle as those with derivatives are run, or by the reference engine where it does not close so."""
@@ -83,7 +85,7 @@ class Family:
             with LOCK:
                 lap = self.recorder(values).lap(np.concatenate([q, v]))
         except REFUSALS:
-            return self._by_reference(np.arange(1), q[None], v[None], values[None])
+            return self.by_reference(np.arange(1), q[None], v[None], values[None])
         durations = {phase: np.array([lap.spent.get(phase, 0.0)]) for phase in self.system.phases}
         after, nothing, reason = lap.y[None], np.empty((1, 0)), np.array([""], dtype=object)
         ends = after[:, : len(q)], after[:, len(q) :]
@@ -142,15 +144,23 @@ class Family:
         return run(np.arange(len(q)), q, v, values)
 
     @cached_property
-    def _by_reference(self) -> Cycle:
-        def cycle(begun: State, values: Array) -> Run:
-            return return_map(self.member(values.tolist()), begun, self.rtol)
+    def by_reference(self) -> Cycle:
+        """Cycles by the reference engine, one after the other."""
 
-        def measured(name: NameOrMeasure) -> Callable[[Run, Array], float]:
-            measure = measure_of(self.system, name)
+        def cycle(begun: State, values: Array) -> Run:
+            result = return_map(self.member(values.tolist()), begun, self.rtol)
+            self.watch(result)
+            return result
+
+        def measured(measure: Callable[[HybridSystem, Run], float]) -> Callable[[Run, Array], float]:
             return lambda result, values: measure(self.member(values.tolist()), result)
 
-        return one_by_one(self.system, cycle, [measured(name) for name in self.measures])
+        return one_by_one(self.system, cycle, [measured(measure) for measure in self.of_runs])
+
+    @cached_property
+    def of_runs(self) -> list[Callable[[HybridSystem, Run], float]]:
+        """The measures of a member and the run of its cycle."""
+        return [measure_of(self.system, name) for name in self.measures]
 
 
 def _joined(parts: Sequence[Cycles]) -> Cycles:
