@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,7 @@ class LaneCycles:
     def __call__(self, lanes: Lanes, q: Array, v: Array, values: Array) -> Cycles:
         """Runs one cycle of some lanes from states with values of `vary`; returns why some fail."""
         n, solved = len(lanes), dict(zip(self.vary, values.T, strict=True))
-        given = {name: column[lanes] for name, column in self.fixed.items()} | solved
+        given = {**self.take(lanes).fixed, **solved}
         reason = np.full(n, "", dtype=object)
         finite = np.isfinite(q).all(axis=1) & np.isfinite(v).all(axis=1)
         reason[~finite] = NOT_FINITE
@@ -67,6 +67,10 @@ class LaneCycles:
         orders = dict(zip(can.tolist(), batch.orders, strict=True))
         reference = spread_lanes(batch.repeated, can, n) == 1.0
         return Cycles(q, v, measured, durations, reason, reference, [orders.get(i, ()) for i in range(n)])
+
+    def take(self, lanes: Lanes) -> LaneCycles:
+        """Returns the cycles of some lanes."""
+        return replace(self, fixed={name: column[lanes] for name, column in self.fixed.items()})
 
     @property
     def slopes(self) -> Slopes | None:

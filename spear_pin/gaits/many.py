@@ -7,8 +7,7 @@ common guess begin again from the solution of their nearest neighbour.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 import scipy
@@ -24,6 +23,7 @@ from spear_pin.gaits.tolerances import RESIDUAL, SETTLE, TOLERANCE
 from spear_pin.hybrid import batch
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.charts import Charts
 from spear_pin.hybrid.ground import PLACE
 from spear_pin.hybrid.newton import CONVERGED, Roots, Words
 from spear_pin.hybrid.parameters import parameter
@@ -92,15 +92,11 @@ def find_many(
     if not given:
         raise BadValue("parameters", parameters, "at least one, with a number for each lane")
     wanted = _wanted(system, vary, target, n)
-    start = np.column_stack(
-        [given.get(name, np.full(n, parameter(system, name))) for name in vary] or [np.empty((n, 0))]
-    )
+    start = {name: given.get(name, np.full(n, parameter(system, name))) for name in vary}
     fixed = {name: values for name, values in given.items() if name not in vary}
-    features = np.column_stack([*fixed.values(), wanted])
     state = _repeated(guess if guess is not None else system.guess(), n)
     simulate_many(system, state[0][:1], state[1][:1], rtol=rtol)  # it says what cannot be compiled
-    search = _Search(system, fixed, tuple(vary), tuple(target), wanted, rtol, features)
-    lanes = _Lanes(search, start, on_lanes)
+    lanes = _Lanes(system, fixed, start, tuple(target), wanted, rtol, on_lanes)
     lanes.run(state)
     return lanes.table()
 
@@ -122,39 +118,30 @@ def _wanted(system: HybridSystem, vary: Sequence[str], target: Mapping[str, Arra
     return np.column_stack(columns or [np.empty((n, 0))])
 
 
-@dataclass(frozen=True)
-class _Search:
-    """Search for the gaits: fixed and varied parameters, and targets."""
-
-    system: HybridSystem
-    fixed: Mapping[str, Array]
-    vary: tuple[str, ...]
-    target: tuple[str, ...]
-    wanted: Array
-    rtol: float
-    features: Array
-
-    def cycle(self, lanes: NDArray[np.int64]) -> LaneCycles:
-        """Returns cycles of some lanes."""
-        fixed = {name: values[lanes] for name, values in self.fixed.items()}
-        return LaneCycles(self.system, fixed, self.vary, self.target, self.rtol)
-
-
 class _Lanes:
-    """The lanes, as far as they are solved."""
+    """The lanes, as far as they are solved: fixed and varied parameters, targets, and what was found."""
 
-    def __init__(self, search: _Search, start: Array, on_lanes: Callable[[int], object]) -> None:
-        n, robot = len(start), search.system.robot
-        self.search, self.start, self.on_lanes = search, start, on_lanes
-        self.section = section(search.system, search.fixed)
+    def __init__(
+        self,
+        system: HybridSystem,
+        fixed: Mapping[str, Array],
+        start: Mapping[str, Array],
+        target: Sequence[str],
+        wanted: Array,
+        rtol: float,
+        on_lanes: Callable[[int], object],
+    ) -> None:
+        n, robot = len(wanted), system.robot
+        self.cycles = LaneCycles(system, fixed, tuple(start), tuple(target), rtol)
+        self.start, self.wanted, self.on_lanes = np.column_stack([*start.values(), np.empty((n, 0))]), wanted, on_lanes
+        self.section = section(system, fixed)
         self.q, self.v = np.full((n, robot.nq), np.nan), np.full((n, robot.nv), np.nan)
-        self.solved = np.full(start.shape, np.nan)
+        self.solved = np.full(self.start.shape, np.nan)
         self.residual, self.norm = np.full(n, np.nan), np.full(n, np.inf)
         self.multipliers = np.full((n, 2 * robot.nv), np.nan + 0j)
-        self.durations = {phase: np.full(n, np.nan) for phase in search.system.phases}
+        self.durations = {phase: np.full(n, np.nan) for phase in system.phases}
         self.reason = np.full(n, "", dtype=object)
-        numbers = {**search.fixed, **dict(zip(search.vary, start.T, strict=True))}
-        self.reason[~valid(search.system, numbers, n)] = NOT_VALID
+        self.reason[~valid(system, {**fixed, **start}, n)] = NOT_VALID
 
     def run(self, guess: State) -> None:
         """Solves from the guess, from neighbours, from where the simulated guess leads, and from neighbours again."""
@@ -172,7 +159,7 @@ class _Lanes:
 
     def from_neighbours(self) -> None:
         """Begins from the nearest lane that converged, in parameters that are scaled to their spans."""
-        features, used = self.search.features, np.full(len(self.q), -1)
+        features, used = np.column_stack([*self.cycles.fixed.values(), self.wanted]), np.full(len(self.q), -1)
         span = np.ptp(features, axis=0)
         scaled = features / np.where(span > 0.0, span, 1.0)
         for _ in range(ROUNDS):
@@ -193,21 +180,25 @@ class _Lanes:
         todo = self.failed
         if not len(todo):
             return
-        own = {name: values[todo] for name, values in self.search.fixed.items()}
-        own |= dict(zip(self.search.vary, self.start[todo].T, strict=True))
-        batch = simulate_many(self.search.system, guess[0][todo], guess[1][todo], SETTLE, 1e-7, parameters=own)
+        own = {**self.cycles.take(todo).fixed, **dict(zip(self.cycles.vary, self.start[todo].T, strict=True))}
+        batch = simulate_many(self.cycles.system, guess[0][todo], guess[1][todo], SETTLE, 1e-7, parameters=own)
         there = batch.reason == "complete"
         self.solve(todo[there], batch.q[there], batch.v[there], self.start[todo[there]])
 
-    def solve(self, lanes: NDArray[np.int64], q: Array, v: Array, start: Array) -> None:
-        """Runs Newton's method and finds multipliers, for lanes with the same sliding toes together."""
+    def alike(
+        self, lanes: NDArray[np.int64], q: Array, v: Array
+    ) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.int64], Charts, LaneCycles]]:
+        """Groups lanes with the same sliding toes: which they are, their numbers, their charts and their cycles."""
         slides = self.section.take(lanes).sliding(q, v)
         for pattern in np.unique(slides, axis=0):
             chosen = (slides == pattern).all(axis=1)
             own = lanes[chosen]
-            charts = self.section.take(own).charts(q[chosen], v[chosen], pattern)
-            cycle = self.search.cycle(own)
-            shooting = Shooting(charts, cycle, self.search.vary, self.search.wanted[own], cycle.slopes)
+            yield chosen, own, self.section.take(own).charts(q[chosen], v[chosen], pattern), self.cycles.take(own)
+
+    def solve(self, lanes: NDArray[np.int64], q: Array, v: Array, start: Array) -> None:
+        """Runs Newton's method and finds multipliers, for lanes with the same sliding toes together."""
+        for chosen, own, charts, cycles in self.alike(lanes, q, v):
+            shooting = Shooting(charts, cycles, cycles.vary, self.wanted[own], cycles.slopes)
             roots = shooting.solve(start[chosen], TOLERANCE, calls=CALLS, always=False)
             self.fail(own, _why(roots), roots.norm)
             there = np.flatnonzero(roots.end == CONVERGED)
@@ -220,13 +211,9 @@ class _Lanes:
 
     def finish(self, lanes: NDArray[np.int64], q: Array, v: Array, values: Array) -> None:
         """Checks the fixed points on the whole state, and finds their multipliers."""
-        slides = self.section.take(lanes).sliding(q, v)
-        for pattern in np.unique(slides, axis=0):
-            chosen = (slides == pattern).all(axis=1)
-            own = lanes[chosen]
-            charts = self.section.take(own).charts(q[chosen], v[chosen], pattern)
-            found = multipliers(self.search.cycle(own), charts, values[chosen])
-            closes = found.residual <= max(RESIDUAL, 10.0 * self.search.rtol)
+        for chosen, own, charts, cycles in self.alike(lanes, q, v):
+            found = multipliers(cycles, charts, values[chosen])
+            closes = found.residual <= max(RESIDUAL, 10.0 * cycles.rtol)
             reason = np.where(closes, found.reason, NO_CONVERGENCE).astype(object)
             self.fail(own, reason, found.residual)
             good = reason == CONVERGED
@@ -241,7 +228,7 @@ class _Lanes:
 
     def table(self) -> GaitTable:
         """Returns the rows."""
-        parameters = {**self.search.fixed, **dict(zip(self.search.vary, self.solved.T.copy(), strict=True))}
+        parameters = {**self.cycles.fixed, **dict(zip(self.cycles.vary, self.solved.T.copy(), strict=True))}
         width = int(np.isfinite(self.multipliers).any(axis=0).sum()) or 1
         values, reason = self.multipliers[:, :width], self.reason.astype(str)
         return GaitTable(self.q, self.v, parameters, self.residual, values, self.durations, reason)
