@@ -151,6 +151,11 @@ class BoundingLaw:
         if self.nominal != () and not has_shape(self.nominal, (STATES,)):
             raise BadValue("BoundingLaw.nominal", self.nominal, f"{STATES} finite numbers, or ()")
 
+    @property
+    def leg_stiffness(self) -> float:
+        """The virtual stiffness of a knee of the model, in N·m/rad."""
+        return self.virtual_stiffness
+
 
 def check_numbers(law: Any, valid: Valid, shapes: Mapping[str, tuple[int, ...]]) -> None:
     """Checks the numbers of a law, by tests and what they expect in words, and nested tuples by their shapes.
@@ -197,14 +202,14 @@ class Phase:
     landing: Leg | None = None
 
 
-def support(leg: Leg, q: Any, held: Mapping[str, Any], p: BoundingLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
-    """Returns motor torques of a supporting leg, (5.4)-(5.6) with corrected signs, as (column, torque).
+def support(leg: Leg, q: Any, held: Mapping[str, Any], p: Any, dyn: Dynamics) -> list[tuple[int, Any]]:
+    """Returns torques of hip and knee of a supporting leg, (5.4)-(5.6) with corrected signs, as (column, torque).
 
     The virtual spring is shared: the motor gives the part that the physical spring does not.
     """
-    hip, knee = leg.motors
+    *_, hip, knee = leg.motors
     flexed = leg.flexion(q) - p.knee_rest
-    total = -leg.side * (held[f"{leg.name}_knee_torque"] + p.virtual_stiffness * flexed)
+    total = -leg.side * (held[f"{leg.name}_knee_torque"] + p.leg_stiffness * flexed)
     return [(hip, held[f"{leg.name}_hip_torque"]), (knee, total - dyn.spring_torque(leg.joint))]
 
 

@@ -299,8 +299,8 @@ MUTATIONS = [
         {
             "bounding: physical spring added to the virtual one": ("total - dyn.spring_torque(leg.joint)", "total"),
             "bounding: virtual spring pulls": (
-                "+ p.virtual_stiffness * flexed)",
-                "- p.virtual_stiffness * flexed)",
+                "+ p.leg_stiffness * flexed)",
+                "- p.leg_stiffness * flexed)",
             ),
         },
     ),

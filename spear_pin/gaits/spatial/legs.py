@@ -18,7 +18,7 @@ from spear_pin.model.robot import Robot
 from spear_pin.model.sagittal import leg_pairs
 from spear_pin.model.tree import Tree
 
-X, Y, Z, YAW, PITCH = (CHAIN.index(name) for name in ("torso_x", "torso_y", "torso_z", "yaw", "pitch"))
+X, Z, YAW, PITCH = (CHAIN.index(name) for name in ("torso_x", "torso_z", "yaw", "pitch"))
 SIDES = {"left": 1.0, "right": -1.0}
 FLIGHTS = ("flight_1", "flight_2")  # after the stance of the first group, and of the second
 

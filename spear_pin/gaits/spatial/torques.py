@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.errors import BadValue
+from spear_pin.gaits.bounding_law import support as support_in_plane
 from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.spatial.law import SpatialLaw
 from spear_pin.gaits.spatial.legs import Group, Z
@@ -41,16 +42,10 @@ def nominal_start(robot: Robot, law: Any, landing: Group) -> State:
 
 def support(leg: Leg, q: Any, v: Any, held: Mapping[str, Any], p: LegLaw, dyn: Dynamics) -> list[tuple[int, Any]]:
     """Returns motor torques of a supporting leg as (column, torque): half a pair's, (5.4)-(5.6), and adduction's."""
-    adduction, hip, knee = leg.motors
-    flexed = leg.flexion(q) - p.knee_rest
-    total = -leg.side * (held[f"{leg.name}_knee_torque"] + p.leg_stiffness * flexed)
     off = q[leg.adduction] - held[f"{leg.name}_adduction"]
     upright = held[f"{leg.name}_adduction_torque"] - p.adduction_stiffness * off
-    return [
-        (adduction, upright - p.adduction_damping * v[leg.adduction]),
-        (hip, held[f"{leg.name}_hip_torque"]),
-        (knee, total - dyn.spring_torque(leg.joint)),
-    ]
+    in_its_plane = support_in_plane(leg, q, held, p, dyn)
+    return [(leg.motors[0], upright - p.adduction_damping * v[leg.adduction]), *in_its_plane]
 
 
 def law_of(bearing: Sequence[Leg], airborne: Sequence[tuple[Leg, Sequence[Leg]]]) -> Law:
