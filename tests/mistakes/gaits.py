@@ -183,8 +183,11 @@ MUTATIONS = [
             ),
             "electricity is given back": ("np.where(power > 0.0, power, 0.0)", "power"),
             "power jumps where it stays": ("0.5 * h * (last - begin) * moved", "0.0 * moved"),
-            "a reserve at half the no-load speed": ("slope * (2.0 * change + wider)", "slope * (change + wider)"),
-            "a resistance that no size changes": ("* (2.0 * joint.change + joint.wider)", "* (2.0 * joint.change)"),
+            "a reserve at half the no-load speed": (
+                "other.times(slope.x, slope.d)",
+                "other.times(slope.x, 0.5 * slope.d)",
+            ),
+            "heat of a resistance that stays": ("+ heat.d[:, None]", "+ 0.5 * heat.d[:, None]"),
             "gears help a reserve": ("in (efficiency, 1.0 / efficiency)", "in (1.0 / efficiency,)"),
         },
     ),

@@ -54,7 +54,7 @@ def _at(x: Any, coefficients: Any) -> Any:
 
 def _returns(U: Array, W: Array, joint: Behind) -> Array:
     """Returns R η u / (N kt)² + ω, which changes sign where a braking motor begins or ends to give power back."""
-    return np.asarray(joint.resistance * joint.drive.gearbox.efficiency / joint.constant**2 * U + W)
+    return np.asarray(joint.resistance.x * joint.drive.gearbox.efficiency / joint.constant.x**2 * U + W)
 
 
 def _power(u: Array, w: Array, du: Array, dw: Array, drives: bool, joint: Behind) -> tuple[Array, Array]:
@@ -71,10 +71,9 @@ def _power(u: Array, w: Array, du: Array, dw: Array, drives: bool, joint: Behind
         joint: the drive.
     """
     share = joint.drive.gearbox.efficiency ** (-1.0 if drives else 1.0)
-    heat = joint.resistance * (share / joint.constant) ** 2
-    power = heat * u * u + share * u * w
-    slopes = (2.0 * heat * u + share * w) * du + share * u * dw
-    slopes -= heat * u * u * (2.0 * joint.change + joint.wider)[:, None]
+    heat = share**2 * joint.resistance / (joint.constant * joint.constant)
+    power = heat.x * u * u + share * u * w
+    slopes = (2.0 * heat.x * u + share * w) * du + share * u * dw + heat.d[:, None] * u * u
     return np.where(power > 0.0, power, 0.0), np.where(power > 0.0, slopes, 0.0)
 
 
@@ -85,18 +84,17 @@ def find_reserve(torque: Sequence[Pieces], speed: Sequence[Pieces], joint: Behin
     and its greatest speed does not enter. The envelope is N kt i η, with the largest current i that supply and
     amplifier give. Above the no-load speed, where i always brakes, it is N kt i / η.
     """
-    drive, c, change, wider = joint.drive, joint.constant, joint.change, joint.wider
-    resistance, efficiency, missed = joint.resistance, drive.gearbox.efficiency, list[Pieces]()
+    drive, c, efficiency, missed = joint.drive, joint.constant, joint.drive.gearbox.efficiency, list[Pieces]()
     for side in (1.0, -1.0):
         asked = [each.times(side / joint.motors) for each in torque]
         for share in (efficiency, 1.0 / efficiency):  # the smaller envelope counts, for driving or braking current
-            stall, slope = share * c * drive.bus / resistance, side * share * c**2 / resistance
+            stall, slope = share * drive.bus * c / joint.resistance, side * share * c * c / joint.resistance
             missed += [
-                one.plus(other.times(slope, slope * (2.0 * change + wider))).plus(-stall, -stall * (change + wider))
+                one.plus(other.times(slope.x, slope.d)).plus(-stall.x, -stall.d)
                 for one, other in zip(asked, speed, strict=True)
             ]
         if drive.current_limit is not None:
-            most = efficiency * c * drive.current_limit
-            missed += [one.plus(-most, -most * change) for one in asked]
+            most = efficiency * drive.current_limit * c
+            missed += [one.plus(-most.x, -most.d) for one in asked]
     value, along = peak(missed)
     return -value, -along

@@ -16,7 +16,7 @@ from spear_pin.hybrid.column_names import motors_at
 from spear_pin.hybrid.dual import Dual
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.catalogue import size_motor
-from spear_pin.model.motor import Drive, Gearbox, Motor, gear_constant
+from spear_pin.model.motor import Drive, Motor
 from spear_pin.model.robot import Robot
 from spear_pin.model.variants import SIZE, motor_size
 
@@ -28,17 +28,13 @@ class Behind(NamedTuple):
         drive: the drive of each motor.
         motors: number of motors that share the joint's torque.
         constant: N kt with the robot's ratio, in N·m/A.
-        change: relative derivative of `constant`, (c,).
         resistance: resistance of a motor of the robot's size, in Ω.
-        wider: relative derivative of that size, minus that of the resistance, (c,).
     """
 
     drive: Drive
     motors: int
-    constant: float
-    change: Array
-    resistance: float
-    wider: Array
+    constant: Dual
+    resistance: Dual
 
 
 @dataclass(frozen=True)
@@ -60,17 +56,18 @@ class Driven:
     d: int
 
     def heat(self, joint: str) -> Dual | None:
-        """Returns the heat of a joint's windings per squared torque of a motor, in W/(N·m)²; None for a drive.
+        """Returns the heat of a joint's windings per squared torque of a motor, R / (N kt)² each, in W/(N·m)².
+
+        It is None for a drive.
 
         Raises:
-            UnknownName: the joint has no motor torque.
             BadValue: the motor's resistance or torque constant is not known.
         """
         motor = self.motors.get(joint)
         if not isinstance(motor, Motor):
             return None
-        ratio, size = self.gears(joint)
-        heating: Dual = (find_heating(self.system, joint, motor) * ratio.x**2 * size.x) / (ratio * ratio * size)
+        constant, resistance = self._electric(joint, motor)
+        heating: Dual = motors_at(joint) * resistance / (constant * constant)
         return heating
 
     def continuous(self, joint: str) -> Dual | None:
@@ -87,16 +84,17 @@ class Driven:
         """Returns the drive behind a joint; None where there is none.
 
         Raises:
-            UnknownName: the joint has no motor torque.
             BadValue: the motor's resistance or torque constant is not known.
         """
         drive = self.motors.get(joint)
         if not isinstance(drive, Drive):
             return None
-        motors, kt = motors_of_joint(self.system, joint), drive.motor.known("torque_constant")
-        ratio, size = self.gears(joint)
-        resistance = size_motor(drive.motor, float(size.x)).known("resistance")
-        return Behind(drive, motors, ratio.x * kt, ratio.d / ratio.x, resistance, size.d / size.x)
+        return Behind(drive, motors_at(joint), *self._electric(joint, drive.motor))
+
+    def _electric(self, joint: str, motor: Motor) -> tuple[Dual, Dual]:
+        """Returns N kt, in N·m/A, and the resistance, in Ω, of a motor behind a joint."""
+        kt, (ratio, size) = motor.known("torque_constant"), self.gears(joint)
+        return ratio * kt, size_motor(motor, float(size.x)).known("resistance") * size.x / size
 
     def gears(self, joint: str) -> tuple[Dual, Dual]:
         """Returns a joint's gear ratio and size of motor, with derivatives by the parameters."""
@@ -113,29 +111,6 @@ class Driven:
         return Dual(found[0], change[0]), Dual(found[1], change[1])
 
 
-def find_heating(system: HybridSystem, joint: str, motor: Motor) -> float:
-    """Returns the heat of a joint's windings per squared torque of a motor, R / (N kt)² each, in W/(N·m)².
-
-    Raises:
-        UnknownName: the joint has no motor torque.
-        BadValue: the motor's resistance or torque constant is not known.
-    """
-    count, gears = motors_of_joint(system, joint), Gearbox(system.robot.gear_ratio(joint))
-    there = size_motor(motor, motor_size(system.robot, joint))
-    return there.known("resistance") / gear_constant(there, gears) ** 2 * count
-
-
-def motors_of_joint(system: HybridSystem, joint: str) -> int:
-    """Returns how many motors share a joint's torque: two in a pair of legs.
-
-    Raises:
-        UnknownName: the joint has no motor torque.
-    """
-    if joint not in system.robot.actuated:
-        raise UnknownName("joint with a motor", joint, system.robot.actuated)
-    return motors_at(joint)
-
-
 def check_gears(system: HybridSystem, motors: Mapping[str, Motor | Drive]) -> None:
     """Refuses drives with gears other than the robot's.
 
@@ -149,4 +124,5 @@ def check_gears(system: HybridSystem, motors: Mapping[str, Motor | Drive]) -> No
                 f"{system.robot.gear_ratio(joint):g}, as the robot has; change it there: vary(robot, {joint}_ratio=...)"
             )
             raise BadValue(f"ratio of the drive of {joint}", each.gearbox.ratio, expected)
-        motors_of_joint(system, joint)
+        if joint not in system.robot.actuated:
+            raise UnknownName("joint with a motor", joint, system.robot.actuated)

@@ -101,7 +101,6 @@ class Orbit:
         """All measures, with derivatives by ξ and by the parameters.
 
         Raises:
-            UnknownName: when a measure is read, if its joint has no motor torque.
             BadValue: when a measure is read, if a motor's resistance or torque constant is not known.
         """
         driven = Driven(self.system, self.motors, self.names, self.dimension)
