@@ -12,11 +12,11 @@ import math
 
 from benchmarks import markdown
 from spear_pin import load
-from spear_pin.gaits.footfalls.checking import violations
 from spear_pin.gaits.footfalls.collocate import collocate
 from spear_pin.gaits.footfalls.course import CollocatedGait
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS
+from tests.gaits.footfalls.checking import violations
 
 HEADS = (
     "footfalls | closes | unknowns | iterations | build, s | solve, s | stride, s | effort, N²·m·s |"

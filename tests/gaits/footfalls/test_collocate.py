@@ -12,7 +12,6 @@ import pytest
 from spear_pin import load, trotting
 from spear_pin.errors import BadValue, Infeasible, NoGait
 from spear_pin.gaits.footfalls.beside import law_of_trot
-from spear_pin.gaits.footfalls.checking import violations
 from spear_pin.gaits.footfalls.collocate import collocate
 from spear_pin.gaits.footfalls.limbs import legs_of
 from spear_pin.gaits.footfalls.request import FootfallRequest, StanceLaw, SwingLaw
@@ -25,6 +24,7 @@ from spear_pin.hybrid.symmetry import head_state, mirror_of, turn_state
 from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.scale import scale_in_space
+from tests.gaits.footfalls.checking import violations
 
 pytestmark = pytest.mark.extra("casadi")
 COARSE = replace(FOOTFALLS["trot"], intervals=(3, 2))
