@@ -20,12 +20,10 @@ from spear_pin.gaits.bounding_law import (
     STATES,
     BoundingLaw,
     Phase,
-    double_law,
     evolution,
-    flight_law,
+    law_of,
     legs_of,
     phases_of,
-    stance_law,
 )
 from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.springing import Springing, springing_of
@@ -142,13 +140,13 @@ def _domains(robot: Robot, law: BoundingLaw, springs: Springs) -> Iterator[Domai
         stance, next_stance, flight = stances[leg], stances[other], flights[leg]
         lands = _lands(other, double, springing)
         leaves = {leg.toe: _lifts(leg, flight, None, springing)}
-        yield from grounded(stance.name, (leg,), stance_law(leg, stance), leaves, (_passing(stance), lands))
+        yield from grounded(stance.name, (leg,), law_of((leg,), stance.outputs), leaves, (_passing(stance), lands))
         leaves = {leg.toe: _lifts(leg, next_stance, other, springing), other.toe: _lifts(other, stance, leg, springing)}
-        yield from grounded(double, legs, double_law(legs), leaves, ())
+        yield from grounded(double, legs, law_of(legs, None), leaves, ())
         returns = _lands(leg, stance, springing, "return", resumed=True)
         mounts, switches = sprung(())
         guards = (_lands(other, next_stance, springing), returns, _passing(flight), overloaded, *switches, *fallen)
-        yield Domain(flight.name, flight.name, (OPEN, OPEN), flight_law(flight), mounts=mounts, guards=guards)
+        yield Domain(flight.name, flight.name, (OPEN, OPEN), law_of((), flight.outputs), mounts=mounts, guards=guards)
 
 
 # events that change the phase

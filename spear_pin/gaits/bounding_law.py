@@ -282,34 +282,14 @@ def evolution(held: Mapping[str, Any]) -> Evolution:
     return Evolution(held["alpha"], held["origin"], held["span"], held["past"])
 
 
-def stance_law(leg: Leg, phase: Phase) -> Law:
-    """Returns the law for torques in single stance: (5.4)-(5.6) for the leg on the ground, (5.15) for the other."""
+def law_of(bearing: Sequence[Leg], outputs: Outputs | None) -> Law:
+    """Returns the law for torques: (5.4)-(5.6) of legs on the ground, and (5.15) or (5.20) of outputs of the others."""
 
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-        given = support(leg, q, held, p, dyn)
-        swing = zero_outputs(phase.outputs, evolution(held), q, v, p.epsilon, given, dyn, ops)
-        return _ordered([*given, *zip(phase.outputs.motors, swing, strict=True)])
+        torques = [torque for leg in bearing for torque in support(leg, q, held, p, dyn)]
+        if outputs is not None:
+            swing = zero_outputs(outputs, evolution(held), q, v, p.epsilon, torques, dyn, ops)
+            torques += zip(outputs.motors, swing, strict=True)
+        return [torque for _, torque in sorted(torques, key=lambda pair: pair[0])]
 
     return law
-
-
-def flight_law(phase: Phase) -> Law:
-    """Returns the law for torques in flight, (5.20)."""
-
-    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-        return zero_outputs(phase.outputs, evolution(held), q, v, p.epsilon, (), dyn, ops)
-
-    return law
-
-
-def double_law(legs: tuple[Leg, Leg]) -> Law:
-    """Returns the law for torques in double stance: (5.4)-(5.6) for both legs."""
-
-    def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
-        return _ordered([*support(legs[0], q, held, p, dyn), *support(legs[1], q, held, p, dyn)])
-
-    return law
-
-
-def _ordered(torques: Sequence[tuple[int, Any]]) -> Sequence[Any]:
-    return [torque for _, torque in sorted(torques, key=lambda pair: pair[0])]
