@@ -61,7 +61,7 @@ def differentiate_measured(
     fineness = ENDS if of_ends(names) else INSIDE
     with LOCK:
         cycle = differentiate_cycle(recorder.system, recorder, y, start, seeds, fineness)
-    known = differentiate_measures(cycle, start, DualMeasure(recorder.system.robot.weight, weight, "N"))
+    known = differentiate_measures(cycle, start, weight)
     found = [known[name] for name in names if name in known]
     return Differentiated(cycle, found) if len(found) == len(names) else None
 

@@ -153,8 +153,8 @@ MUTATIONS = [
         ["hybrid/tangent/test_bound"],
         {
             "derivatives: a cost by a weight that stays": (
-                "Dual(self._weight.value, self._",
-                "Dual(self._weight.value, 0.0 * self._",
+                "Dual(self.robot.weight, self._",
+                "Dual(self.robot.weight, 0.0 * self._",
             )
         },
     ),

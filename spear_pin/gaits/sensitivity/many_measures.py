@@ -9,7 +9,6 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.gaits.sensitivity.heat import Driven
-from spear_pin.gaits.sensitivity.measure import DualMeasure
 from spear_pin.gaits.sensitivity.measures import differentiate_measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.orders import Order
@@ -43,7 +42,7 @@ def measure_lanes(
     """
     n, numbers, found = len(q), many(system, given), dict[str, Array]()
     orders: list[Order] = [()] * n
-    weight, still = DualMeasure(system.robot.weight, np.zeros(1), "N"), np.zeros((2 * system.robot.nv, 1))
+    still = np.zeros((2 * system.robot.nv, 1))
     driven = Driven(system, motors, (), 1)
     for i in range(n):
         recorder = Recorder(system, numbers, i)
@@ -51,7 +50,7 @@ def measure_lanes(
         with suppress(NotDifferentiable):
             cycle = differentiate_cycle(system, recorder, np.concatenate([q[i], v[i]]), still, nothing)
             orders[i] = cycle.record.order
-            for name, each in differentiate_measures(cycle, still, weight, driven).items():
+            for name, each in differentiate_measures(cycle, still, still[0], driven).items():
                 found.setdefault(name, np.full(n, np.nan))[i] = each.value if np.isfinite(each.value) else np.nan
         on_lanes(1)
     return found, orders

@@ -71,15 +71,13 @@ class Measures(Mapping[str, DualMeasure]):
         return self._found[i]
 
 
-def differentiate_measures(
-    cycle: Derivative, start: Array, weight: DualMeasure, driven: Driven | None = None
-) -> Measures:
+def differentiate_measures(cycle: Derivative, start: Array, weight: Array, driven: Driven | None = None) -> Measures:
     """Returns all named measures of a cycle, each found when it is asked for.
 
     Args:
         cycle: the cycle.
         start: derivatives of the state in which it begins, (2 nv, c).
-        weight: weight of the robot.
+        weight: derivatives of the robot's weight, (c,).
         driven: motors and drives of joints, for their heat, electricity and reserve.
     """
     return Measures(Differentiated(cycle, start, weight, driven), CATALOGUE)
@@ -114,11 +112,11 @@ class Differentiated(Signals):
     Args:
         cycle: the cycle.
         start: derivatives of the state in which it begins, (2 nv, c).
-        weight: weight of the robot.
+        weight: derivatives of the robot's weight, (c,).
         driven: motors and drives of joints.
     """
 
-    def __init__(self, cycle: Derivative, start: Array, weight: DualMeasure, driven: Driven | None = None) -> None:
+    def __init__(self, cycle: Derivative, start: Array, weight: Array, driven: Driven | None = None) -> None:
         self.cycle, self.start, self._weight = cycle, start, weight
         self._driven = driven or Driven(cycle.system, {}, (), 0)
         self.robot, self.section, self.stretches = cycle.system.robot, cycle.system.section, cycle.stretches
@@ -126,7 +124,7 @@ class Differentiated(Signals):
     @property
     def weight(self) -> Any:
         """The robot's weight, in N."""
-        return Dual(self._weight.value, self._weight.derivative)
+        return Dual(self.robot.weight, self._weight)
 
     @cached_property
     def durations(self) -> dict[str, Any]:

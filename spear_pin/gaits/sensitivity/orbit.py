@@ -68,8 +68,7 @@ class Orbit:
     @cached_property
     def seeds(self) -> Array:
         """Derivatives of the system's numbers by ξ, which are zero, and by the parameters, (p, d + m)."""
-        own = self._seeds.numbers
-        return np.concatenate([np.zeros((len(own), self.dimension)), own], axis=1)
+        return np.pad(self._seeds.numbers, ((0, 0), (self.dimension, 0)))
 
     @cached_property
     def cycle(self) -> Derivative:
@@ -104,13 +103,7 @@ class Orbit:
             BadValue: when a measure is read, if a motor's resistance or torque constant is not known.
         """
         driven = Driven(self.system, self.motors, self.names, self.dimension)
-        return differentiate_measures(self.cycle, self.start, self.weight, driven)
-
-    @property
-    def weight(self) -> DualMeasure:
-        """The robot's weight."""
-        derivative = np.concatenate([np.zeros(self.dimension), self._seeds.weight])
-        return DualMeasure(self.system.robot.weight, derivative, "N")
+        return differentiate_measures(self.cycle, self.start, np.pad(self._seeds.weight, (self.dimension, 0)), driven)
 
     @cached_property
     def margins(self) -> dict[str, DualMeasure]:
