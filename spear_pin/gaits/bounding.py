@@ -27,7 +27,7 @@ from spear_pin.gaits.bounding_law import (
 )
 from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.springing import Springing, springing_of
-from spear_pin.gaits.virtual_constraints import Evolution, begin_evolution, progress, value
+from spear_pin.gaits.virtual_constraints import begin_evolution, progress, value
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Law, Mount, Reset
@@ -223,7 +223,7 @@ def _swing(leg: Leg, phase: Phase, q: Sequence[float], v: Sequence[float], held:
     whole = getattr(p, f"{phase.name}_span")
     left = 1.0 - (value(leg.angle, q) - held[f"{leg.name}_leg"]) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
-    return _begun(begin_evolution(phase.outputs, getattr(p, f"{phase.name}_swing"), q, v, span))
+    return vars(begin_evolution(phase.outputs, getattr(p, f"{phase.name}_swing"), q, v, span))
 
 
 def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], p: BoundingLaw) -> Held:
@@ -236,11 +236,7 @@ def _fly(phase: Phase, q: Sequence[float], v: Sequence[float], p: BoundingLaw) -
         angle, knee = getattr(p, f"{phase.name}_landing")
         target = getattr(p, f"{leg.name}_leg_touchdown")
         shapes += [(angle, *3 * (target,)), (knee, *3 * (leg.side * p.knee_touchdown,))]
-    return _begun(begin_evolution(phase.outputs, shapes, q, v, getattr(p, f"{phase.name}_span")))
-
-
-def _begun(evolution: Evolution) -> Held:
-    return {name: getattr(evolution, name) for name in ("alpha", "origin", "span", "past")}
+    return vars(begin_evolution(phase.outputs, shapes, q, v, getattr(p, f"{phase.name}_span")))
 
 
 def _guess(robot: Robot, law: BoundingLaw, ground: Ground) -> tuple[Any, Any]:

@@ -16,7 +16,7 @@ from spear_pin.gaits.bounding_guards import SHORTEST_SPAN
 from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.spatial.legs import YAW, Group
 from spear_pin.gaits.spatial.torques import LegLaw
-from spear_pin.gaits.virtual_constraints import begin_evolution, value
+from spear_pin.gaits.virtual_constraints import Evolution, begin_evolution, value
 from spear_pin.hybrid.domain import Held
 from spear_pin.model.scalars import turn
 
@@ -78,8 +78,8 @@ def waits(leg: Leg, last: Group, others: Legs, q: Numbers, p: LegLaw) -> dict[st
     weights = _along(q)
     outputs = leg.outputs(others, weights)
     stays = tuple(5 * (value(row, q),) for row in outputs.rows)
-    origin, span = value(outputs.phase, q), p.span_of_flight(last)
-    return _named(leg, weights, stays, origin, span, 1.0) | {f"{leg.name}_lands_at": q[leg.rows[0]]}
+    held = Evolution(stays, value(outputs.phase, q), p.span_of_flight(last))
+    return _latched(leg, weights, held, 1.0, q[leg.rows[0]])
 
 
 def find_landing_legs(legs: Iterable[Leg], held: Held) -> list[Leg]:
@@ -103,12 +103,11 @@ def _begins(
     forward: float,
 ) -> dict[str, Any]:
     evolution = begin_evolution(leg.outputs(others, weights), shapes, q, v, span)
-    named = _named(leg, weights, evolution.alpha, evolution.origin, evolution.span, forward)
-    return named | {f"{leg.name}_lands_at": leg.signs[0] * p.adduction_touchdown(leg)}
+    return _latched(leg, weights, evolution, forward, leg.signs[0] * p.adduction_touchdown(leg))
 
 
-def _named(
-    leg: Leg, weights: tuple[Any, Any, float], alpha: Any, origin: Any, span: Any, forward: float
+def _latched(
+    leg: Leg, weights: tuple[Any, Any, float], evolution: Evolution, forward: float, lands_at: Any
 ) -> dict[str, Any]:
-    latched = {"weights": weights, "alpha": alpha, "origin": origin, "span": span, "past": 0.0, "forward": forward}
+    latched = {"weights": weights, **vars(evolution), "forward": forward, "lands_at": lands_at}
     return {f"{leg.name}_{name}": each for name, each in latched.items()}
