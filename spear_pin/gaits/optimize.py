@@ -12,7 +12,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.bounding import SPEED_BY, bounding
 from spear_pin.gaits.collocation import Progress, Solution, resample
@@ -24,6 +23,7 @@ from spear_pin.gaits.request import Request
 from spear_pin.gaits.search import gait_beside
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.ground import as_ground
+from spear_pin.hybrid.section import section
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 
@@ -122,15 +122,15 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
         NoGait: there is no fixed point nearby: a phase would differ by more than `STRAYS` of its time.
     """
     room = transcription.room
-    law, state, stiffness = read(transcription, solution)
+    law, (q, v), stiffness = read(transcription, solution)
     durations = zip(room.names, transcription.durations, strict=True)
     lasting = {phase: transcription.number(time, solution) for phase, time in durations}
     system = bounding(robot, law, replace(transcription.spring, stiffness=stiffness), contact)
-    state = _on_ground(robot, ("posterior_toe",), state)
+    (q,), (v,) = section(system).placed(q[None], v[None], np.zeros(1, dtype=bool))
     failure = NoGait("nothing was tried", np.inf)
     for by in POLISHED_BY:
         try:
-            gait = gait_beside(system, state, [by], {"mean_speed": room.request.speed})
+            gait = gait_beside(system, (q, v), [by], {"mean_speed": room.request.speed})
         except NoGait as error:
             failure = error
             continue
@@ -142,14 +142,3 @@ def polish(robot: Robot, transcription: Transcription, solution: Solution, conta
         reason = f"the fixed point near the optimiser's solution is another gait: {own}"
         failure = NoGait(reason, gait.residual, remedy="a finer mesh, or another seed")
     raise failure
-
-
-def _on_ground(robot: Robot, toes: tuple[str, ...], state: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Returns the state with the toes exactly on the ground and at rest."""
-    q, v = state
-    rows = np.vstack([robot.toe_jacobian(q, toe) for toe in toes])
-    for _ in range(5):
-        heights = np.array([robot.toe_position(q, toe)[1] for toe in toes])
-        q = q - np.linalg.pinv(rows[1::2]) @ heights
-        rows = np.vstack([robot.toe_jacobian(q, toe) for toe in toes])
-    return q, v - np.linalg.pinv(rows) @ (rows @ v)

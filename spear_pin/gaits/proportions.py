@@ -11,7 +11,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.gaits.reaching import pose_leg
+from spear_pin.gaits.reaching import count_beyond, pose_leg
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import Scale, load_shipped, only_leg, scale_of, touchdown_inertia
 
@@ -75,9 +75,7 @@ def _depth(robot: Robot, knee: float) -> float:
         q = pose_leg(robot, 0.0, knee)
     except BadValue:
         return math.nan
-    limits = [robot.limits[name].position for name in robot.coordinates]
-    within = all(low <= value <= high for (low, high), value in zip(limits, q.tolist(), strict=True))
-    return -float(robot.toe_position(q, robot.toes[0])[-1]) if within else math.nan
+    return math.nan if count_beyond(robot, q) else -float(robot.toe_position(q, robot.toes[0])[-1])
 
 
 def _slope(length: Callable[[float], float], angle: float) -> float:

@@ -91,10 +91,10 @@ def pose_leg(robot: Robot, hip: float, knee: float) -> Array:
         closed.append(robot.closed(found))
     if not closed:
         raise BadValue("knee_touchdown", knee, "an angle at which the leg's loops can be closed")
-    return min(closed, key=lambda each: (_beyond(robot, each), float(robot.toe_position(each, robot.toes[0])[-1])))
+    return min(closed, key=lambda each: (count_beyond(robot, each), float(robot.toe_position(each, robot.toes[0])[-1])))
 
 
-def _beyond(robot: Robot, q: Array) -> int:
+def count_beyond(robot: Robot, q: Array) -> int:
     """Returns how many joints are beyond their limits."""
     limits = [(robot.limits[name].position, value) for name, value in zip(robot.coordinates, q, strict=True)]
     return sum(not low <= value <= high for (low, high), value in limits)
