@@ -27,7 +27,7 @@ from spear_pin.gaits.spatial.trotting import pacing, trotting
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.brakes import Braking
 from spear_pin.hybrid.contact import Contact
-from spear_pin.hybrid.dry_friction import DryFriction
+from spear_pin.hybrid.dry_friction import DryFriction, has_dry_friction
 from spear_pin.hybrid.event_feedback import EventFeedback, feedback_of, with_feedback
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.parameters import LIMITS, Fitted, find_replaced, limits, parameter, rebuilt
@@ -218,11 +218,10 @@ def is_built_by_name(system: HybridSystem) -> bool:
 
 def _unsaid(system: HybridSystem) -> list[str]:
     """Lists properties of a system that a file does not describe, in words."""
-    brakes = {name for change in system.changes if isinstance(change, Braking) for name in change.brakes}
     has = {
         "hardware": system.hardware is not None,
-        "brakes": bool(brakes),
-        "dry friction of joints": any(rub.joint not in brakes for domain in system.domains for rub in domain.rubs),
+        "brakes": bool(system.brakes),
+        "dry friction of joints": has_dry_friction(system),
         "ground that is no plane": type(system.contact) not in (Contact, Ground),
         **dict.fromkeys(unsaid(system.robot), True),
         "another builder than others of its kind": not is_built_by_name(system),

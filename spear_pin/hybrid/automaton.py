@@ -12,6 +12,7 @@ from typing import Any
 
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.hybrid.arc_ends import on_arcs
+from spear_pin.hybrid.brake import Brake, brakes_of
 from spear_pin.hybrid.contact import OPEN as OPEN
 from spear_pin.hybrid.contact import PINNED, Contact
 from spear_pin.hybrid.contact import SLIP_BACKWARD as SLIP_BACKWARD
@@ -139,6 +140,11 @@ class HybridSystem:
         """The arguments of the builder besides the robot: law, spring or springs by name, and contact."""
         springs: Any = self.springs if self.sprung else next(iter(self.springs.values()), None)
         return {"law": self.law, "spring": springs, "contact": self.contact}
+
+    @cached_property
+    def brakes(self) -> dict[str, Brake]:
+        """The brakes by name."""
+        return brakes_of(self.changes)
 
     @cached_property
     def ground(self) -> Ground:

@@ -14,59 +14,20 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, UnknownName, list_names, require
+from spear_pin.errors import BadValue, UnknownName, list_names
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.brake import Brake as Brake
+from spear_pin.hybrid.brake import Braked
 from spear_pin.hybrid.clutch import of_brake
 from spear_pin.hybrid.domain import Domain, Guard, GuardValue, Held, Reset, Rub, Turn
 from spear_pin.hybrid.dry_friction import count_free, modes_of
 from spear_pin.hybrid.dynamics import Dynamics
 from spear_pin.hybrid.parameters import change_system
 from spear_pin.kinds import typed
-from spear_pin.model.clutch import LONGEST
-from spear_pin.model.path import Joints
 from spear_pin.model.robot_posture import find_spanned, row_along
 
-Made = dict[tuple[int, tuple[str, ...]], Reset]  # by the reset that was changed, and the brakes that then grip
-
-
-@typed
-@dataclass(frozen=True)
-class Brake:
-    """A brake that closes in some phases.
-
-    Attributes:
-        force: the most that it holds, in N or N·m; beyond it slips, with this force. No impact makes it slip.
-        phases: names of the phases in which it closes; an event that leads into another phase opens it first.
-        path: the path that it holds; None for the joint of its name.
-        when: a function as of a `Guard`, such as a rate, or a toe's force less a threshold. The brake closes within the
-            phase where its value falls through zero, or is below; None: it closes as the phase begins.
-        delay: time from then until it closes, in s.
-        until: a function as of a `Guard`; the closed brake opens where its value falls through zero, or is below. While
-            `when` asks to close it too, it opens and closes without end (`zeno`).
-    """
-
-    force: float
-    phases: tuple[str, ...]
-    path: Joints | None = None
-    when: GuardValue | None = None
-    delay: float = 0.0
-    until: GuardValue | None = None
-
-    def __post_init__(self) -> None:
-        """Checks the numbers."""
-        require("Brake.force", self.force, lambda force: force > 0, "a number > 0, in N or N·m")
-        within = f"a number from 0 to {LONGEST:g}, in s"
-        require("Brake.delay", self.delay, lambda delay: (delay >= 0) & (delay <= LONGEST), within)
-
-    @property
-    def at_once(self) -> bool:
-        """Tells whether it closes in the instant in which its phases begin."""
-        return self.when is None and self.delay == 0.0
-
-    @property
-    def switches(self) -> bool:
-        """Tells whether it opens or closes within its phases."""
-        return not self.at_once or self.until is not None
+Names = tuple[str, str, str]
+Made = dict[tuple[int, tuple[str, ...], tuple[Turn, ...]], Reset]  # by the reset that was changed, and how
 
 
 @typed
@@ -95,14 +56,8 @@ def with_brakes(system: HybridSystem, brakes: Mapping[str, Brake]) -> HybridSyst
 
 
 @dataclass(frozen=True)
-class Braking:
-    """The change of a system that adds brakes.
-
-    Attributes:
-        brakes: the brakes by name.
-    """
-
-    brakes: Mapping[str, Brake]
+class Braking(Braked):
+    """The change of a system that adds brakes, as a function."""
 
     def __call__(self, system: HybridSystem) -> HybridSystem:
         """Returns the system with brakes added."""
@@ -133,7 +88,7 @@ class Braking:
     def _variants(self, domain: Domain, rubs: Mapping[str, Rub], made: Made) -> Iterator[tuple[Domain, list[Rub]]]:
         """Yields the domain, for each way in which brakes may be closed in it, with the closed ones."""
         own = self._of(domain.phase)
-        switching = [name for name in own if self.brakes[name].switches]
+        switching = [name for name in own if not self.brakes[name].at_once]
         for ways in product((False, True), repeat=len(switching)):
             states = dict(zip(switching, ways, strict=True))
             closed = [name for name in own if states.get(name, True)]
@@ -148,18 +103,21 @@ class Braking:
 
     def _switches(self, name: str, way: bool, closed: Sequence[str], rubs: Mapping[str, Rub]) -> Iterator[Guard]:
         """Yields the events at which a brake opens, if it is closed, and those at which it closes."""
-        brake = self.brakes[name]
+        brake, own = self.brakes[name], of_brake(name)
         grips = tuple(rubs[each].along for each in rubs if each in (*closed, name))
         closes = Reset(grips=grips, turns=(Turn(name, closed=True),))
         if way:
             if brake.until is not None:
                 yield Guard(f"opens:{name}", brake.until, Reset(turns=(Turn(name),)))
             return
+        if brake.begins and brake.until is not None:  # of both, the first happens
+            yield Guard(f"opens:{name}", partial(_while_waiting, own, brake.until), Reset(turns=(Turn(name),)))
+            yield Guard(f"closes:{name}", partial(_at_once, own), closes)
         if brake.delay:
-            yield Guard(f"closes:{name}", partial(_left, of_brake(name)), closes)
+            yield Guard(f"closes:{name}", partial(_left, own), closes)
         if brake.when is not None:
-            waits = Reset(turns=(Turn(name, waits=True, delay=brake.delay),))
-            value = partial(_unless, of_brake(name), brake.when) if brake.delay else brake.when
+            waits = Reset(turns=(Turn(name, waits=True),))
+            value = partial(_unless, own, brake.when) if brake.delay else brake.when
             yield Guard(f"{'waits' if brake.delay else 'closes'}:{name}", value, waits if brake.delay else closes)
 
     def _closing(
@@ -177,11 +135,13 @@ class Braking:
             after, turns = list(closed), tuple[Turn, ...]()
             if reset.phase is not None:
                 entered = self._of(reset.phase)
-                after = [name for name in entered if self.brakes[name].at_once]
-                turns = tuple(self._turn(name, name in entered) for name, each in self.brakes.items() if each.switches)
+                stay = [name for name in entered if name in closed and self.brakes[name].begins]
+                after = [name for name in entered if self.brakes[name].at_once or name in stay]
+                turning = [name for name, each in self.brakes.items() if not each.at_once]
+                turns = tuple(self._turn(name, name in entered, name in stay) for name in turning)
             grips = () if not {*after} - {*closed} and not reset.impact else after
             changed = replace(reset, grips=tuple(rubs[name].along for name in grips), turns=turns)
-            return made.setdefault((id(reset), tuple(grips)), changed) if changed != reset else reset
+            return made.setdefault((id(reset), tuple(grips), turns), changed) if changed != reset else reset
 
         guards = tuple(replace(guard, reset=closes(guard.reset)) for guard in domain.guards)
         switch = domain.switch
@@ -191,24 +151,35 @@ class Braking:
             switch = replace(switch, reset=reset)
         return replace(domain, guards=guards, switch=switch)
 
-    def _turn(self, name: str, begins: bool) -> Turn:
-        """Returns what the beginning of a phase does to a brake, if it is one of those in which that closes."""
-        brake = self.brakes[name]
-        begins = begins and brake.when is None
-        return Turn(name, closed=begins and brake.at_once, waits=begins and not brake.at_once, delay=brake.delay)
+    def _turn(self, name: str, entered: bool, stays: bool) -> Turn:
+        """Returns what the beginning of a phase does to a brake that may close in that phase, or stay closed."""
+        return Turn(name, closed=stays, waits=entered and not stays and self.brakes[name].when is None)
 
 
-def _left(names: tuple[str, str, str], t: Any, q: Any, v: Any, held: Held, p: Any, dyn: Dynamics, ops: Any) -> Any:
+def _at_once(names: Names, t: Any, q: Any, v: Any, held: Held, p: Any, dyn: Dynamics, ops: Any) -> Any:
+    """Returns a value below zero if a brake waits to close."""
+    return 1.0 - 2.0 * held.get(names[1], 0.0)
+
+
+def _left(names: Names, t: Any, q: Any, v: Any, held: Held, p: Any, dyn: Dynamics, ops: Any) -> Any:
     """Returns the time until a brake closes, if it waits for that."""
     _, waiting, time = names
-    return held[time] - t if held.get(waiting) else 1.0
+    waits = held.get(waiting, 0.0)
+    return waits * (held.get(time, 0.0) - t) + (1.0 - waits)
 
 
-def _unless(
-    names: tuple[str, str, str], when: GuardValue, t: Any, q: Any, v: Any, held: Held, p: Any, dyn: Dynamics, ops: Any
+def _while_waiting(
+    names: Names, until: GuardValue, t: Any, q: Any, v: Any, held: Held, p: Any, dyn: Dynamics, ops: Any
 ) -> Any:
+    """Returns the value of a condition, if a brake waits to close."""
+    waits = held.get(names[1], 0.0)
+    return waits * until(t, q, v, held, p, dyn, ops) + (1.0 - waits)
+
+
+def _unless(names: Names, when: GuardValue, t: Any, q: Any, v: Any, held: Held, p: Any, dyn: Dynamics, ops: Any) -> Any:
     """Returns the value of a condition, unless a brake waits to close already."""
-    return 1.0 if held.get(names[1]) else when(t, q, v, held, p, dyn, ops)
+    waits = held.get(names[1], 0.0)
+    return waits + (1.0 - waits) * when(t, q, v, held, p, dyn, ops)
 
 
 def _checked(domain: Domain, closed: list[Rub], system: HybridSystem) -> list[Rub]:

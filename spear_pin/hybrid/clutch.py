@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.brake import Brakes
 from spear_pin.hybrid.domain import (
     ACTS,
     DUE,
@@ -46,11 +47,13 @@ class Clock(NamedTuple):
         t: time since the phase began, in s.
         springs: the system's springs, with scalars of any kind.
         system: the system.
+        brakes: the system's brakes, with scalars of any kind; None for them as they are.
     """
 
     t: Any
     springs: Mapping[str, Spring]
     system: HybridSystem
+    brakes: Brakes | None = None
 
 
 def after_edges(edges: Sequence[Edge], held: Held, q: Sequence[Any], clock: Clock) -> Held:
@@ -60,11 +63,12 @@ def after_edges(edges: Sequence[Edge], held: Held, q: Sequence[Any], clock: Cloc
     return held
 
 
-def after_turns(turns: Sequence[Turn], held: Held, t: Any) -> Held:
+def after_turns(turns: Sequence[Turn], held: Held, clock: Clock) -> Held:
     """Returns the values held after brakes opened, closed, or began to wait until they close."""
-    for brake, closed, waits, delay in turns:
+    brakes = clock.system.brakes if clock.brakes is None else clock.brakes
+    for brake, closed, waits in turns:
         own, waiting, time = of_brake(brake)
-        held = {**held, own: float(closed), waiting: float(waits), time: t + delay}
+        held = {**held, own: float(closed), waiting: float(waits), time: clock.t + brakes[brake].delay}
     return held
 
 

@@ -18,7 +18,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from operator import and_
 from typing import Any, NamedTuple
 
 from spear_pin.hybrid.contact import OPEN
@@ -162,14 +163,12 @@ class Turn(NamedTuple):
     Attributes:
         brake: its name.
         closed: whether it is closed from now on.
-        waits: whether it is to close later.
-        delay: after how long, in s.
+        waits: whether it is to close later, after its delay.
     """
 
     brake: str
     closed: bool = False
     waits: bool = False
-    delay: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -316,9 +315,9 @@ class Domain:
     bouncing: tuple[str, ...] = ()
     brakes: tuple[tuple[str, bool], ...] = ()
 
-    def suits(self, held: Held) -> bool:
-        """Tells whether brakes are open and closed in it as they are."""
-        return all(bool(held.get(name, 0.0)) == closed for name, closed in self.brakes)
+    def suits(self, held: Held) -> Any:
+        """Tells whether brakes are open and closed in it as they are, in each lane where these differ."""
+        return reduce(and_, ((held.get(name, 0.0) != 0.0) == closed for name, closed in self.brakes), True)
 
     @property
     def key(self) -> tuple[str, str]:

@@ -77,6 +77,11 @@ class DryFriction:
         return replace(system, domains=tuple(domains))
 
 
+def has_dry_friction(system: HybridSystem) -> bool:
+    """Tells whether joints have dry friction, other than that of brakes."""
+    return any(rub.joint not in system.brakes for domain in system.domains for rub in domain.rubs)
+
+
 def modes_of(domain: Domain, robot: Robot, held: Sequence[Rub]) -> list[Domain]:
     """Returns the domain's variants with each joint or path held, moving forward and moving backward."""
     modes = []

@@ -208,12 +208,33 @@ class TestRefused:
             with_brakes(hopping(load("crank_hopper"), law), {"slide": Brake(1.0, (AIR,))})
 
 
-def test_a_brake_that_stays_closed_over_phases_does_not_grip_again(tmp_path):
-    """A condition to open that never holds changes nothing."""
-    system = footed(leg(tmp_path))
-    plain, conditional = (
-        simulate(with_brakes(system, {"ankle": Brake(0.05, ("flat", "toe"), until=until)}), system.guess())
-        for until in (None, lambda *_: 1.0)
-    )
-    assert [event.name for event in plain.events] == [event.name for event in conditional.events]
-    np.testing.assert_allclose(conditional.ledger.work, plain.ledger.work, rtol=0, atol=1e-12)
+class TestUntil:
+    """A condition to open that a brake has from the beginning of its phases."""
+
+    @pytest.mark.parametrize("until", [lambda *_: -1.0, lambda t, q, v, *_: v[2] + 1.0])
+    def test_it_does_not_grip_where_that_holds_already(self, until):
+        """The knee extends as the leg lifts off; then the motion is that without a brake."""
+        plain = simulate(HOP, START, cycles=1, rtol=1e-11)
+        hop = simulate(with_brakes(HOP, {"knee": Brake(200.0, (AIR,), until=until)}), START, cycles=1, rtol=1e-11)
+        (lifts,), (opens,) = hop.named("lift_off"), hop.named("opens:knee")
+        assert opens.time == lifts.time and not hop.named("closes:knee") and not opens.work
+        assert plain.named("lift_off")[0].v[2] < -1.0 and f"{AIR} knee held" not in hop.domain
+        np.testing.assert_allclose(hop.q[-1], plain.q[-1], atol=1e-9)
+
+    def test_else_it_grips_as_without_a_condition(self):
+        """In the instant after; where no toe strikes then, that is the same impact."""
+        plain = simulate(braked(), START, cycles=1, rtol=1e-11)
+        system = with_brakes(HOP, {"knee": Brake(200.0, (AIR,), until=lambda *_: 1.0)})
+        hop = simulate(system, START, cycles=1, rtol=1e-11)
+        (lifts,), (closes,) = plain.named("lift_off"), hop.named("closes:knee")
+        assert closes.work["impact"] == pytest.approx(lifts.work["impact"], abs=1e-9)
+        np.testing.assert_allclose(hop.q[-1], plain.q[-1], atol=1e-9)
+
+    def test_it_stays_closed_over_phases_and_does_not_grip_again(self, tmp_path):
+        brakes = {"ankle": Brake(0.05, ("flat", "toe"), until=lambda *_: 1.0)}
+        system = footed(leg(tmp_path))
+        hop = simulate(with_brakes(system, brakes), system.guess())
+        (closes,) = hop.named("closes:ankle")
+        lands = [event for event in hop.named("retouch") if event.domain.startswith("toe") and event.time < 0.06]
+        assert len(lands) > 3 and closes.time < lands[0].time and not hop.named("opens:ankle")
+        assert all(abs(event.v[3]) < 1e-12 for event in lands)

@@ -115,7 +115,9 @@ MUTATIONS = [
         {
             "an event that closes no brake": ("for name in grips), turns=turns)", "for name in ()), turns=turns)"),
             "a brake closes in a phase without an impact": ("Reset(grips=grips, turns=", "Reset(turns="),
-            "a condition is met again while a brake waits": ("1.0 if held.get(names[1]) else when(", "when("),
+            "a condition is met again while a brake waits": ("waits + (1.0 - waits) * when(", "when("),
+            "a brake grips although it is to open": ("waits * until(t, q, v, held, p, dyn, ops) +", "waits +"),
+            "a brake that stays closed is opened": ("Turn(name, closed=stays,", "Turn(name, closed=False,"),
         },
     ),
     *mistakes_in(

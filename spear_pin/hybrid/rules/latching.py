@@ -55,7 +55,7 @@ def latch_values(
         if begins and reset.adjust is not None:
             held = {**held, **reset.adjust(q, v, held, law)}
         if clock is not None:
-            held = after_turns(reset.turns, after_edges(reset.edges, held, q, clock), clock.t)
+            held = after_turns(reset.turns, after_edges(reset.edges, held, q, clock), clock)
         latch, p = reset.latch, adjust_law(law, held)
         if latch is not None and numbers and own.is_own(latch):
             what = f"latch of {place_of(reset)}"

@@ -1,0 +1,90 @@
+"""A brake as data, and the numbers of brakes, which may be scalars of any kind."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from spear_pin.errors import require
+from spear_pin.hybrid.domain import GuardValue
+from spear_pin.hybrid.fields import with_fields
+from spear_pin.kinds import typed
+from spear_pin.model.clutch import LONGEST
+from spear_pin.model.path import Joints
+
+NUMBERS = {"force": "brake_force", "delay": "brake_delay"}  # what the fields are called behind the brake's name
+
+
+@typed
+@dataclass(frozen=True)
+class Brake:
+    """A brake that closes in some phases.
+
+    Attributes:
+        force: the most that it holds, in N or N·m; beyond it slips, with this force. No impact makes it slip.
+        phases: names of the phases in which it closes; an event that leads into another phase opens it first.
+        path: the path that it holds; None for the joint of its name.
+        when: a function as of a `Guard`, such as a rate, or a toe's force less a threshold. The brake closes within the
+            phase where its value falls through zero, or is below; None: it closes as the phase begins.
+        delay: time from then until it closes, in s.
+        until: a function as of a `Guard`; the closed brake opens where its value falls through zero, or is below. If
+            that is so as a phase begins, the brake does not close; else it closes just after toes have struck. While
+            `when` asks to close it too, it opens and closes without end (`zeno`).
+    """
+
+    force: float
+    phases: tuple[str, ...]
+    path: Joints | None = None
+    when: GuardValue | None = None
+    delay: float = 0.0
+    until: GuardValue | None = None
+
+    def __post_init__(self) -> None:
+        """Checks the numbers."""
+        require("Brake.force", self.force, lambda force: force > 0, "a number > 0, in N or N·m")
+        within = f"a number from 0 to {LONGEST:g}, in s"
+        require("Brake.delay", self.delay, lambda delay: (delay >= 0) & (delay <= LONGEST), within)
+
+    @property
+    def at_once(self) -> bool:
+        """Tells whether it closes in the instant in which its phases begin, whatever the state."""
+        return self.begins and self.until is None
+
+    @property
+    def begins(self) -> bool:
+        """Tells whether it closes in that instant unless `until` holds already."""
+        return self.when is None and self.delay == 0.0
+
+
+Brakes = Mapping[str, Brake]
+
+
+@dataclass(frozen=True)
+class Braked:
+    """A change of a system that adds brakes.
+
+    Attributes:
+        brakes: the brakes by name.
+    """
+
+    brakes: Brakes
+
+
+def brakes_of(changes: Iterable[object]) -> dict[str, Brake]:
+    """Returns the brakes that changes of a system add, by name."""
+    return {name: each for change in changes if isinstance(change, Braked) for name, each in change.brakes.items()}
+
+
+def numbers_of_brakes(brakes: Brakes) -> dict[str, Any]:
+    """Returns the numbers of brakes by name, such as `knee.brake_force`, in their order."""
+    return {f"{name}.{own}": getattr(each, field) for name, each in brakes.items() for field, own in NUMBERS.items()}
+
+
+def brakes_with(brakes: Brakes, values: Mapping[str, Any]) -> dict[str, Brake]:
+    """Returns brakes with other numbers of any kind, by the names of `numbers_of_brakes`; those not named stay."""
+    every = {**numbers_of_brakes(brakes), **values}
+    return {
+        name: with_fields(each, {field: every[f"{name}.{own}"] for field, own in NUMBERS.items()})
+        for name, each in brakes.items()
+    }
