@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.dry_friction import has_dry_friction
 from spear_pin.hybrid.engines import structure, taylor
 from spear_pin.hybrid.engines.taylor import available as available
 from spear_pin.hybrid.engines.taylor import require as require
@@ -135,10 +136,11 @@ def check_equations(system: HybridSystem) -> None:
     """Checks that a system has equations of motion for scalars of any kind, of which derivatives are made.
 
     Raises:
-        BadValue: it has hardware or dry friction of joints, or a boom that adds inertia to its robot.
+        BadValue: it has hardware, or dry friction of joints other than that of brakes, or a boom that adds inertia to
+            its robot.
     """
-    if system.hardware is not None or any(domain.rubs for domain in system.domains):
-        raise BadValue("system", system.kind, "one without hardware, brakes and dry friction of joints")
+    if system.hardware is not None or has_dry_friction(system):
+        raise BadValue("system", system.kind, "one without hardware and dry friction of joints, brakes apart")
     if system.robot.added is not None:
         raise BadValue("robot", system.robot.name, "one without a rotary boom")
 

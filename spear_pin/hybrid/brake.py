@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from spear_pin.errors import require
 from spear_pin.hybrid.domain import GuardValue
@@ -14,6 +14,18 @@ from spear_pin.model.clutch import LONGEST
 from spear_pin.model.path import Joints
 
 NUMBERS = {"force": "brake_force", "delay": "brake_delay"}  # what the fields are called behind the brake's name
+
+
+class Place(NamedTuple):
+    """Where a number of brakes is.
+
+    Attributes:
+        brake: name of the brake.
+        field: its own name there.
+    """
+
+    brake: str
+    field: str
 
 
 @typed
@@ -76,15 +88,38 @@ def brakes_of(changes: Iterable[object]) -> dict[str, Brake]:
     return {name: each for change in changes if isinstance(change, Braked) for name, each in change.brakes.items()}
 
 
+def places_of_brakes(brakes: Brakes) -> dict[str, Place]:
+    """Returns where each number of brakes is, by its name, such as `knee.brake_force`."""
+    return {f"{brake}.{own}": Place(brake, field) for brake in brakes for field, own in NUMBERS.items()}
+
+
 def numbers_of_brakes(brakes: Brakes) -> dict[str, Any]:
-    """Returns the numbers of brakes by name, such as `knee.brake_force`, in their order."""
-    return {f"{name}.{own}": getattr(each, field) for name, each in brakes.items() for field, own in NUMBERS.items()}
+    """Returns the numbers of brakes by name, in their order."""
+    return {name: getattr(brakes[brake], field) for name, (brake, field) in places_of_brakes(brakes).items()}
 
 
 def brakes_with(brakes: Brakes, values: Mapping[str, Any]) -> dict[str, Brake]:
     """Returns brakes with other numbers of any kind, by the names of `numbers_of_brakes`; those not named stay."""
-    every = {**numbers_of_brakes(brakes), **values}
-    return {
-        name: with_fields(each, {field: every[f"{name}.{own}"] for field, own in NUMBERS.items()})
-        for name, each in brakes.items()
-    }
+    changed: dict[str, dict[str, Any]] = {name: {} for name in brakes}
+    for name, (brake, field) in places_of_brakes(brakes).items():
+        if name in values:
+            changed[brake][field] = values[name]
+    return {name: with_fields(each, changed[name]) for name, each in brakes.items()}
+
+
+def unit_of_brakes(units: Mapping[str, str], brakes: Brakes, name: str) -> str:
+    """Returns the unit of a number of brakes; "" if none has it.
+
+    Args:
+        units: units of the robot's coordinates by name.
+        brakes: the brakes.
+        name: name of the number.
+    """
+    place = places_of_brakes(brakes).get(name)
+    if place is None:
+        return ""
+    if place.field == "delay":
+        return "s"
+    path = brakes[place.brake].path
+    turns = units[place.brake] == "rad" if path is None else path.turns
+    return "N·m" if turns else "N"

@@ -65,6 +65,8 @@ class Braking(Braked):
         if not robot.planar or system.pins:
             raise BadValue("system", system.kind, "one in the plane, without pinned toes")
         for name, rub in rubs.items():
+            if any(name == each.joint for domain in system.domains for each in domain.rubs):
+                raise BadValue("name of a brake", name, "one that no other brake and no joint with dry friction has")
             if tied := [joint for joint in find_spanned(rub.along, robot) if joint not in robot.independent]:
                 expected = f"joints that loops do not tie, or {list_names(robot.independent)}"
                 raise BadValue(f"joints of the brake {name!r}", tied, expected)

@@ -320,9 +320,9 @@ class Domain:
         return reduce(and_, ((held.get(name, 0.0) != 0.0) == closed for name, closed in self.brakes), True)
 
     @property
-    def key(self) -> tuple[str, str]:
-        """Phase and name, by which a system with other numbers has the same domain."""
-        return self.phase, self.name
+    def key(self) -> tuple[Any, ...]:
+        """Phase, name and modes of friction, by which a system with other numbers has the same domain."""
+        return self.phase, self.name, *((rub.joint, rub.sign) for rub in self.rubs)
 
     @property
     def alternating(self) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from spear_pin.hybrid.parameters import change_system
 from spear_pin.hybrid.rules.footing import Bound, closed_toes
 from spear_pin.hybrid.rules.guards import rubbing_guards
 from spear_pin.model.robot import Robot
-from spear_pin.model.robot_posture import row_along
+from spear_pin.model.robot_posture import lever_along
 
 SIGNS = (0.0, 1.0, -1.0)  # a joint at rest is held if possible
 
@@ -88,7 +88,7 @@ def modes_of(domain: Domain, robot: Robot, held: Sequence[Rub]) -> list[Domain]:
     for signs in product(SIGNS, repeat=len(held)):
         rubs = tuple(replace(rub, sign=sign) for rub, sign in zip(held, signs, strict=True))
         names = [domain.name, *(f"{rub.joint} held" for rub in rubs if rub.sign == 0)]
-        ends = (guard for rub in rubs for guard in rubbing_guards(rub, row_along(rub.along, robot)))
+        ends = (guard for rub in rubs for guard in rubbing_guards(rub, lever_along(rub.along, robot)))
         # other events at the same instant, such as the apex, come first
         guards = (*domain.guards, *ends)
         modes.append(replace(domain, name=" ".join(names), rubs=(*domain.rubs, *rubs), guards=guards))

@@ -47,12 +47,14 @@ def eliminate(matrix: Matrix, rights: Matrix) -> Matrix:
     return [substitute(factors, right) for right in rights]
 
 
-def responses(terms: Terms, rows: Matrix, solved: Callable[[Matrix, Matrix], Matrix] = eliminate) -> Matrix:
+def responses(
+    terms: Terms, rows: Matrix, solved: Callable[[Matrix, Matrix], Matrix] = eliminate, grips: Matrix | None = None
+) -> Matrix:
     """Returns the change of velocity for a unit impulse along each row, D⁻¹ Jᵀ.
 
-    With closed loops, whose rows are A, it solves D r + Aᵀ μ = Jᵀ, A r = 0 instead.
+    With closed loops and joints that brakes hold, whose rows are A, it solves D r + Aᵀ μ = Jᵀ, A r = 0 instead.
     """
-    nv, loops = len(terms.mass_matrix), terms.loop_rows
+    nv, loops = len(terms.mass_matrix), [*terms.loop_rows, *(grips or [])]
     if not loops:
         return solved(terms.mass_matrix, rows)
     border = [[*own, *column] for own, *column in zip(terms.mass_matrix, *loops, strict=True)]

@@ -24,13 +24,15 @@ from spear_pin.hybrid.rules.footing import (
     fitness,
     is_torn_off,
     make_footing,
+    make_rubbing,
+    moved,
     rate_fits,
     still,
 )
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latch_values, standing
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, is_aloft, rests, start
-from spear_pin.model.robot_posture import row_along
+from spear_pin.model.robot_posture import lever_along
 from spear_pin.model.round_feet import parts_of
 
 F = TypeVar("F", bound=Flow)
@@ -83,15 +85,14 @@ def find_fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -
     """Returns the flow that fits best, by `rules.footing.fitness`."""
     best, found, nq, nv = None, -math.inf, system.robot.nq, system.robot.nv
     for flow in flows:
-        rubs = [(rub, float(row_along(rub.along, system.robot) @ y[nq : nq + nv])) for rub in flow.domain.rubs]
-        fits = UNFIT
-        if all(rate_fits(rub, rate) for rub, rate in rubs):
+        rubs, fits = flow.domain.rubs, UNFIT
+        if all(rate_fits(rub, float(moved(lever_along(rub.along, system.robot), y[nq : nq + nv]))) for rub in rubs):
             flow(t, y)
             closed = closed_toes(system.robot.toes, flow.domain)
             feet = [
                 (mode, make_footing(flow, toe, mode)) for toe, mode in closed if mode != PINNED
             ]  # a pin bears any force
-            fits = fitness(feet, [(rub, flow.rubbing(rub)) for rub, _ in rubs])
+            fits = fitness(feet, [(rub, make_rubbing(flow, rub)) for rub in rubs])
             if not all(_stays(flow, toe) for toe in flow.domain.bouncing):
                 fits = UNFIT
         if fits == math.inf:

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 from spear_pin.errors import BadValue, SpearError, UnknownName
 from spear_pin.hybrid.automaton import REPLACED, HybridSystem
+from spear_pin.hybrid.brake import Braked, Brakes, places_of_brakes, unit_of_brakes
 from spear_pin.hybrid.ground import PLACE
 from spear_pin.hybrid.hardware import Hardware
 from spear_pin.kinds import typed
@@ -21,7 +22,7 @@ from spear_pin.model.spring import Spring
 from spear_pin.model.springs import places_of, unit_of
 from spear_pin.model.variants import PARAMETERS, parameters_of, value_of, vary
 
-OF_SPRING = "spring "  # begins the part that is one of the springs
+OF_SPRING, OF_BRAKE = "spring ", "brake "  # begins the part that is one of the springs, or of the brakes
 Change = Callable[[HybridSystem], HybridSystem]
 LIMITS = ("phase_limit", "shortest_flight", "overlap")
 OF_GROUND = {"friction": "1", "slope": "rad", "height": "m"}
@@ -45,6 +46,9 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
     for name, value in values.items():
         place = _owner(system, name)
         parts[place.part] = place.given(parts.get(place.part, whole[place.part]), value)
+    brakes = {each: parts.pop(OF_BRAKE + each) for each in system.brakes if OF_BRAKE + each in parts}
+    if brakes:
+        system = _rebraked(system, brakes)
     springs = {each: parts.pop(OF_SPRING + each) for each in system.springs if OF_SPRING + each in parts}
     if springs:
         parts["spring"] = {**system.springs, **springs} if system.sprung else springs.popitem()[1]
@@ -68,6 +72,17 @@ def rebuilt(system: HybridSystem, robot: Robot | None = None, **parts: Any) -> H
         parts["spring"] = dict([(first[0], own), *others])
     again = system.build(system.robot if robot is None else robot, **system.parts | parts)
     return replace(again, **kept) if kept else again  # once made it is checked
+
+
+def _rebraked(system: HybridSystem, brakes: Brakes) -> HybridSystem:
+    """Returns a system with other brakes in the place of those of their names."""
+    kept, build = find_replaced(system), system.made["builder"]
+    again: HybridSystem = build(system.robot, *system.parts.values())
+    for change in system.changes:
+        if isinstance(change, Braked):
+            change = replace(change, brakes={name: brakes.get(name, own) for name, own in change.brakes.items()})
+        again = change_system(again, change)
+    return replace(again, **kept) if kept else again
 
 
 def change_system(system: HybridSystem, change: Change) -> HybridSystem:
@@ -184,7 +199,10 @@ def unit(system: HybridSystem, name: str) -> str:
     others: Mapping[str, str] = OF_GROUND | dict(getattr(system.law, "units", {}))
     if name in bodies:
         return bodies[name].unit
-    return others.get(name, "") if name in others else unit_of(system.springs, name)
+    if name in others:
+        return others[name]
+    units = dict(zip(system.robot.coordinates, system.robot.units, strict=True))
+    return unit_of_brakes(units, system.brakes, name) or unit_of(system.springs, name)
 
 
 def with_numbers(system: HybridSystem, values: Mapping[str, float]) -> HybridSystem:
@@ -223,7 +241,8 @@ class _Place(NamedTuple):
 def _parts(system: HybridSystem) -> dict[str, Any]:
     """Returns the parts with numbers: law, each spring, and ground or contact."""
     springs = {f"{OF_SPRING}{name}": spring for name, spring in system.springs.items()}
-    return {"law": system.law, **springs, "contact": system.ground}
+    brakes = {f"{OF_BRAKE}{name}": brake for name, brake in system.brakes.items()}
+    return {"law": system.law, **springs, "contact": system.ground, **brakes}
 
 
 def _owner(system: HybridSystem, name: str) -> _Place:
@@ -252,6 +271,8 @@ def _places(system: HybridSystem) -> dict[str, dict[str, _Place]]:
     for name, place in places_of(system.springs).items():
         part = OF_SPRING + place.spring
         found[part][name] = _Place(part, place.inner or None, place.field)
+    for name, each in places_of_brakes(system.brakes).items():
+        found[OF_BRAKE + each.brake][name] = _Place(OF_BRAKE + each.brake, None, each.field)
     for part, whole in (("law", system.law), ("contact", system.ground)):
         for field in fields(whole):
             value = getattr(whole, field.name)

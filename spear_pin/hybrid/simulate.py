@@ -63,7 +63,7 @@ def simulate(
 
     Raises:
         BadValue: a tolerance, the number of cycles or samples, or the state is not valid; or the system has hardware,
-            dry friction, brakes, a sampled law or a `max_step`, and so cannot be compiled.
+            dry friction of joints, a sampled law or a `max_step`, and so cannot be compiled.
         MissingExtra: "compiled" needs heyoka.
 
     Example:

@@ -17,6 +17,9 @@ from spear_pin.model.frames import frame_id
 from spear_pin.model.path import Joints, Path, Point
 from spear_pin.model.robot import Robot
 
+Lever = tuple[tuple[int, float], ...]
+"""A path's lever on each coordinate that it spans, with the coordinate's index."""
+
 WORLD = "universe"
 TRIED = 3  # postures at which a path is checked
 
@@ -95,6 +98,11 @@ def row_along(path: Joints, robot: Robot) -> Array:
         row[index] = lever
     row.setflags(write=False)
     return row
+
+
+def lever_along(path: Joints, robot: Robot) -> Lever:
+    """Returns the lever of a path over joints on the coordinates that it spans."""
+    return tuple((i, lever) for i, lever in enumerate(row_along(path, robot).tolist()) if lever)
 
 
 @lru_cache(maxsize=256)

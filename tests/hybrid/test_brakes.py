@@ -5,9 +5,9 @@ import pytest
 
 from spear_pin import Gait, HoppingLaw, hopping, load, simulate
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.brakes import Brake, with_brakes
 from spear_pin.hybrid.domain import Reset
+from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.strikes import Overlap, strike_toes
 from spear_pin.model.path import Joints
@@ -183,6 +183,11 @@ class TestRefused:
         with pytest.raises(error, match=said):
             with_brakes(HOP, brakes)
 
+    @pytest.mark.parametrize("other", [braked(), with_dry_friction(HOP, {"knee": 0.1})])
+    def test_a_name_twice(self, other):
+        with pytest.raises(BadValue, match="^name of a brake is 'knee'; expected one that no other brake and no joint"):
+            braked(path=BOTH, system=other)
+
     def test_no_force(self):
         with pytest.raises(BadValue, match=r"^Brake.force is 0.0; expected a number > 0, in N or N·m"):
             Brake(0.0, (AIR,))
@@ -194,13 +199,6 @@ class TestRefused:
     def test_a_system_in_space(self):
         with pytest.raises(BadValue, match="^system is 'trotting'; expected one in the plane, without pinned toes"):
             with_brakes(Gait.load("trot").system, {"anterior_left_knee": Brake(1.0, (AIR,))})
-
-    @pytest.mark.extra("heyoka")
-    def test_lanes(self):
-        late = braked(system=HOP), with_brakes(HOP, {"knee": Brake(1.0, (AIR,), delay=0.02)})
-        for system in late:
-            with pytest.raises(BadValue, match="^system is 'hopping'; expected one without hardware, brakes and dry"):
-                simulate_many(system, *(part[None] for part in START))
 
     def test_what_a_loop_ties(self):
         law = HoppingLaw(-0.35, stance_torque=0.7, frequency=5.0, knee_gain=6.0, knee_damping=0.15)

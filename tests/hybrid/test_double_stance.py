@@ -204,7 +204,7 @@ def test_lanes_whose_landing_toe_rises_are_left_as_they_are(lanes):
     fast = np.outer(v, np.ones(lanes))
     fast[1, 0] = 2.0
     group = Group(np.arange(lanes), np.zeros(lanes), np.concatenate([np.outer(q, np.ones(lanes)), fast]), {})
-    struck, risen = strike(numbers, list(TOES), (ANTERIOR,), group)
+    struck, risen = strike(numbers, list(TOES), Reset(impact=(ANTERIOR,)), group)
     assert risen.lanes.tolist() == [0] and struck.lanes.tolist() == list(range(1, lanes))
     np.testing.assert_array_equal(risen.y, group.y[:, :1])
     for y in struck.y.T:

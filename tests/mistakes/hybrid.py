@@ -121,6 +121,33 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
+        "hybrid/engines/symbolic",
+        ["hybrid/test_compiled_brakes"],
+        {
+            "a brake that slips drives": ("found[i] - rub.sign * lever", "found[i] + rub.sign * lever"),
+            "a brake that sticks moves": ("[*self._terms.loop_rows, *held]", "[*self._terms.loop_rows]"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/lanes/impacts",
+        ["hybrid/test_compiled_brakes"],
+        {
+            "lanes: a brake that takes the most energy": (
+                "_solved(own, apply_matrices(along_it @ D, v)) if",
+                "v @ basis[0] if",
+            ),
+            "lanes: a brake lifts toes": ("v = _landed(D, J[:, 1::2], v)", "v = 1.0 * v"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/tangent/resets",
+        ["hybrid/test_compiled_brakes"],
+        {
+            "derivatives: a brake that moves a path": ("slopes.braked + turned", "turned"),
+            "derivatives: a brake lifts toes": ("if grips and any(up):", "if grips and False:"),
+        },
+    ),
+    *mistakes_in(
         "hybrid/domain",
         ["gaits/test_hysteresis"],
         {
@@ -254,7 +281,7 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/lanes/impacts",
         ["hybrid/test_loops"],
-        {"lanes: an impact opens loops": ("if terms.loop_rows else None", "if False else None")},
+        {"lanes: an impact opens loops": ("if rows else None", "if False else None")},
     ),
     *mistakes_in(
         "hybrid/elimination",

@@ -43,9 +43,9 @@ class Alternating:
         between = domain.between
         assert between is not None
 
-        unloaded = replace(between.grounded, contacts=between.airborne.contacts)
+        unloaded = replace(between.grounded, contacts=between.airborne.contacts, rubs=between.airborne.rubs)
         bearing = [toe for toe, _ in closed_toes(system.robot.toes, between.grounded)]
-        clock = Clock(0.0, numbers.springs, system)
+        clock = Clock(0.0, numbers.springs, system, numbers.brakes)
         sides = [between.leave], between.touching
         leaves, touches = (latch_values(held, resets, q, v, numbers.law, clock=clock) for resets in sides)
         self._flight = Motion(system, between.airborne, mechanism, 0.0, q, v, leaves, numbers, ops)

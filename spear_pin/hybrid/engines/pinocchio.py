@@ -16,7 +16,7 @@ from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import SLIPS, impose_rows, solve, solve_constrained
-from spear_pin.hybrid.domain import Domain, Guard, Held, Rub
+from spear_pin.hybrid.domain import Domain, Guard, Held
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.binding import Binding
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
@@ -27,7 +27,7 @@ from spear_pin.hybrid.flow_names import DAMPING, by_spring, flow_names, flow_of_
 from spear_pin.hybrid.hardware import Driven, drive
 from spear_pin.hybrid.own import refuse_in_law
 from spear_pin.hybrid.pull import Pull
-from spear_pin.hybrid.rules.footing import Rubbing, along, closed_toes, of_foot, shared
+from spear_pin.hybrid.rules.footing import along, closed_toes, of_foot, shared
 from spear_pin.hybrid.soundness import Latched
 from spear_pin.hybrid.springs import pull_of, torque_on
 from spear_pin.model.directions import WORLD_ALIGNED
@@ -235,10 +235,9 @@ class Flow:
         """Returns the force of the dry friction that held a joint at rest in the last call, in N or N·m."""
         return float(self._holding[self._stuck.index(joint)])
 
-    def rubbing(self, rub: Rub) -> Rubbing:
-        """Returns the rate, the acceleration and the force of a joint with dry friction in the last call."""
-        row = row_along(rub.along, self.system.robot)
-        return Rubbing(float(row @ self.v), float(row @ self.a), 0.0 if rub.sign else self.holding(rub.joint))
+    def most(self, joint: str) -> float:
+        """Returns Coulomb's force on a joint with dry friction, in N or N·m."""
+        return next(rub.force for rub in self.domain.rubs if rub.joint == joint)
 
     def value(self, guard: Guard, t: float, y: Array, dyn: Any = None) -> float:
         """Returns a guard's value, NaN where it has none; call the flow with the same (t, y) first."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import count
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.brake import Brakes, brakes_with, numbers_of_brakes
 from spear_pin.hybrid.domain import Domain, Mount
 from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.fields import FLOATS, field_names, flatten, is_number, with_fields
@@ -34,6 +35,7 @@ class Scalars:
         law: parameters of the control law.
         springs: the springs by name.
         ground: the ground.
+        brakes: the brakes by name.
         joints: viscous friction of each joint, in N·s/m or N·m·s/rad.
     """
 
@@ -41,6 +43,7 @@ class Scalars:
     springs: Mapping[str, Spring]
     ground: Ground
     joints: Sequence[Any]
+    brakes: Brakes = field(default_factory=dict)
 
 
 def others(system: HybridSystem) -> dict[str, float]:
@@ -51,7 +54,8 @@ def others(system: HybridSystem) -> dict[str, float]:
 def all_others(system: HybridSystem) -> dict[str, float]:
     """Returns the scalars other than the law's, including zeros, in their order."""
     of_ground = {name: getattr(system.ground, name) for name in PLACE}
-    return {"friction": system.ground.friction, **numbers_of_springs(system.springs), **of_ground}
+    parts = numbers_of_springs(system.springs), of_ground, numbers_of_brakes(system.brakes)
+    return {"friction": system.ground.friction, **parts[0], **parts[1], **parts[2]}
 
 
 def symbols(
@@ -77,7 +81,7 @@ def symbols(
     moved = mechanism.with_numbers([replaced(number) if number != 0.0 else 0.0 for number in mechanism.numbers])
     joints = [replaced(float(b)) if b != 0.0 else 0.0 for b in system.robot.model.damping]
     kept = Latched({name: replaced(value) for name, value in held.items()})
-    return moved, Scalars(law, springs, ground, joints), kept
+    return moved, Scalars(law, springs, ground, joints, brakes_with(system.brakes, beside)), kept
 
 
 def robot_numbers(system: HybridSystem, mechanism: Mechanism) -> list[float]:
@@ -133,8 +137,8 @@ class Structure:
         rubbing = tuple(b != 0.0 for b in system.robot.model.damping)
         kinds = tuple((spring.unilateral, spring.rest) for spring in system.springs.values())
         parts = kinds, tuple(others(system)), _shape(system.law), shape_of(self.held)
-        ground = _shape_of_ground(system.ground)
-        return system.kind, robot, springs, rubbing, parts, ground, domain.contacts, _identity(domain)
+        ground, rubs = _shape_of_ground(system.ground), tuple((rub.joint, rub.sign, rub.path) for rub in domain.rubs)
+        return system.kind, robot, springs, rubbing, parts, ground, domain.contacts, rubs, _identity(domain)
 
     def __hash__(self) -> int:
         return hash(self.key)

@@ -27,6 +27,7 @@ from spear_pin.hybrid.pull import Pull
 from spear_pin.hybrid.rules.footing import Bound, closed_toes, of_foot, shared, size
 from spear_pin.hybrid.springs import number_spring, pull_of, rest_length, torque_on
 from spear_pin.model.mechanism import Feet, Mechanism
+from spear_pin.model.robot_posture import lever_along, row_along
 from spear_pin.model.round_feet import parts_of
 from spear_pin.model.scalars import dot, negate, plus, times
 
@@ -114,7 +115,7 @@ class Motion:
             self._in_law = False
         u = torques(what, law, answer, self.system.robot.actuated) if is_own(law) else list(answer)
         imposed = self._imposed
-        if imposed is None or {j for j, _ in imposed.torques} != set(range(len(u))):
+        if imposed is None or self.domain.rubs or {j for j, _ in imposed.torques} != set(range(len(u))):
             return u, None
         return u, imposed if all(torque is u[j] for j, torque in imposed.torques) else None
 
@@ -134,12 +135,12 @@ class Motion:
         return self._solution[0]
 
     @cached_property
-    def _solution(self) -> tuple[list[Any], dict[str, tuple[Any, ...]], dict[str, Any]]:
-        """Acceleration, ground force on each closed toe, and pivot of each slipping toe."""
+    def _solution(self) -> tuple[list[Any], dict[str, tuple[Any, ...]], dict[str, Any], dict[str, Any]]:
+        """Acceleration, ground force on each closed toe, pivot of each slipping toe, force on each held joint."""
         imposed = self._controlled[1]
         if imposed is not None:
-            return imposed.a, imposed.forces, {}
-        applied = self._applied(zip(self._motors, self.u, strict=True))
+            return imposed.a, imposed.forces, {}, {}
+        applied = self._rubbed(self._applied(zip(self._motors, self.u, strict=True)))
         rows, directions, drift = self._constraint()
         a, multipliers, schur = self._constrained(applied, rows, directions, drift)
         forces: dict[str, tuple[Any, ...]] = {}
@@ -154,7 +155,8 @@ class Motion:
             others = [i for i in range(len(schur)) if i != row]
             pivots[toe] = _complement(schur, row, others)
             row += 1
-        return a, forces, pivots
+        held = [rub.joint for rub in self.domain.rubs if rub.sign == 0]
+        return a, forces, pivots, dict(zip(held, multipliers[len(multipliers) - len(held) :], strict=True))
 
     # what laws and guards may use
 
@@ -234,6 +236,16 @@ class Motion:
         if self._in_law:
             refuse_in_law("pivot")
         return self._solution[2][toe]
+
+    def holding(self, joint: str) -> Any:
+        """Returns the force of the dry friction that holds a joint, or a path, at rest, in N or N·m; not for laws."""
+        if self._in_law:
+            refuse_in_law("holding")
+        return self._solution[3][joint]
+
+    def most(self, joint: str) -> Any:
+        """Returns the force of a brake, the most that it holds, in N or N·m."""
+        return self.numbers.brakes[joint].force
 
     def spring_torque(self, joint: str) -> Any:
         """Returns the torque of all engaged springs on a joint, in N·m; 0 where none is engaged."""
@@ -339,6 +351,14 @@ class Motion:
             forces[i] = forces[i] + torque
         return forces
 
+    def _rubbed(self, forces: Sequence[Any]) -> list[Any]:
+        """Returns forces on the joints with those of dry friction, against the motion."""
+        found = list(forces)
+        for rub in self.domain.rubs:
+            for i, lever in lever_along(rub.along, self.system.robot) if rub.sign else ():
+                found[i] = found[i] - rub.sign * lever * self.most(rub.joint)
+        return found
+
     @cached_property
     def _factors(self) -> tuple[Matrix, list[Any]]:
         return factorize(self.mass_matrix)
@@ -367,9 +387,11 @@ class Motion:
                 columns = zip(z, *tangential, strict=True)
                 directions.append([plus(down, negate(dot(slopes, along))) for down, *along in columns])
                 drift.append(own[-1])
-        loops, rests = self._terms.loop_rows, all(mode in RESTS for _, mode in self._closed)
-        rows, directions = [*rows, *loops], [*directions, *loops]
-        return rows, rows if rests else directions, [*drift, *self._terms.loop_drifts]
+        robot, rests = self.system.robot, all(mode in RESTS for _, mode in self._closed)
+        held = [row_along(rub.along, robot).tolist() for rub in self.domain.rubs if rub.sign == 0]
+        beside: Matrix = [*self._terms.loop_rows, *held]
+        rows, directions = [*rows, *beside], [*directions, *beside]
+        return rows, rows if rests else directions, [*drift, *self._terms.loop_drifts, *len(held) * (0.0,)]
 
     def _bordered(self, force: Sequence[Any], rows: Matrix, drift: Sequence[Any]) -> tuple[Matrix, list[Any]]:
         """Returns matrix and right-hand side of D a = force + Aᵀ λ, A a + drift = 0, for (a, λ)."""

@@ -26,7 +26,7 @@ from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.symbolic import Motion
 from spear_pin.hybrid.own import is_own, mistake
 from spear_pin.hybrid.rules.entry import AWAY
-from spear_pin.hybrid.rules.footing import Footing, closed_toes, fitness, make_footing
+from spear_pin.hybrid.rules.footing import Footing, Rubbing, closed_toes, fitness, make_footing, make_rubbing
 from spear_pin.model.equations import mechanism_of
 
 Values = Mapping[str, Any]
@@ -64,12 +64,14 @@ class Point:
         guards: values of the guards, (g, n).
         kinks: values that change sign where a law is not smooth, (k, n).
         feet: numbers of `rules.footing.Footing` for each closed toe, (c, 6, n).
+        joints: numbers of `rules.footing.Rubbing` for each joint with a brake on it, (b, 4, n).
     """
 
     slopes: Array
     guards: Array
     kinks: Array
     feet: Array
+    joints: Array
 
     def take(self, chosen: Any) -> Point:
         """Returns the values at some of the states."""
@@ -113,6 +115,7 @@ class Compiled:
 
     Attributes:
         closed: toes on the ground, with their modes.
+        rubs: brakes on joints, with their modes.
         state: symbols of q and v.
         numbers: the system's numbers, as symbols.
         here: the domain at `state`.
@@ -124,7 +127,7 @@ class Compiled:
     def __init__(self, system: HybridSystem, domain: Domain, held: Values, code: Code) -> None:
         hy = require()
         self.nv, self.guards = system.robot.nv, len(domain.guards)
-        self.closed = closed_toes(system.robot.toes, domain)
+        self.closed, self.rubs = closed_toes(system.robot.toes, domain), domain.rubs
         self.state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in system.robot.coordinates])
         mechanism, self.numbers, kept = symbols(system, mechanism_of(system.robot), held, hy.par)
 
@@ -163,7 +166,8 @@ class Compiled:
         """Compiles a function that returns all of `Point`."""
         slopes, guards, kinks, motion = self.here
         feet = [number for toe, mode in self.closed for number in make_footing(motion, toe, mode, operations([]))]
-        outputs = [*slopes, *guards, *kinks, *feet]
+        joints = [number for rub in self.rubs for number in make_rubbing(motion, rub)]
+        outputs = [*slopes, *guards, *kinks, *feet, *joints]
         return require().cfunc([_expression(output) for output in outputs], self.state, opt_level=self.level)
 
     @cached_property
@@ -190,9 +194,11 @@ class Compiled:
         if function.is_time_dependent:
             given["time"] = np.ascontiguousarray(t)
         values = function(np.ascontiguousarray(y), **given)
-        counts = 2 * self.nv, self.guards, self.kinks
-        slopes, guards, kinks, feet = np.split(values, np.cumsum(counts))
-        return Point(slopes, guards, kinks, feet.reshape(len(self.closed), len(Footing._fields), n))
+        of_foot, of_joint = len(Footing._fields), len(Rubbing._fields)
+        counts = 2 * self.nv, self.guards, self.kinks, of_foot * len(self.closed)
+        slopes, guards, kinks, feet, joints = np.split(values, np.cumsum(counts))
+        toes, rubs = feet.reshape(len(self.closed), of_foot, n), joints.reshape(len(self.rubs), of_joint, n)
+        return Point(slopes, guards, kinks, toes, rubs)
 
     def run(
         self, t: Array, y: Array, until: Array, parameters: Array, longest: float = math.inf
@@ -269,7 +275,8 @@ class Ready:
     def fitness(self, point: Point) -> Array:
         """Returns how well the domain fits each evaluated state, (n,), by `rules.footing.fitness`."""
         feet = [(mode, foot) for (_, mode), foot in zip(self.compiled.closed, point.feet, strict=True)]
-        return np.broadcast_to(np.asarray(fitness(feet), np.float64), point.slopes.shape[1:])
+        joints = [(rub, Rubbing(*each)) for rub, each in zip(self.compiled.rubs, point.joints, strict=True)]
+        return np.broadcast_to(np.asarray(fitness(feet, joints), np.float64), point.slopes.shape[1:])
 
     def run(
         self, t: Array, y: Array, until: Array, parameters: Array, longest: float = math.inf

@@ -25,12 +25,12 @@ from spear_pin.hybrid.engines.taylor import (
     steps,
 )
 from spear_pin.hybrid.rules.entry import GLIMPSES, NONE, clear, falls, is_bent, stays_on_zero, thresholds
-from spear_pin.hybrid.rules.footing import LEAVES, Footing, fitness
+from spear_pin.hybrid.rules.footing import LEAVES, Footing, Rubbing, fitness
 from spear_pin.hybrid.rules.impact import rises, routh
 from spear_pin.model.scalars import dot
 
 UNCLEAR = -2  # marks an event on entering a domain that happens, or may happen, later than a motion is followed
-OF_TOE = len(Footing._fields)
+OF_TOE, OF_JOINT = len(Footing._fields), len(Rubbing._fields)
 FURTHER = [h for h in GLIMPSES if h > AHEAD]
 
 
@@ -76,7 +76,10 @@ class Single:
         self._patient = [(i, guard.tolerance) for i, guard in patient if 0.0 < guard.patience < math.inf]
         self._kinks, self._bends = slice(kinks, kinks + code.kinks), code.kinks > 0
         self._entered: tuple[float, Array | None, list[float]] = (0.0, None, [])  # where the domain was entered last
-        self._toes = [(mode, kinks + code.kinks + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
+        toes = kinks + code.kinks
+        self._toes = [(mode, toes + OF_TOE * i) for i, (_, mode) in enumerate(code.closed)]
+        joints = toes + OF_TOE * len(code.closed)
+        self._joints = [(rub, joints + OF_JOINT * i) for i, rub in enumerate(code.rubs)]
 
     @cached_property
     def _integrator(self) -> Any:
@@ -100,7 +103,10 @@ class Single:
         self._entered = t, y, values
         if not math.isfinite(sum(values)):
             return Entry(math.inf, t, y, UNCLEAR)
-        fits = math.inf if not self._toes else fitness([(mode, values[i : i + OF_TOE]) for mode, i in self._toes])
+        fits = math.inf
+        if self._toes or self._joints:
+            toes = ((mode, values[i : i + OF_TOE]) for mode, i in self._toes)
+            fits = fitness(toes, ((rub, Rubbing(*values[i : i + OF_JOINT])) for rub, i in self._joints))
         if not fits >= LEAVES:
             return None
         waiting = [i for i, threshold in self._thresholds if values[i] <= threshold]
@@ -170,7 +176,7 @@ class Single:
         return bool(clear([later[i] for i, _ in self._thresholds], later[self._kinks]))
 
     def _values(self, t: float, y: Array, parameters: Array) -> Array:
-        """Returns dy/dt, guards, kinks and the numbers of the toes at a time and a state."""
+        """Returns dy/dt, guards, kinks and the numbers of toes and joints at a time and a state."""
         pars = parameters[: self._count]
         found: Array = self._function(y, pars=pars, time=t) if self._timed else self._function(y, pars=pars)
         return found

@@ -17,6 +17,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc, Record
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.brake import Brakes
 from spear_pin.hybrid.clutch import Clock
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import shape_of
@@ -249,7 +250,7 @@ class LoneRunner:
         now.happened.append(make_happening(domain, event, reset, RETOUCH if again else event.name, time))
         if self._in_space and (reset.impact or reset.stop):
             self._strike_in_space(now, domain, reset)
-        elif reset.impact:
+        elif reset.impact or reset.grips:
             self._strike(now, domain, reset)
         if reset.jump is not None:
             self._jump(now, reset)
@@ -262,19 +263,19 @@ class LoneRunner:
         return reset, again
 
     def _strike(self, now: _Now, domain: Domain, reset: Reset) -> None:
-        """Applies the impact of a toe that was in the air to it and to the toes on the ground."""
+        """Applies the impact of a toe that was in the air, or of a brake, to all that take part in it."""
         key = id(domain), id(reset)
         if key not in self._struck:
             self._struck[key] = find_struck_toes(self._system, domain, reset)
         toes = self._struck[key]
-        if len(toes) == 1:
+        if len(toes) == 1 and not reset.grips:
             struck = self._compiled.impact(toes[0])(now.y, now.parameters)
             if struck is None:
                 raise _Unclear(RISES)
             now.y = struck
             return
         here = Group(np.array([self._lane]), np.array([now.t]), now.y[:, None], spread_held(now.held, 1))
-        after, rising = strike(self._numbers, toes, reset.impact, here)
+        after, rising = strike(self._numbers, toes, reset, here)
         if len(rising):
             raise _Unclear(RISES)
         now.y, now.held = after.y[:, 0], alone(after.held)
@@ -306,6 +307,10 @@ class LoneRunner:
         return self._numbers.springs(self._lane)
 
     @cached_property
+    def _brakes(self) -> Brakes:
+        return self._numbers.brakes(self._lane)
+
+    @cached_property
     def _domains(self) -> Mapping[tuple[str, str], Domain]:
         return {domain.key: domain for domain in self._system.domains}
 
@@ -321,7 +326,7 @@ class LoneRunner:
         y = now.y.tolist()
         try:
             q, v, place_of = y[: self._nv], y[self._nv :], self._system.place_of
-            clock = Clock(now.t, self._springs, self._system)
+            clock = Clock(now.t, self._springs, self._system, self._brakes)
             now.held = latch_values(now.held, [reset], q, v, self._law, place_of, begins=begins, clock=clock)
         except ArithmeticError:
             raise _Unclear(f"{reset.phase or now.phase} cannot be latched") from None
@@ -341,6 +346,8 @@ class LoneRunner:
             return self._enter_in_space(now)
         best = None
         for domain in now.domains:
+            if not domain.suits(now.held):
+                continue
             ready = now.singles.get(id(domain))
             if ready is None:
                 ready = now.singles[id(domain)] = self._compiled.single(domain, now.held)

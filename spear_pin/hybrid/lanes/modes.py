@@ -22,9 +22,9 @@ def choose(numbers: Numbers, phase: str, group: Group) -> tuple[list[tuple[Ready
     domains, chosen = numbers.system.of_phase(phase), []
     best, which = np.full(len(group), -np.inf), np.zeros(len(group), np.int64)
     for i, domain in enumerate(domains):
-        asking = best < np.inf
+        asking = (best < np.inf) & domain.suits(group.held)
         if not asking.any():
-            break
+            continue
         some = group.take(asking)
         ready = numbers.compiled(domain, some)
         point = numbers.at(ready, some)

@@ -12,6 +12,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid import own
 from spear_pin.hybrid.automaton import HybridSystem
+from spear_pin.hybrid.brake import Brakes, brakes_with
 from spear_pin.hybrid.clutch import Clock, from_now_on
 from spear_pin.hybrid.domain import Domain, Reset
 from spear_pin.hybrid.engines import structure
@@ -62,6 +63,10 @@ class Numbers:
     def springs(self, lanes: Any) -> Springs:
         """Returns the springs in some lanes, or in one."""
         return springs_with(self.system.springs, {name: take(value, lanes) for name, value in self._others.items()})
+
+    def brakes(self, lanes: Any) -> Brakes:
+        """Returns the brakes in some lanes, or in one."""
+        return brakes_with(self.system.brakes, {name: take(value, lanes) for name, value in self._others.items()})
 
     def ground(self, lanes: Indices) -> Ground:
         """Returns the ground under some lanes; its numbers are arrays where lanes may differ in them."""
@@ -123,7 +128,7 @@ class Numbers:
         try:
             if n == 1:  # NumPy may take an array of one for a number, or not
                 raise TypeError
-            clock = Clock(group.t, self.springs(group.lanes), self.system)
+            clock = self._clock(group.t, group.lanes)
             held = latch_values(
                 group.held, [reset], list(q), list(v), self.law(group.lanes), begins=begins, clock=clock
             )
@@ -139,13 +144,16 @@ class Numbers:
             new = join_held([undefined if one is None else one for one in found])
             return replace(group, held={**group.held, **new})
 
+    def _clock(self, t: Any, lanes: Any) -> Clock:
+        return Clock(t, self.springs(lanes), self.system, self.brakes(lanes))
+
     def _latch_alone(self, group: Group, reset: Reset, i: int, begins: bool) -> Mapping[str, Any] | None:
         """Returns the values held after an event in the i-th lane of a group, None where one is undefined."""
         held = {name: take(value, i) for name, value in group.held.items()}
         q, v = group.y[: self.nv, i].tolist(), group.y[self.nv :, i].tolist()
         try:
             law = self.law_of(int(group.lanes[i]))
-            clock = Clock(float(group.t[i]), self.springs(int(group.lanes[i])), self.system)
+            clock = self._clock(float(group.t[i]), int(group.lanes[i]))
             return latch_values(held, [reset], q, v, law, self.system.place_of, begins=begins, clock=clock)
         except ArithmeticError:
             return None

@@ -340,8 +340,8 @@ class Lanes:
         if self._in_space and (struck or reset.stop):  # only lone lanes know of other impacts
             self.give_up(group)
             return
-        if struck and len(group):
-            group, rising = strike(self.numbers, struck, reset.impact, group)
+        if (struck or reset.grips) and len(group):
+            group, rising = strike(self.numbers, struck, reset, group)
             self.give_up(rising)
         if reset.jump is not None:
             group, left = self.numbers.jump(group, reset)

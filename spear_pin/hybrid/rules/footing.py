@@ -12,6 +12,7 @@ from spear_pin.hybrid.dynamics import FLOATS, Dynamics, Operations
 from spear_pin.hybrid.rules.scalars import first, where
 from spear_pin.model.feet import find_leading
 from spear_pin.model.robot import Robot
+from spear_pin.model.robot_posture import Lever, lever_along
 from spear_pin.model.scalars import vanishes
 
 AT_REST = 1e-7  # m/s
@@ -55,11 +56,13 @@ class Rubbing(NamedTuple):
         rate: rate of the joint, in m/s or rad/s.
         acceleration: acceleration of the joint, in m/s² or rad/s².
         holding: force that holds the joint at rest, in N or N·m; 0 while it moves.
+        most: Coulomb's force, the most that holds it, in N or N·m.
     """
 
     rate: Any
     acceleration: Any
-    holding: Any = 0.0
+    holding: Any
+    most: Any
 
 
 def closed_toes(toes: Sequence[str], domain: Domain) -> list[tuple[str, str]]:
@@ -149,6 +152,19 @@ def make_footing(dynamics: Dynamics, toe: str, mode: str, ops: Operations = FLOA
     return Footing(along(way, velocity), size(tangential, ops), normal, grip, along(way, acceleration), pivot)
 
 
+def make_rubbing(dynamics: Any, rub: Rub) -> Rubbing:
+    """Returns the numbers of a joint with dry friction, by an engine's motion in a mode of it."""
+    lever = lever_along(rub.along, dynamics.system.robot)
+    holding = 0.0 if rub.sign else dynamics.holding(rub.joint)
+    return Rubbing(moved(lever, dynamics.v), moved(lever, dynamics.a), holding, dynamics.most(rub.joint))
+
+
+def moved(lever: Lever, rates: Any) -> Any:
+    """Returns the rate of a path, or its acceleration, by those of the coordinates."""
+    (first, weight), *others = lever
+    return sum((other * rates[i] for i, other in others), weight * rates[first])
+
+
 def size(tangential: Sequence[Any], ops: Operations = FLOATS) -> Any:
     """Returns the modulus of a vector along the ground; in the plane, where it is one number, with its sign."""
     x, *across = tangential
@@ -171,7 +187,7 @@ def rate_fits(rub: Rub, rate: Any) -> Any:
     return abs(rate) <= AT_REST if rub.sign == 0 else rub.sign * rate >= -AT_REST
 
 
-def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Rub, Rubbing]] = ()) -> Any:
+def fitness(feet: Iterable[tuple[str, Sequence[Any]]], joints: Iterable[tuple[Rub, Rubbing]] = ()) -> Any:
     """Returns how well a domain fits a state; of a phase's domains the fittest is taken, of equal ones the first.
 
     If the domain's modes fit and the forces keep them, the fitness is the least acceleration, in m/s², at which a toe
@@ -203,7 +219,7 @@ def fitness(feet: Sequence[tuple[str, Sequence[Any]]], joints: Sequence[tuple[Ru
     for rub, joint in joints:
         fits = fits & rate_fits(rub, joint.rate)
         if rub.sign == 0:
-            holds = holds & (abs(joint.holding) < rub.force - LET_GO)
+            holds = holds & (abs(joint.holding) < joint.most - LET_GO)
         else:
             goes_on = (abs(joint.rate) > AT_REST) | (rub.sign * joint.acceleration > -STARTS_TO_SLIDE)
             holds = holds & goes_on

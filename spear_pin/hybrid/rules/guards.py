@@ -12,8 +12,9 @@ from spear_pin.hybrid.contact import SIGN, SLIP, SLOW, STICK
 from spear_pin.hybrid.domain import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.elimination import determinant
-from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, LIFTS, UNLOADED, along, size
+from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, LIFTS, UNLOADED, along, moved, size
 from spear_pin.model.robot import Robot
+from spear_pin.model.robot_posture import Lever
 
 ON_GROUND = 1e-8  # m: above the integration's error of the constraint, below any foot clearance
 ON_REST = 1e-9  # rad: above the effect of an error in an event's time
@@ -158,11 +159,11 @@ def make_turning_event(mount: Mount) -> tuple[Guard, ...]:
     return (Guard(f"turns:{name}", onward, Reset(latch=lambda q, v, held, p: {way: -held[way]})),)
 
 
-def to_spare(rub: Rub, side: float) -> GuardValue:
-    """Returns a guard on the margin of dry friction over the force that holds the joint, to one side, in N or N·m."""
+def to_spare(joint: str, side: float) -> GuardValue:
+    """Returns a guard on the margin of dry friction over the force that holds a joint, to one side, in N or N·m."""
 
     def spare(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-        return rub.force - side * dyn.holding(rub.joint)  # which the reference engine has
+        return dyn.most(joint) - side * dyn.holding(joint)
 
     return spare
 
@@ -218,17 +219,18 @@ def lifted_off(toe: str, name: str, lift_off: Reset) -> Guard:
     return Guard(name, stays(toe), lift_off, tolerance=AT_REST)
 
 
-def rubbing_guards(rub: Rub, row: Array) -> tuple[Guard, ...]:
+def rubbing_guards(rub: Rub, lever: Lever) -> tuple[Guard, ...]:
     """Returns the events of dry friction: a moving joint comes to rest, a held joint is released to either side.
 
     Args:
         rub: mode of the joint, or of the path.
-        row: the path's lever on each coordinate, (nv,).
+        lever: the path's lever.
     """
-    if rub.sign:
+    sign, joint = rub.sign, rub.joint  # a guard must not read the friction's force
+    if sign:
 
-        def onward(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> float:
-            return rub.sign * float(row @ v)
+        def onward(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
+            return sign * moved(lever, v)
 
-        return (Guard(f"rest:{rub.joint}", onward, Reset(), tolerance=AT_REST),)
-    return tuple(Guard(f"let_go:{rub.joint}", to_spare(rub, side), Reset(), tolerance=LET_GO) for side in (1.0, -1.0))
+        return (Guard(f"rest:{joint}", onward, Reset(), tolerance=AT_REST),)
+    return tuple(Guard(f"let_go:{joint}", to_spare(joint, side), Reset(), tolerance=LET_GO) for side in (1.0, -1.0))

@@ -44,6 +44,7 @@ from spear_pin.hybrid.tangent.resets import (
     differentiate_strike_in_space,
 )
 from spear_pin.model.feet import find_leading
+from spear_pin.model.path import Joints
 
 SAME = 1e-7  # SI units: by how much the state after an event may differ from that of the engine
 GRAZING = 1e-6  # slope of a guard at zero, relative to its mean slope over the arc, below which it grazes
@@ -112,13 +113,13 @@ class _Whole:
         self.system, self.recorder, self.seeds, self.fineness = system, recorder, seeds, fineness
         self.nv, self.c, self.raw = system.robot.nv, seeds.shape[1], recorder.numbers
         scalars = symbols(system, recorder.mechanism, {}, make_varying(self.raw, seeds))[1]
-        self.law, self.springs = scalars.law, scalars.springs
+        self.law, self.springs, self.brakes = scalars.law, scalars.springs, scalars.brakes
 
     def begun(self, y: Array, dy: Array) -> dict[str, Any]:
         """Returns the values held at the beginning of the cycle."""
         _, resets = self.recorder.start
         state = duals(y, dy)
-        clock = Clock(0.0, self.springs, self.system)
+        clock = Clock(0.0, self.springs, self.system, self.brakes)
         return dict(latch_values({}, resets, state[: self.nv], state[self.nv :], self.law, begins=True, clock=clock))
 
     def carry(self, arc: Arc, now: _Now) -> Stretch:
@@ -190,7 +191,7 @@ class _Whole:
         now.after = self._jump(reset, self._strike(arc, reset, now), now)
         state = duals(now.after, now.dy)
         q, v = state[: self.nv], state[self.nv :]
-        clock = Clock(Dual(arc.end, tau), self.springs, self.system)
+        clock = Clock(Dual(arc.end, tau), self.springs, self.system, self.brakes)
         now.held = dict(latch_values(now.held, [reset], q, v, self.law, begins=not arc.again, clock=clock))
         if reset.phase is not None:
             phase = counts_to(arc.domain, reset, arc.again)
@@ -204,15 +205,14 @@ class _Whole:
         y, nv = arc.after, self.nv
         if self.system.robot.dimension == 3 and (reset.impact or reset.stop):
             change, slope = self._strike_in_space(arc, reset, now)
-        elif toes := find_struck_toes(self.system, arc.domain, reset):
-            feet, slopes = self._feet(toes, y, now)
+        elif (toes := find_struck_toes(self.system, arc.domain, reset)) or reset.grips:
+            feet, slopes = self._feet(toes, y, now, reset.grips)
             lifted: dict[str, Any] = {}
             if pins(self.system, arc.domain, reset):
                 change, slope = differentiate_stop(feet, slopes, range(len(feet.speeds)))
             else:
-                change, slope, lifted = differentiate_strike(
-                    feet, slopes, toes, reset.impact, find_leading(self.system.robot.feet, toes)
-                )
+                leads, grips = find_leading(self.system.robot.feet, toes), bool(reset.grips)
+                change, slope, lifted = differentiate_strike(feet, slopes, toes, reset.impact, leads, grips=grips)
             now.held = {**now.held, **lifted}
         else:
             return y
@@ -228,9 +228,11 @@ class _Whole:
         now.dy = derivatives([*q, *v], self.c)
         return np.array([value_of(each) for each in (*q, *v)])
 
-    def _feet(self, toes: Sequence[str], y: Array, now: _Now) -> tuple[ToeNumbers, ToeNumbers]:
-        """Returns numbers of toes at a state, and their derivatives."""
-        return self.recorder.feet(tuple(toes)).at(y, self.raw, now.dy, self.seeds)
+    def _feet(
+        self, toes: Sequence[str], y: Array, now: _Now, grips: tuple[Joints, ...] = ()
+    ) -> tuple[ToeNumbers, ToeNumbers]:
+        """Returns numbers of toes at a state, after brakes have gripped, and their derivatives."""
+        return self.recorder.feet(tuple(toes), grips).at(y, self.raw, now.dy, self.seeds)
 
     def _strike_in_space(self, arc: Arc, reset: Reset, now: _Now) -> tuple[Array, Array]:
         """Returns the change of velocity by an impact in space, or by the end of sliding, and its derivatives."""

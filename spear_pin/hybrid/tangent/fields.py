@@ -39,6 +39,8 @@ from spear_pin.hybrid.tangent import seeds
 from spear_pin.hybrid.tangent.terms import ArrayMechanism
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.mechanism import Mechanism
+from spear_pin.model.path import Joints
+from spear_pin.model.robot_posture import row_along
 from spear_pin.model.scalars import dot
 
 NONE = np.empty(0)  # of a robot without loops
@@ -160,10 +162,12 @@ class TangentFeet:
     Attributes:
         structure: structure of the system.
         toes: names of the toes.
+        grips: paths that brakes bring to rest before the toes strike.
     """
 
     structure: Structure
     toes: tuple[str, ...]
+    grips: tuple[Joints, ...] = ()
 
     def at(self, y: Array, numbers: Array, dy: Array, dnumbers: Array) -> tuple[ToeNumbers, ToeNumbers]:
         """Returns the numbers at a state, and their derivatives along c directions, (..., c).
@@ -196,7 +200,8 @@ class TangentFeet:
         """Place among the outputs, and shape, of each of `ToeNumbers` except the first."""
         robot, m = self.structure.system.robot, len(self.toes)
         nv, k, loops = robot.nv, robot.dimension, 0 if robot.closure is None else robot.closure.size
-        shapes: list[tuple[int, ...]] = [(m,), (m, k, nv), (m, k, nv), (k * m, k * m), (k * m,), (loops,), (loops, nv)]
+        shapes: list[tuple[int, ...]] = [(m,), (m, k, nv), (m, k, nv), (k * m, k * m), (k * m,)]
+        shapes += [(loops,), (loops, nv), (nv,)]
         ends = np.cumsum([1, *map(math.prod, shapes)]).tolist()
         return [(slice(i, j), shape) for i, j, shape in zip(ends[:-1], ends[1:], shapes, strict=True)]
 
@@ -213,12 +218,18 @@ class TangentFeet:
         terms = mechanism.terms(duals[:nv], duals[nv : 2 * nv], ops)
         feet = numbers.ground.seen(terms, ops)
         rows = [row for toe in self.toes for row in feet.jacobians[toe]]
-        moved = responses(terms, rows, solved)
+        grips = [row_along(path, self.structure.system.robot).tolist() for path in self.grips]
+        moved, v = responses(terms, rows, solved, grips), list(duals[nv : 2 * nv])
+        after = v
+        if grips:
+            momentum = [dot(row, v) for row in terms.mass_matrix]
+            after = responses(terms, [momentum], solved, grips)[0]
         outputs = [numbers.ground.friction, *(feet.positions[toe][-1] for toe in self.toes)]
         outputs += [number for each in (rows, moved) for row in each for number in row]
         outputs += [dot(row, response) for row in rows for response in moved]
-        outputs += [dot(row, duals[nv : 2 * nv]) for row in rows]
-        return [*outputs, *terms.loop_gaps, *(number for row in terms.loop_rows for number in row)]
+        outputs += [dot(row, after) for row in rows]
+        outputs += [*terms.loop_gaps, *(number for row in terms.loop_rows for number in row)]
+        return [*outputs, *(one - other if grips else 0.0 for one, other in zip(after, v, strict=True))]
 
 
 class ToeNumbers(NamedTuple):
@@ -230,9 +241,10 @@ class ToeNumbers(NamedTuple):
         rows: rows of their Jacobians, along the ground and normal to it, (m, k, nv, ...).
         responses: velocities for unit impulses along those rows, see `elimination.responses`, (m, k, nv, ...).
         inverse_inertia: J times these, of all toes together, (k m, k m, ...).
-        speeds: J v, (k m, ...).
+        speeds: J v, (k m, ...), after brakes have gripped.
         gaps: φ of the robot's loops, (l, ...).
         loops: A of these, (l, nv, ...).
+        braked: change of velocity as brakes grip, (nv, ...).
     """
 
     friction: Any
@@ -243,6 +255,7 @@ class ToeNumbers(NamedTuple):
     speeds: Array
     gaps: Array = NONE
     loops: Array = NONE
+    braked: Any = 0.0
 
 
 def compile_function(of: Callable[[Sequence[Any], Operations], list[Any]], count: int, nv: int) -> Any:
@@ -284,6 +297,6 @@ def field_of(system: HybridSystem, domain: Domain, held: Mapping[str, Any]) -> T
 
 
 @lru_cache(taylor.MOST)
-def tangent_feet(structure: Structure, toes: tuple[str, ...]) -> TangentFeet:
-    """Returns the tangent feet of a system, made once for each structure and choice of toes."""
-    return TangentFeet(structure, toes)
+def tangent_feet(structure: Structure, toes: tuple[str, ...], grips: tuple[Joints, ...] = ()) -> TangentFeet:
+    """Returns the tangent feet of a system, made once for each structure and choice of toes and brakes."""
+    return TangentFeet(structure, toes, grips)

@@ -28,12 +28,13 @@ from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.tangent.fields import TangentFeet, TangentField, tangent_feet, tangent_field
 from spear_pin.hybrid.tangent.reference_runner import ReferenceRunner
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
+from spear_pin.model.path import Joints
 
 PLAIN = "the cycle does not close, or has an event without a derivative"
 TOL = 1e-15
 CYCLES = 3  # cycles in space that take as long as compiling
 _fields: WeakKeyDictionary[Compilation, dict[Any, TangentField]] = WeakKeyDictionary()
-_feet: WeakKeyDictionary[Compilation, dict[tuple[str, ...], TangentFeet]] = WeakKeyDictionary()
+_feet: WeakKeyDictionary[Compilation, dict[Any, TangentFeet]] = WeakKeyDictionary()
 
 
 def many(system: HybridSystem, given: Mapping[str, Array]) -> Numbers:
@@ -129,8 +130,9 @@ class Recorder:
             self._fields[key] = tangent_field(Structure(self.system, domain, held, self.mechanism))
         return self._fields[key]
 
-    def feet(self, toes: tuple[str, ...]) -> TangentFeet:
+    def feet(self, toes: tuple[str, ...], grips: tuple[Joints, ...] = ()) -> TangentFeet:
         """Returns the tangent feet that give the derivatives of an impact."""
-        if toes not in self._feet:
-            self._feet[toes] = tangent_feet(Structure(self.system, self.system.domains[0], {}, self.mechanism), toes)
-        return self._feet[toes]
+        if (toes, grips) not in self._feet:
+            own = Structure(self.system, self.system.domains[0], {}, self.mechanism)
+            self._feet[toes, grips] = tangent_feet(own, toes, grips)
+        return self._feet[toes, grips]

@@ -34,34 +34,58 @@ REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
 
 
 def differentiate_strike(
-    feet: ToeNumbers, slopes: ToeNumbers, toes: Sequence[str], lands: Sequence[str], leads: Sequence[int]
+    feet: ToeNumbers,
+    slopes: ToeNumbers,
+    toes: Sequence[str],
+    lands: Sequence[str],
+    leads: Sequence[int],
+    *,
+    grips: bool = False,
 ) -> tuple[Array, Array, dict[str, Any]]:
     """Returns an impact's change of velocity, (nv,), its derivatives, (nv, c), and the values held for lifted toes.
 
     Args:
-        feet: numbers of the toes that take part.
+        feet: numbers of the toes that take part, and of brakes that grip.
         slopes: derivatives of these numbers.
         toes: names of these toes.
         lands: names of the toes that land.
         leads: of each toe, the first of these toes on its body.
+        grips: whether brakes grip, so that toes that rise are stopped.
 
     Raises:
         NotDifferentiable: a toe that lands rises again, as at the end of bounces, or the smallest perturbation may
             change the set of sticking, sliding and lifted toes.
     """
-    lifted = dict[str, Any]()
-    if any(rises(float(speed)) for toe, speed in zip(toes, feet.speeds[1::2], strict=True) if toe in lands):
+    lifted, up = dict[str, Any](), [rises(float(speed)) for speed in feet.speeds[1::2]]
+    if not grips and any(above for toe, above in zip(toes, up, strict=True) if toe in lands):
         raise NotDifferentiable("a toe rises as it lands, as at the end of bounces")
     A = [duals(row, d) for row, d in zip(feet.inverse_inertia, slopes.inverse_inertia, strict=True)]
     before, friction = duals(feet.speeds, slopes.speeds), Dual(float(feet.friction), slopes.friction)
-    impulses: Sequence[Any]
-    if len(toes) == 1:
+    stopping: Sequence[Any] = [0.0] * len(before)
+    if grips and any(up):
+        stopping = _stopping(A, before, up)
+        before = [speed + dot(row, stopping) for speed, row in zip(before, A, strict=True)]
+    impulses: Sequence[Any] = [0.0] * len(before)
+    if grips and all(up):  # the toes have been stopped
+        lifted = dict.fromkeys(map(rise, toes), 0.0) if len(toes) > 1 else {}
+    elif len(toes) == 1:
         impulses, _ = routh(A, before, friction)
     else:
         impulses, speeds = _joint(feet, A, before, friction, leads)
         lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
+    impulses = [one + other for one, other in zip(stopping, impulses, strict=True)]
     given, change = np.array([value_of(each) for each in impulses]), derivatives(impulses, len(slopes.friction))
-    return *_moved(feet, slopes, given, change), lifted
+    moved, turned = _moved(feet, slopes, given, change)
+    return feet.braked + moved, slopes.braked + turned, lifted
+
+
+def _stopping(A: Sequence[Sequence[Any]], before: Sequence[Any], up: Sequence[bool]) -> list[Any]:
+    """Returns the impulses that stop toes that rise, as `rules.impact.land_toes` does."""
+    normal, found = range(1, len(before), 2), [0.0] * len(before)
+    wanted = [-before[row] if above else 0.0 for row, above in zip(normal, up, strict=True)]
+    for row, impulse in zip(normal, solve([[A[i][j] for j in normal] for i in normal], wanted), strict=True):
+        found[row] = impulse
+    return found
 
 
 @dataclass(frozen=True)
@@ -201,14 +225,15 @@ def _joint(
     feet: ToeNumbers, A: list[list[Any]], before: list[Any], friction: Any, leads: Sequence[int]
 ) -> tuple[list[Any], list[Any]]:
     """Returns the impulses of a joint impact, and the lift speeds of toes, for the active set that the rule finds."""
-    size, values, mu = len(feet.speeds), feet.inverse_inertia, float(feet.friction)
+    size, values, mu = len(before), feet.inverse_inertia, float(feet.friction)
+    given = np.array([value_of(speed) for speed in before])
     free = [row for row in range(size) if row % 2 or leads[row // 2] == row // 2]  # toes of one body move along alike
     if not np.linalg.cond(values[np.ix_(free, free)]) < SINGULAR:
         raise NotDifferentiable("toes in an impact cannot move independently, so their impulses are not unique")
-    if np.abs(feet.speeds).max() < DEGENERATE:  # in m/s: the toes only touch, and rounding decides the rest
+    if np.abs(given).max() < DEGENERATE:  # in m/s: the toes only touch, and rounding decides the rest
         raise NotDifferentiable(BORDER)
-    impulse, modes = moreau(values, feet.speeds, mu, leads)
-    after = feet.speeds + values @ impulse
+    impulse, modes = moreau(values, given, mu, leads)
+    after = given + values @ impulse
     _check_modes(modes, after.reshape(-1, 2), impulse.reshape(-1, 2), mu)
     rows: list[int] = []
     directions: list[list[Any]] = []

@@ -145,6 +145,10 @@ def _check_system(system: HybridSystem) -> dict[str, Any]:
         if name not in CARRIED:
             expected = "the one it was built with: a replacement cannot be sent to other processes"
             raise BadValue(f"{name} of the system", kept[name], expected)
+    for name, brake in system.brakes.items():
+        if brake.when is not None or brake.until is not None:
+            expected = "one without `when` and `until`: no file says which functions they are"
+            raise BadValue("a brake of the system", name, expected)
     for change in system.changes:
         if not is_dataclass(change):
             raise BadValue(

@@ -100,14 +100,14 @@ class TestJoints:
     @pytest.mark.parametrize(
         ("sign", "joint", "fits"),
         [
-            (0.0, Rubbing(AT_REST, 5.0, 2.0 - 2.0 * LET_GO), math.inf),
-            (0.0, Rubbing(0.0, 5.0, LET_GO - 2.0), TURNS),
-            (0.0, Rubbing(2.0 * AT_REST, 0.0), UNFIT),
-            (1.0, Rubbing(0.1, -5.0), math.inf),
-            (1.0, Rubbing(0.0, 0.0), math.inf),
-            (1.0, Rubbing(0.0, -2.0 * STARTS_TO_SLIDE), TURNS),
-            (-1.0, Rubbing(0.0, -5.0), math.inf),
-            (-1.0, Rubbing(0.1, -5.0), UNFIT),
+            (0.0, Rubbing(AT_REST, 5.0, 2.0 - 2.0 * LET_GO, 2.0), math.inf),
+            (0.0, Rubbing(0.0, 5.0, LET_GO - 2.0, 2.0), TURNS),
+            (0.0, Rubbing(2.0 * AT_REST, 0.0, 0.0, 2.0), UNFIT),
+            (1.0, Rubbing(0.1, -5.0, 0.0, 2.0), math.inf),
+            (1.0, Rubbing(0.0, 0.0, 0.0, 2.0), math.inf),
+            (1.0, Rubbing(0.0, -2.0 * STARTS_TO_SLIDE, 0.0, 2.0), TURNS),
+            (-1.0, Rubbing(0.0, -5.0, 0.0, 2.0), math.inf),
+            (-1.0, Rubbing(0.1, -5.0, 0.0, 2.0), UNFIT),
         ],
     )
     def test_modes_of_dry_friction(self, sign, joint, fits):
@@ -118,7 +118,7 @@ class TestJoints:
 
     def test_a_joint_that_turns_back_is_the_last_resort(self):
         """Where toes do not fit either."""
-        pulled, turned = Footing(0.0, 0.0, -1.0, -0.8), Rubbing(0.0, -1.0)
+        pulled, turned = Footing(0.0, 0.0, -1.0, -0.8), Rubbing(0.0, -1.0, 0.0, 2.0)
         assert fitness([(STICK, pulled)], [(Rub("knee", 2.0, 1.0), turned)]) == TURNS < ILL_POSED < LEAVES
 
 

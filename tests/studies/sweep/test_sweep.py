@@ -14,6 +14,7 @@ import pytest
 from spear_pin import Gait, find_gait, hopping, load
 from spear_pin.errors import BadFile, BadValue, MissingExtra, UnknownName
 from spear_pin.gaits import lane_cycles
+from spear_pin.hybrid.brakes import Brake, with_brakes
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import change_system, with_hardware
 from spear_pin.studies.hardware import Rig
@@ -123,6 +124,7 @@ class TestDataset:
             (change_system(system, lambda built: built), "dataclass"),
             (replace(system, domains=tuple(reversed(system.domains))), "change_system"),
             (with_dry_friction(system, {"hip": 0.1}), "dry friction"),
+            (with_brakes(system, {"knee": Brake(1.0, ("flight",), until=lambda *_: 1.0)}), "without `when`"),
             (replace(system, measures={**system.measures, "nothing": lambda run: 0.0}), "measures"),
         ):
             with pytest.raises(BadValue, match=told):
