@@ -113,6 +113,8 @@ class Search:
         unasked = replace(self, family=alone, wanted=self.wanted[:0], exact=exact, own=())
         system, state = unasked.roughly(system, state, self.wanted[:0])
         cycle = return_map(system, state, self.family.rtol)
+        if not cycle.cycles:
+            raise NoGait(f"the cycle of the system as it is ends early: {cycle.message}", np.inf)
         begin = np.array([measure(system, cycle) for measure in self.family.of_runs], dtype=float)
 
         def solve(share: float, near: tuple[HybridSystem, State]) -> tuple[HybridSystem, State]:

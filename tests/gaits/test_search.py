@@ -8,6 +8,7 @@ import pytest
 
 from spear_pin import HoppingLaw, find_gait, hopping, simulate
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName
+from spear_pin.gaits.attempts import search_gait
 from spear_pin.hybrid.periodic import residual, return_map
 from spear_pin.hybrid.run import run
 
@@ -169,6 +170,18 @@ class TestNoGait:
         with pytest.raises(NoGait):
             find_gait(hopping(robot), ["stance_torque"], {"flight_time": 5.0})
         assert sum(evaluations) < 250_000
+
+    def test_of_a_fixed_point_from_which_the_leg_falls(self, robot, monkeypatch):
+        """As the reference engine finds, where Newton's method found one in lanes."""
+        system = hopping(robot)
+        fallen = return_map(hopping(robot, HoppingLaw(stance_torque=0.0)), system.guess())
+        assert not fallen.cycles
+        monkeypatch.setattr("spear_pin.gaits.attempts.return_map", lambda *_: fallen)
+        monkeypatch.setattr("spear_pin.gaits.attempts.Search.roughly", lambda search, *start: start[:2])
+        search = search_gait(system, ("stance_torque",), {"flight_time": 0.2}, 1e-9)
+        with pytest.raises(NoGait) as error:
+            search.by_continuation(system, system.guess())
+        self.assert_one_line(error, "the cycle of the system as it is ends early", fallen.message)
 
     @pytest.mark.slow
     def test_cycles_that_take_for_ever(self, robot, monkeypatch):
