@@ -14,8 +14,9 @@ from functools import partial
 from pathlib import Path
 
 from spear_pin import Gait
-from spear_pin.studies.explore.bounds import bound_to_explore
+from spear_pin.cli.explored import write_script
 from spear_pin.studies.explore.engines import best_engine
+from spear_pin.studies.explore.gaits import bound_to_explore
 from spear_pin.studies.explore.legs import spear_ii_hop
 from spear_pin.viz.chromium import Browser
 from spear_pin.viz.explore.server import Explorer
@@ -77,7 +78,7 @@ def audit_explore(browser: chromium.Browser, script: str) -> None:
     """Print what axe finds in the pages that `spear explore` and `spear explore bound` serve."""
     bound = bound_to_explore(Gait.load("long_stride"), "Q-SPEAR bounding")
     for subject in (spear_ii_hop(), bound):
-        with serving(Explorer(subject, best_engine())) as server:
+        with serving(Explorer(subject, best_engine(), write_script)) as server:
             for query, states in (EXPLORED | {NONE[subject.kind]: {"none": "0"}}).items():
                 show = partial(visit, browser, server, f"{query}#t=0")
                 audit(browser, script, f"explore {subject.kind}", show, states)

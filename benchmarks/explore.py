@@ -16,6 +16,7 @@ from pathlib import Path
 from urllib.parse import urlencode
 
 from benchmarks import markdown
+from spear_pin.cli.explored import write_script
 from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
 from spear_pin.studies.explore.legs import spear_ii_hop
 from spear_pin.viz.explore.server import Explorer
@@ -63,7 +64,7 @@ def main() -> None:
     parser.add_argument("--engine", choices=("Taylor", "reference"), default=best_engine().name)
     parser.add_argument("--picture", type=Path, metavar="FILE")
     given = parser.parse_args()
-    explorer = Explorer(spear_ii_hop(), {"Taylor": TAYLOR, "reference": REFERENCE}[given.engine])
+    explorer = Explorer(spear_ii_hop(), {"Taylor": TAYLOR, "reference": REFERENCE}[given.engine], write_script)
     questions = [urlencode({name: value}) for name, value in drawn(given.moves, given.rounds)]
     spent = {path: spent_on(explorer, path, questions) for path in ("/hop", "/tangents", "/tangents/multiplier")}
     with serving(explorer) as server, Browser(1280, 900) as browser:

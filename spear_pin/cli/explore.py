@@ -40,6 +40,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     import signal
     import webbrowser
 
+    from spear_pin.cli.explored import write_script
     from spear_pin.cli.output import print_result, progress
     from spear_pin.studies.explore.engines import best_engine
     from spear_pin.viz.explore.server import Explorer, Server
@@ -54,7 +55,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     engine = best_engine()
     with progress() as show:
         show(f"solving the default {arguments.what}")
-        explorer = Explorer(_subject(arguments), engine)
+        explorer = Explorer(_subject(arguments), engine, write_script)
     try:
         with Server(explorer, arguments.port) as server:
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -83,8 +84,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 def _subject(arguments: argparse.Namespace) -> Subject:
     """What is turned."""
-    from spear_pin.studies.explore.bounds import bound_to_explore
-    from spear_pin.studies.explore.gaits import gait_to_explore
+    from spear_pin.studies.explore.gaits import bound_to_explore, gait_to_explore
     from spear_pin.studies.explore.legs import hop_of_leg, spear_ii_hop
 
     if arguments.what == "hop":

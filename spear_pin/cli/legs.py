@@ -124,8 +124,7 @@ def load_or_cut(source: str, arguments: argparse.Namespace, options: dict[str, A
     wanted, base = (1, "fixed") if arguments.plane is None else (2, "free")
     if sides and len(sides) != wanted:
         raise BadValue("--bends", sides, f"{wanted} number{'s' if wanted > 1 else ''}, each 1 or -1")
-    unsaid = {name: value for name, value in _unsaid(source, base).items() if options.get(name) is None}
-    robot = load(source, **options | unsaid)
+    robot = load(source, **options | _left_open(source, base, options))
     if arguments.leg is None:
         return _plane(robot, sides or None)
     return _leg(robot, arguments.leg, sides[0] if sides else None, arguments.body, [])
@@ -148,31 +147,46 @@ def write_leg(program: Program, arguments: argparse.Namespace, robot: Robot, loc
     if arguments.robot is None or robot.source == "spear_ii":
         return program.let("robot", program.call(load, "spear_ii", locked=locked))
     whole = _write_load(program, arguments, "fixed")
-    return program.let("robot", whole) if robot.cut is None else _write_leg(program, whole, arguments, robot, locked)
+    if robot.cut is None:
+        return program.let("robot", whole)
+    return write_monopod(program, whole, robot, locked, arguments.body, sided=arguments.bends is not None)
 
 
-def _write_leg(program: Program, whole: Code, arguments: argparse.Namespace, robot: Robot, locked: list[str]) -> Code:
+def write_monopod(
+    program: Program, whole: Code, robot: Robot, locked: list[str], body: float | None, *, sided: bool
+) -> Code:
+    """Write how a leg was cut out of a robot, and return what it is called.
+
+    Args:
+        program: to which lines are added.
+        whole: source of the robot out of which it was cut.
+        robot: the leg.
+        locked: joints of it that are locked.
+        body: mass that it carries, in kg; None for its share.
+        sided: whether to say on which side its knee is.
+    """
     from dataclasses import replace
 
     from spear_pin import monopod
 
     assert robot.cut is not None
-    leg, options = robot.cut.legs[0][0], {"locked": locked}
-    options |= {} if arguments.body is None else {"body": arguments.body}
-    if arguments.bends is None:
+    leg, options = robot.cut.legs[0][0], dict[str, Any](locked=locked)
+    options |= {} if body is None else {"body": body}
+    if not sided:
         return program.let("robot", program.call(monopod, whole, leg.name, **options))
     whole = program.let("whole", whole)
     named = Code(f"next(leg for leg in whole.legs if leg.name == {program.source(leg.name)})")
-    sided = program.let("leg", program.call(replace, named, side=leg.side))
-    return program.let("robot", program.call(monopod, whole, sided, **options))
+    bent = program.let("leg", program.call(replace, named, side=leg.side))
+    return program.let("robot", program.call(monopod, whole, bent, **options))
 
 
 def write_plane(program: Program, arguments: argparse.Namespace) -> Code:
     """Write the Python of `in_the_plane`, where a robot is named, and return what the robot is called."""
-    return _write_plane(program, _write_load(program, arguments, "free"), arguments.bends)
+    return write_sagittal(program, _write_load(program, arguments, "free"), arguments.bends)
 
 
-def _write_plane(program: Program, whole: Code, sides: Sequence[int] | None) -> Code:
+def write_sagittal(program: Program, whole: Code, sides: Sequence[int] | None = None) -> Code:
+    """Write how a robot was cut in its sagittal plane, with knees on these sides, and return what it is called."""
     from dataclasses import replace
 
     from spear_pin import sagittal
@@ -199,18 +213,12 @@ def write_cut(
     """
     from spear_pin import load
 
-    given = argparse.Namespace(**vars(arguments) | {"robot": source})
     if arguments.leg is not None or arguments.plane is not None:
         base = "fixed" if arguments.plane is None else "free"
-        options = {
-            **options,
-            **{name: each for name, each in _unsaid(source, base).items() if options.get(name) is None},
-        }
-        whole = program.call(load, source, **options)
+        whole = program.call(load, source, **options | _left_open(source, base, options))
         if arguments.plane is not None:
-            return _write_plane(program, whole, arguments.bends)
-        given.bends = (arguments.bends or [None])[0]
-        return _write_leg(program, whole, given, robot, [])
+            return write_sagittal(program, whole, arguments.bends)
+        return write_monopod(program, whole, robot, [], arguments.body, sided=bool(arguments.bends))
     return program.let("robot", program.call(load, source, **options))
 
 
@@ -281,6 +289,11 @@ def _unsaid(source: str, base: str) -> dict[str, Any]:
         return {}
     unsaid: dict[str, Any] = {"base": base} if said.base is None else {}
     return unsaid | ({"motors": "all"} if said.motors is None else {})
+
+
+def _left_open(source: str, base: str, options: dict[str, Any]) -> dict[str, Any]:
+    """What `_unsaid` returns, without what options say."""
+    return {name: value for name, value in _unsaid(source, base).items() if options.get(name) is None}
 
 
 def name_robot(robot: Robot) -> str:

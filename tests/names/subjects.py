@@ -252,9 +252,9 @@ def _explored_hop(table: Table) -> None:
 
 
 def _explored_bound(table: Table) -> None:
-    from spear_pin.studies.explore.bounds import bound_to_explore
     from spear_pin.studies.explore.carried import carry_gait
     from spear_pin.studies.explore.figures import figures
+    from spear_pin.studies.explore.gaits import bound_to_explore
 
     motion = carry_gait(bound_to_explore(Gait.load("long_stride"), "a bound").at())
     _explored(table, motion, figures(motion))

@@ -20,7 +20,6 @@ from urllib.parse import parse_qsl
 from spear_pin.errors import BadValue, NoGait, SpearError, UnknownName, brief
 from spear_pin.studies.explore.carried import Underway
 from spear_pin.studies.explore.engines import Engine
-from spear_pin.studies.explore.figures import script
 from spear_pin.studies.explore.knobs import Knobs, Subject
 from spear_pin.studies.explore.motion import Motion
 from spear_pin.studies.explore.tangents import Tangents, tangents, tangents_of_multiplier
@@ -77,10 +76,11 @@ class Explorer:
     Args:
         subject: motion whose numbers change.
         engine: engine that follows motions.
+        script: writes a program that computes a motion again, which the page saves.
     """
 
-    def __init__(self, subject: Subject, engine: Engine) -> None:
-        self._turns, self._subject = Turns(), subject
+    def __init__(self, subject: Subject, engine: Engine, script: Callable[[Motion], str]) -> None:
+        self._turns, self._subject, self._write = Turns(), subject, script
         self._views = views_of(subject)
         self._motions = lru_cache(KEPT)(lambda view, knobs: self._views[view](knobs, engine))
         self._tangents = lru_cache(KEPT)(lambda of, view, knobs: of(self._motions(view, knobs)))
@@ -170,7 +170,7 @@ class Explorer:
 
     def _script(self, view: str, knobs: Knobs, client: str) -> Answer:
         with self._turns.turn(client):
-            text = script(self._motions(view, knobs))
+            text = self._write(self._motions(view, knobs))
         named = f'attachment; filename="explored_{self._subject.kind}.py"'
         return _text(HTTPStatus.OK, text, "text/x-python", Content_Disposition=named)
 

@@ -6,26 +6,26 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
-from typing import Any
 
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
+from spear_pin.model.legs import Leg as LegOfRobot
 from spear_pin.model.legs import lean
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_of
 from spear_pin.model.settings import refuse_special
 from spear_pin.model.spring import Spring
-from spear_pin.model.variants import PARAMETERS, vary
+from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.explore.knobs import Knob, Knobs, Origin, Subject
 from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, scaled_hopping
 
-MATERIAL = ("stiffness", "damping")  # of the spring
 RATIO, TORQUE, KNEE = "knee_ratio", "stance_torque", "knee_touchdown"
 KNOBS: Mapping[str, Knob] = {
     "stiffness": Knob("Spring stiffness", "N·m/rad", Spring().stiffness, 20, 100, 2, "source", "Table 4.2"),
@@ -46,18 +46,14 @@ class Leg(Subject):
     """The hop of a leg in place.
 
     Attributes:
-        robot: a robot with one leg, boom_x locked.
-        law: law with the default numbers.
-        spring: spring with the default numbers.
+        hop: system with the default numbers, of a robot with one leg, boom_x locked.
         knobs: knobs by name.
         title: title of the page.
         wanted: flight time, in s, for which the default stance torque is solved, and which can be kept.
         near: a state near the default hop, where that is known.
     """
 
-    robot: Robot
-    law: HoppingLaw
-    spring: Spring
+    hop: HybridSystem
     knobs: Mapping[str, Knob]
     title: str
     wanted: float
@@ -71,14 +67,12 @@ class Leg(Subject):
 
     def system(self, values: Mapping[str, float]) -> HybridSystem:
         """Returns the hop with these numbers."""
-        of_spring: dict[str, Any] = {name: values[name] for name in MATERIAL}
-        of_law: dict[str, Any] = {name: values[name] for name in (TORQUE, KNEE, "frequency")}
-        if self.law.hip_touchdown is not None:  # the toe stays below the hip
-            of_law["hip_touchdown"] = self.robot.legs[0].lean(values[KNEE])
-        ratio = {RATIO: values[RATIO]} if RATIO in values else {}
-        robot = vary(self.robot, **ratio) if ratio else self.robot
-        contact = Contact(friction=values["friction"])
-        return hopping(robot, replace(self.law, **of_law), replace(self.spring, **of_spring), contact)
+        hip = {} if self.hop.law.hip_touchdown is None else {"hip_touchdown": self._leg.lean(values[KNEE])}
+        return with_numbers(self.hop, {**values, **hip})
+
+    @property
+    def _leg(self) -> LegOfRobot:
+        return self.hop.robot.legs[0]
 
     def held(self, kept: bool) -> Mapping[str, str]:
         """Returns that the stance torque keeps the flight time, if it is kept."""
@@ -86,10 +80,9 @@ class Leg(Subject):
 
     def moved(self, name: str, values: Mapping[str, float]) -> Mapping[str, float]:
         """Returns the parameters that a knob changes; the hip follows the knee where the toe stays below it."""
-        if name != KNEE or self.law.hip_touchdown is None:
+        if name != KNEE or self.hop.law.hip_touchdown is None:
             return {name: 1.0}
-        leg = self.robot.legs[0]
-        _, slope, _ = lean(leg.thigh, leg.shank, values[KNEE], math)
+        _, slope, _ = lean(self._leg.thigh, self._leg.shank, values[KNEE], math)
         return {KNEE: 1.0, "hip_touchdown": float(slope)}
 
     @cached_property
@@ -112,8 +105,7 @@ class Leg(Subject):
 @cache
 def spear_ii_hop() -> Leg:
     """Returns SPEAR-II's hop, boom_x locked."""
-    robot = load("spear_ii", locked=["boom_x"])
-    return Leg(robot, HoppingLaw(), Spring(), KNOBS, "SPEAR-II hopping", FLIGHT_TIME)
+    return Leg(hopping(load("spear_ii", locked=["boom_x"])), KNOBS, "SPEAR-II hopping", FLIGHT_TIME)
 
 
 @typed
@@ -148,7 +140,7 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
     note = f"for {flight:.3g} s of flight"
     given[TORQUE] = _scaled(KNOBS[TORQUE], torque, scale.torque, "solved", note)
     knobs = {name: given.get(name, knob) for name, knob in KNOBS.items() if name != RATIO}
-    return Leg(robot, gait.system.law, spring, knobs, title, flight, gait.state)
+    return Leg(gait.system, knobs, title, flight, gait.state)
 
 
 def _scaled(knob: Knob, default: float, factor: float, origin: Origin, note: str) -> Knob:

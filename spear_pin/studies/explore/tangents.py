@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,13 +11,12 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, SpearError
 from spear_pin.gaits.bounding import SPEED_BY
-from spear_pin.gaits.bounding_law import LEGS
-from spear_pin.gaits.measures.catalogue import SHOWN, added
+from spear_pin.gaits.measures.catalogue import added
 from spear_pin.gaits.sensitivity.measure import DualMeasure, ratio
 from spear_pin.gaits.sensitivity.multipliers import along_branch, moduli
 from spear_pin.gaits.sensitivity.orbit import Orbit, branch, orbit_of_gait
 from spear_pin.hybrid.parameters import number
-from spear_pin.studies.explore.figures import figures, of_kind
+from spear_pin.studies.explore.figures import MEASURES, figures, names_of
 from spear_pin.studies.explore.legs import RATIO
 from spear_pin.studies.explore.motion import Motion
 
@@ -128,56 +127,22 @@ def _branch(motion: Motion) -> _Branch:
 def _slopes(motion: Motion, branch: _Branch) -> Iterator[tuple[str, Array]]:
     """Returns derivatives of each figure that equals the measure: not a stance peak where the swing's is higher."""
     shown = figures(motion)
-    own = [each.kind for each in added()]
-    for name, measure in (*MEASURES[motion.knobs.subject.kind](branch), *_of_gait(branch, own)):
+    for name, measure in _measures(motion.knobs.subject.kind, branch):
         value = shown[name]
         if value is not None and math.isclose(value, measure.value, rel_tol=ALIKE):
             yield name, measure.derivative
 
 
-def _of_hop(branch: _Branch) -> Iterator[tuple[str, DualMeasure]]:
-    (toe,) = branch.orbit.system.robot.toes
-    torque = branch.of("peak_torque_knee")
-    for name in ("apex_height", "flight_time", "stance_time"):
-        if name in branch.orbit.measures:
-            yield name, branch.of(name)
-    yield "peak_force", branch.of(f"peak_force_{toe}")
-    yield "peak_torque_knee", torque
-    if RATIO in branch.orbit.names:
-        yield "rotor_torque_knee", ratio(torque, branch.number(RATIO), "N·m")
-    yield "positive_work", branch.of("positive_work")
-
-
-def _of_bound(branch: _Branch) -> Iterator[tuple[str, DualMeasure]]:
+def _measures(kind: str, branch: _Branch) -> Iterator[tuple[str, DualMeasure]]:
+    """Returns the figures that are measures, or follow from measures and parameters."""
     found = branch.orbit.measures
-
-    def largest(*names: str) -> DualMeasure:
-        return branch.of(max(names, key=lambda name: found[name].value))
-
-    yield "speed", branch.of("mean_speed")
-    yield "stride", branch.of("stride")
-    yield "period", branch.of("period")
-    for name in ("peak_force", "friction_used"):
-        yield name, largest(*(f"{name}_{toe}" for toe in branch.orbit.system.robot.toes if f"{name}_{toe}" in found))
-    for joint in ("knee", "hip"):
-        yield f"peak_torque_stance_{joint}", largest(*(f"peak_torque_{leg}_{joint}" for leg in LEGS))
-    yield "peak_speed_knee", largest(*(f"peak_speed_{leg}_knee" for leg in LEGS))
-    yield "cost_of_transport", branch.of("cost_of_transport")
-    yield "posterior_hip_torque", branch.number(SPEED_BY)
-
-
-def _of_gait(branch: _Branch, kinds: Sequence[str] = SHOWN) -> Iterator[tuple[str, DualMeasure]]:
-    for kind in kinds:
-        found = of_kind(branch.orbit.measures, kind)
-        if found:
-            yield kind, branch.of(max(found, key=lambda name: found[name].value))
-
-
-MEASURES: Mapping[str, Callable[[_Branch], Iterator[tuple[str, DualMeasure]]]] = {
-    "hop": _of_hop,
-    "bound": _of_bound,
-    "gait": _of_gait,
-}
+    for figure, kinds in {**MEASURES[kind], **{each.kind: (each.kind,) for each in added()}}.items():
+        if names := names_of(found, kinds):
+            yield figure, branch.of(max(names, key=lambda name: found[name].value))
+    if kind == "hop" and RATIO in branch.orbit.names:
+        yield "rotor_torque_knee", ratio(branch.of("peak_torque_knee"), branch.number(RATIO), "N·m")
+    if kind == "bound":
+        yield "posterior_hip_torque", branch.number(SPEED_BY)
 
 
 def _of_multiplier(branch: _Branch) -> Array:

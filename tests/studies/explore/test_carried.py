@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from spear_pin import Clutch, Gait, Spring, find_gait, hopping, load
+from spear_pin.cli.explored import write_script
 from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.hybrid.event_feedback import feedback_of
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.studies.explore import carried as module
-from spear_pin.studies.explore.bounds import bound_to_explore
 from spear_pin.studies.explore.carried import LATE, Underway, carry_gait
-from spear_pin.studies.explore.figures import figures, script
-from spear_pin.studies.explore.gaits import gait_to_explore
+from spear_pin.studies.explore.figures import figures
+from spear_pin.studies.explore.gaits import bound_to_explore, gait_to_explore
 from spear_pin.studies.explore.tangents import tangents
 from tests.slow import slow_but
 
@@ -87,7 +87,7 @@ def test_without_time_the_way_found_so_far_is_kept(subject, monkeypatch):
 def test_the_saved_program_computes_what_was_shown(subject, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     motion = carry_gait(subject.at(speed=1.6, friction=0.7, knee_ratio=15.5))
-    (tmp_path / "explored_bound.py").write_text(script(motion), encoding="utf-8")
+    (tmp_path / "explored_bound.py").write_text(write_script(motion), encoding="utf-8")
     done = runpy.run_path(str(tmp_path / "explored_bound.py"))
     assert done["gait"].parameters == pytest.approx(motion.gait.parameters, rel=1e-6)
     np.testing.assert_allclose(done["gait"].state[0], motion.gait.state[0], atol=1e-5)
@@ -130,7 +130,7 @@ class TestAnyGait:
         motion = carry_gait(
             gait_to_explore(free, "a hop", ["knee_mass"]).at(knee_mass=1.02 * number(free.system, "knee_mass"))
         )
-        (tmp_path / "explored.py").write_text(script(motion), encoding="utf-8")
+        (tmp_path / "explored.py").write_text(write_script(motion), encoding="utf-8")
         done = runpy.run_path(str(tmp_path / "explored.py"))
         np.testing.assert_allclose(done["gait"].state[0], motion.gait.state[0], atol=1e-8)
         assert done["motion"].t[-1] == pytest.approx(figures(motion)["period"], rel=1e-8)
@@ -140,7 +140,7 @@ class TestAnyGait:
         subject = gait_to_explore(Gait.load("trot"), "a trot", ["hip_spacing"])
         motion = carry_gait(subject.at(hip_spacing=1.01 * subject.knobs["hip_spacing"].default))
         assert motion.verdict == "periodic" and abs(motion.gait.multipliers[0]) == pytest.approx(3.7, abs=0.1)
-        assert f"cycles={motion.trajectory.cycles}" in script(motion) and motion.trajectory.cycles == 2
+        assert f"cycles={motion.trajectory.cycles}" in write_script(motion) and motion.trajectory.cycles == 2
         shown, slopes = figures(motion), tangents(motion).slopes["hip_spacing"]
         assert set(slopes) == {name for name, x in shown.items() if x is not None}
 

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from spear_pin import find_gait, simulate
+from spear_pin.cli.explored import write_script
 from spear_pin.errors import BadValue, NoGait, UnknownName
 from spear_pin.gaits.hopping import HoppingLaw
-from spear_pin.hybrid.contact import Contact
+from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.model.spring import Spring
 from spear_pin.studies.explore.engines import REFERENCE, TAYLOR, best_engine
-from spear_pin.studies.explore.figures import figures, script
+from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.hops import NEAR, settle_hops, transient
 from spear_pin.studies.explore.legs import KNOBS, spear_ii_hop
 from spear_pin.studies.explore.motion import kind_of
@@ -93,7 +94,7 @@ class TestKnobs:
         )
         system = knobs.system
         assert system.spring == Spring(stiffness=50.0, damping=1.2)
-        assert system.contact == Contact(friction=0.7)
+        assert system.ground == Ground(friction=0.7)
         assert system.law == HoppingLaw(knee_touchdown=1.1, stance_torque=9.0, frequency=2.7)
         # the reflected inertia of Table 2.4's 0.027 kg·m² with another ratio
         assert system.robot.model.armature[-1] == pytest.approx(0.027 * (10 / 15) ** 2)
@@ -196,7 +197,7 @@ def test_the_saved_program_computes_what_was_shown(knobs, tmp_path, monkeypatch,
     monkeypatch.chdir(tmp_path)
     hops = settle_hops(knobs, best_engine())
     program = tmp_path / "explored_hop.py"
-    program.write_text(script(hops), encoding="utf-8")
+    program.write_text(write_script(hops), encoding="utf-8")
     done = runpy.run_path(str(program))
     np.testing.assert_allclose(states(done["hops"]), states(hops.trajectory), atol=1e-6)
     np.testing.assert_allclose(done["hops"].force, hops.trajectory.force, atol=1e-4)
@@ -210,8 +211,8 @@ def test_the_saved_program_computes_what_was_shown(knobs, tmp_path, monkeypatch,
     else:
         assert hops.trajectory.message in printed
     assert (tmp_path / "hop.html").stat().st_size > 500_000
-    imported = re.findall(r"^from (\S+) import", script(hops), re.M)
-    assert set(imported) == {"spear_pin", "spear_pin.gaits.measures.of_samples", "spear_pin.viz.player"}
+    imported = re.findall(r"^from (\S+) import", write_script(hops), re.M)
+    assert set(imported) == {"numpy", "spear_pin", "spear_pin.gaits.measures.of_samples", "spear_pin.viz.player"}
 
 
 ODD = 'a"+str(__import__("os").system("false"))+"\\ """\n'
@@ -222,7 +223,7 @@ def test_a_robots_name_is_no_code(monkeypatch):
     knobs = knobs_of(stance_torque=10.5)
     hops = transient(knobs, best_engine())
     monkeypatch.setitem(vars(knobs.subject), "title", ODD)
-    tree = ast.parse(script(hops))
+    tree = ast.parse(write_script(hops))
     called = [node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)]
     assert "__import__" not in called and "str" not in called
     titles = [each.value for node in ast.walk(tree) if isinstance(node, ast.Call) for each in node.keywords]

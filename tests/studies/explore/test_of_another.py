@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from spear_pin import load, monopod
+from spear_pin.cli.explored import write_script
 from spear_pin.errors import BadValue
 from spear_pin.model.scale import scale_of
 from spear_pin.studies.explore.engines import REFERENCE
-from spear_pin.studies.explore.figures import figures, script
+from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.hops import settle_hops
 from spear_pin.studies.explore.legs import KNOBS, hop_of_leg
 
@@ -64,6 +65,6 @@ def test_the_saved_program_cuts_the_leg_again(subject, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     hops = settle_hops(subject.at(friction=0.7), REFERENCE)
     program = tmp_path / "explored_hop.py"
-    program.write_text(script(hops), encoding="utf-8")
+    program.write_text(write_script(hops), encoding="utf-8")
     done = runpy.run_path(str(program))
     np.testing.assert_allclose(done["hops"].q, hops.trajectory.q, atol=1e-6)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait, load, monopod, simulate
-from spear_pin.studies.explore.bounds import bound_to_explore
 from spear_pin.studies.explore.carried import carry_gait
 from spear_pin.studies.explore.engines import TAYLOR
 from spear_pin.studies.explore.figures import figures
+from spear_pin.studies.explore.gaits import bound_to_explore
 from spear_pin.studies.explore.hops import settle_hops, transient
 from spear_pin.studies.explore.legs import KNOBS, hop_of_leg, spear_ii_hop
 from spear_pin.studies.explore.tangents import LONE, MULTIPLIER, SOLVED, tangents, tangents_of_multiplier

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from spear_pin.cli.explored import write_script
 from spear_pin.studies.explore.engines import best_engine
 from spear_pin.studies.explore.legs import spear_ii_hop
 from spear_pin.viz.explore.server import Explorer, Server
@@ -15,7 +16,7 @@ from tests.viz.explore.exploring import serving
 
 @pytest.fixture(scope="package")
 def server() -> Iterator[Server]:
-    with serving(Explorer(spear_ii_hop(), best_engine())) as started:
+    with serving(Explorer(spear_ii_hop(), best_engine(), write_script)) as started:
         yield started
 
 

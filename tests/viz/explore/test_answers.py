@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import umsgpack
 
+from spear_pin.cli.explored import write_script
 from spear_pin.studies.explore.engines import best_engine
-from spear_pin.studies.explore.figures import figures, script
+from spear_pin.studies.explore.figures import figures
 from spear_pin.studies.explore.hops import settle_hops
 from spear_pin.studies.explore.legs import spear_ii_hop
 from tests.viz.explore.exploring import ask
@@ -49,4 +50,4 @@ class TestAnswers:
     def test_the_script_is_a_download(self, server):
         _, headers, body = ask(server, "/script?friction=0.5")
         assert headers["Content-Disposition"] == 'attachment; filename="explored_hop.py"'
-        assert body.decode() == script(settle_hops(spear_ii_hop().at(friction=0.5), best_engine()))
+        assert body.decode() == write_script(settle_hops(spear_ii_hop().at(friction=0.5), best_engine()))

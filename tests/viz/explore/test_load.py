@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 import pytest
 
+from spear_pin.cli.explored import write_script
 from spear_pin.studies.explore.engines import best_engine
 from spear_pin.studies.explore.legs import spear_ii_hop
 from spear_pin.viz.explore.page import CLIENT
@@ -30,7 +31,7 @@ def explorer(monkeypatch):
     monkeypatch.setattr(f"{SERVER}.page", lambda subject, engine: "<form></form>")
     monkeypatch.setattr(f"{SERVER}.answer", lambda view, motion: {"motion": motion})
     monkeypatch.setattr("spear_pin.studies.explore.legs.Leg.thorough", ())
-    return Explorer(spear_ii_hop(), best_engine())
+    return Explorer(spear_ii_hop(), best_engine(), write_script)
 
 
 @contextmanager

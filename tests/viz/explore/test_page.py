@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from spear_pin import Gait
-from spear_pin.studies.explore.bounds import bound_to_explore
+from spear_pin.cli.explored import write_script
 from spear_pin.studies.explore.engines import best_engine
 from spear_pin.studies.explore.figures import figures
+from spear_pin.studies.explore.gaits import bound_to_explore
 from spear_pin.studies.explore.hops import settle_hops
 from spear_pin.studies.explore.legs import KNOBS, spear_ii_hop
 from spear_pin.viz.chromium import find
@@ -285,7 +286,7 @@ class TestPage:
 @pytest.mark.skipif(find() is None, reason="no Chromium here")
 def test_a_bound_follows_a_slider_and_the_last_stays_where_there_is_none(browser):
     subject = bound_to_explore(Gait.load("long_stride"), "Q-SPEAR bounding")
-    with serving(Explorer(subject, best_engine())) as server:
+    with serving(Explorer(subject, best_engine(), write_script)) as server:
         browser.errors.clear()
         visit(browser, server, "#t=0.1")
         assert "unstable: the largest multiplier is 1.067" in text(browser, "verdict")

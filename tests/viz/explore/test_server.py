@@ -5,6 +5,7 @@ import time
 
 import pytest
 
+from spear_pin.cli.explored import write_script
 from spear_pin.studies.explore.engines import best_engine
 from spear_pin.studies.explore.legs import KNOBS, spear_ii_hop
 from spear_pin.viz.explore.server import Explorer
@@ -133,7 +134,7 @@ class Slow:
 
 def test_of_each_client_that_waits_only_the_newest_question_is_computed(monkeypatch):
     slow = Slow(monkeypatch)
-    explorer, answers = Explorer(spear_ii_hop(), best_engine()), {}
+    explorer, answers = Explorer(spear_ii_hop(), best_engine(), write_script), {}
 
     def ask_for(friction, client):
         answers[friction] = explorer.answer(f"/hop?friction={friction}", client).status

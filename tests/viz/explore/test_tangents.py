@@ -7,6 +7,7 @@ from urllib.parse import urlencode
 
 import pytest
 
+from spear_pin.cli.explored import write_script
 from spear_pin.studies.explore.engines import REFERENCE
 from spear_pin.studies.explore.legs import KNOBS, spear_ii_hop
 from spear_pin.studies.explore.tangents import LONE, MULTIPLIER, Tangents
@@ -145,7 +146,7 @@ class TestPage:
         assert text(browser, "effect_damping") == "no derivative"
 
     def test_without_the_extra_there_is_nothing_of_it(self, browser):
-        with serving(Explorer(spear_ii_hop(), REFERENCE)) as server:
+        with serving(Explorer(spear_ii_hop(), REFERENCE, write_script)) as server:
             browser.errors.clear()
             browser.requests.clear()
             visit(browser, server, "#t=0.15")
