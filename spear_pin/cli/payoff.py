@@ -305,7 +305,7 @@ def _save(study: Study, out: Path) -> list[Path]:
 
 
 def _text(study: Study, found: Answer, rests: list[tuple[str, str]], files: list[Path]) -> str:
-    from spear_pin.viz.payoff import most
+    from spear_pin.studies.payoff.figures import most
 
     words = study.gaits.words
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from spear_pin.errors import require
+from spear_pin.studies.prose import read
 
 Kind = Literal["electrical", "mechanical", "metabolic", "fuel"]
 Verification = Literal[
@@ -55,27 +56,4 @@ def running_animals(mass: float) -> float:
     return float(10.7 * mass**-0.316 / 9.81)
 
 
-_FIG_1 = "label in Fig. 1 of Seok et al., IEEE/ASME Trans. Mechatronics (manuscript of 2013)"
-PUBLISHED: tuple[CostPoint, ...] = (
-    CostPoint(
-        "MIT Cheetah",
-        33.0,
-        0.5,
-        "electrical",
-        "Seok et al., IEEE/ASME Trans. Mechatronics (manuscript of 2013): 973 W at 6 m/s",
-        "publication seen",
-    ),
-    CostPoint(
-        "iSprawl", 0.3, 1.75, "electrical", "Kim, Clark and Cutkosky 2006; 1.7 in Seok et al.", "publication seen"
-    ),
-    CostPoint("BigDog", 109.0, 15.0, "fuel", f"{_FIG_1}; mass from a paper on another robot", "secondary source"),
-    CostPoint("ASIMO", 54.0, 2.0, "electrical", f"{_FIG_1}; mass from memory", "recollection"),
-    CostPoint("ASIMO", 54.0, 3.2, "electrical", "Collins et al. 2005, from memory", "recollection"),
-    CostPoint("Cornell Ranger 2011", 9.98, 0.28, "electrical", "press: 22 lb, 16 W", "secondary source"),
-    CostPoint("Cornell Ranger 2014", 9.98, 0.19, "electrical", "IJRR 2014, from memory; mass of 2011", "recollection"),
-    CostPoint("robot of ETH Zurich", 15.65, 0.38, "electrical", "23.4 W at 0.4 m/s", "secondary source"),
-    CostPoint("ATRIAS", 62.0, 1.3, "electrical", "1.1 to 1.5, from memory", "recollection"),
-    CostPoint("ANYmal", 30.0, 1.2, "electrical", "from memory", "recollection"),
-    CostPoint("StarlETH", 25.0, 2.0, "electrical", "from memory", "recollection"),
-    CostPoint("human, walking", 70.0, 0.2, "metabolic", "press; mass assumed", "assumption"),
-)
+PUBLISHED: tuple[CostPoint, ...] = tuple(CostPoint(*row) for row in read(__package__, "published_costs.toml")["points"])

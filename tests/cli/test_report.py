@@ -26,7 +26,7 @@ def test_page_and_rows(capsys, tmp_path):
     row = next(row for row in shown["rows"] if row["id"] == "kinetic-energy")
     assert row["verdict"] == "differs" and row["place"] == "(3.14)" and row["unit"] == "kg·m²"
     assert row["found"] == pytest.approx([0.1636, 0.1932], abs=1e-4)
-    assert "print(effective_inertia())" in row["command"]
+    assert "print(printed_equations.effective_inertia())" in row["command"]
 
 
 def test_alternatives(capsys, tmp_path):

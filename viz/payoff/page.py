@@ -16,6 +16,7 @@ from spear_pin.hybrid.simulate import simulate
 from spear_pin.studies.design import joints_of
 from spear_pin.studies.payoff import Answer, SearchEnd, Study
 from spear_pin.studies.payoff.answer import spread_of
+from spear_pin.studies.payoff.figures import most
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.motors import PARTS
 from spear_pin.studies.payoff.verdict import LEAST, SWITCHABLE
@@ -113,11 +114,6 @@ def rows(study: Study) -> list[Row]:
         failures = [f"from {each.origin}: {each.reason}" for each in tries if each.reason]
         found.append(Row(study.gaits.words.of(point), study.at(point), len(tries), spread, failures))
     return found
-
-
-def most(values: Mapping[str, float], part: str) -> float:
-    """Returns the largest of the values of knees or hips."""
-    return max(value for joint, value in values.items() if joint.endswith(part))
 
 
 def _playback(study: Study, finding: SearchEnd, title: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from spear_pin.studies.audit.prose import joined, read
+from spear_pin.studies.prose import read
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,5 @@ class Erratum:
 
 
 ERRATA: dict[str, tuple[Erratum, ...]] = {
-    group: tuple(Erratum(each["title"], joined(each["text"]), tuple(each.get("shown_by", ()))) for each in errata)
-    for group, errata in read("errata.toml").items()
+    group: tuple(Erratum(**each) for each in errata) for group, errata in read(__package__, "errata.toml").items()
 }

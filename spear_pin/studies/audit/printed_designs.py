@@ -7,7 +7,6 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from spear_pin.errors import UnknownName
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.model import catalogue
 from spear_pin.model.loading import load
@@ -42,6 +41,10 @@ class Design:
     stiffness: float = math.nan
     speed: float = math.nan
 
+    def bare_rotor(self, joint: str) -> float:
+        """Returns the inertia of a joint's motor over the square of its gear ratio, in kg·m²."""
+        return float(getattr(self, f"{joint}_inertia") / getattr(self, f"{joint}_ratio") ** 2)
+
 
 TABLE_2_4 = tuple(field.name for field in fields(Design))[:12]
 SPEAR_I = Design(4.55, 3.6, 0.95, 0.039, 0.02, 0.047, 0.008, 0.092, 0.097, 60.0, 25.0, 0.081)
@@ -55,7 +58,6 @@ TABLE_5_1 = {
 }
 Q_SPEAR = Design(**TABLE_5_1)
 DESIGNS = {"SPEAR-I": SPEAR_I, "SPEAR-II": SPEAR_II}
-LEGS = 4  # of the quadruped
 ROTORS = {  # the catalogue's motor that stands for the source's
     ("SPEAR-I", "hip"): "faulhaber_3863h024cr",
     ("SPEAR-I", "knee"): "faulhaber_3863h024cr",
@@ -64,53 +66,15 @@ ROTORS = {  # the catalogue's motor that stands for the source's
 }
 
 
-def links_mass(robot: str) -> float:
-    """Returns the mass of thigh and shank of Table 2.4 together, in kg."""
-    column = _column(robot)
-    return column.thigh_mass + column.shank_mass
-
-
 def improvement(quantity: str) -> float:
     """Returns a quantity of Table 2.4 for SPEAR-II over that for SPEAR-I."""
     return float(getattr(SPEAR_II, quantity) / getattr(SPEAR_I, quantity))
 
 
-def imbalance(robot: str) -> float:
-    """Returns the first moment of the thigh about the hip, m d, in kg·m."""
-    column = _column(robot)
-    return column.thigh_mass * column.thigh_com
-
-
-def bare_rotor(robot: str, joint: str) -> float:
-    """Returns a "motor inertia" of Table 2.4 over the square of its gear ratio, in kg·m²."""
-    column = _column(robot)
-    return float(getattr(column, f"{joint}_inertia") / getattr(column, f"{joint}_ratio") ** 2)
-
-
 def reflected_rotor(robot: str, joint: str) -> float:
     """Returns N² J of the catalogue's motor for the source's motor, in kg·m², without the gears' own inertia."""
     rotor = catalogue.motor(ROTORS[robot, joint]).known("rotor_inertia")
-    return float(getattr(_column(robot), f"{joint}_ratio") ** 2 * rotor)
-
-
-def flat_over_cylindrical() -> float:
-    """Returns the rotor inertia of SPEAR-II's flat knee motor over that of SPEAR-I's cylindrical one, by Table 2.4."""
-    return bare_rotor("SPEAR-II", "knee") / bare_rotor("SPEAR-I", "knee")
-
-
-def knee_by_hip_rotor() -> float:
-    """Returns the joint inertia of SPEAR-I's knee motor if it is SPEAR-II's hip motor, by Table 2.4, in kg·m²."""
-    return SPEAR_I.knee_ratio**2 * bare_rotor("SPEAR-II", "hip")
-
-
-def printed(robot: str, quantity: str) -> float:
-    """Returns a quantity of a column of Table 2.4 as printed."""
-    return float(getattr(_column(robot), quantity))
-
-
-def shank_about_com_by_table_2_4() -> float:
-    """Returns Table 2.4's shank inertia less m d², in kg·m²: about the centre of mass if printed about the knee."""
-    return SPEAR_II.shank_inertia - SPEAR_II.shank_mass * SPEAR_II.shank_com**2
+    return float(getattr(DESIGNS[robot], f"{joint}_ratio") ** 2 * rotor)
 
 
 def by_urdf(name: str) -> Design:
@@ -154,26 +118,6 @@ def shipped(quantity: str) -> float:
     return float(getattr(about, quantity))
 
 
-def shank_about_com() -> float:
-    """Returns the inertia of SPEAR-II's shank about its centre of mass, in kg·m²."""
-    return by_urdf("spear_ii").shank_inertia
-
-
-def quadruped_mass() -> float:
-    """Returns the mass of the shipped Q-SPEAR, in kg."""
-    return float(load("q_spear").mass)
-
-
-def biped_over_monopod() -> float:
-    """Returns the mass of the shipped biped, which one leg carries at a time, over that of SPEAR-II and its boom."""
-    return float(load("biped").mass / load("spear_ii").mass)
-
-
-def torso_share() -> float:
-    """Returns the mass of the torso that each leg of the standing quadruped carries, in kg."""
-    return Q_SPEAR.torso_mass / LEGS
-
-
 def straight_leg_inertia() -> float:
     """Returns the inertia of Table 5.1's straight leg about the hip, without rotors, in kg·m²."""
     table = Q_SPEAR
@@ -181,14 +125,3 @@ def straight_leg_inertia() -> float:
     return (
         table.thigh_inertia + table.thigh_mass * table.thigh_com**2 + table.shank_inertia + table.shank_mass * reach**2
     )
-
-
-def hip_against_leg(ratio: float) -> tuple[float, float]:
-    """Returns the hip rotor's inertia reflected by a gear ratio, and the straight leg's about the hip, in kg·m²."""
-    return ratio**2 * Q_SPEAR.hip_inertia / Q_SPEAR.hip_ratio**2, straight_leg_inertia()
-
-
-def _column(robot: str) -> Design:
-    if robot not in DESIGNS:
-        raise UnknownName("column of Table 2.4", robot, DESIGNS)
-    return DESIGNS[robot]

@@ -5,17 +5,13 @@ They serve only for comparison; nothing else in this package uses a printed form
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
-from spear_pin.gaits.bounding_law import PAIR, legs_of
-from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.model.loading import load
 from spear_pin.model.variants import vary
-from spear_pin.studies.audit.printed_designs import SPEAR_II, by_urdf
+from spear_pin.studies.audit.printed_designs import by_urdf
 from spear_pin.studies.push_test import WITH_MOTOR, equilibrium, rest_at, spear_ii
 
 ANGLE = 1.0  # rad, of the knee, hip at half of it: the toe below the hip
@@ -59,22 +55,6 @@ def spring_growth(static_rest: bool = False) -> tuple[float, float]:
     inertia, slope = float(leg.effective_inertia(rest)), float(leg.motion_with_slopes(rest)[5])
     rates = [float(np.roots([inertia, knee.damping, sign * knee.stiffness + slope]).real.max()) for sign in (-1.0, 1.0)]
     return rates[0], rates[1]
-
-
-def friction_power() -> tuple[float, float]:
-    """Returns the ground's power on a toe sliding at 1 m/s under 1 N, over μ, by (3.18) printed and corrected, in W."""
-    force, speed = 1.0, 1.0
-    return force * speed, -force * math.copysign(1.0, speed) * speed
-
-
-def knee_rotor_by_table_3_1() -> float:
-    """Returns the knee's reflected rotor with the hip motor's ratio as N_Knee, as in Table 3.1, in kg·m²."""
-    return SPEAR_II.knee_inertia / SPEAR_II.knee_ratio**2 * SPEAR_II.hip_ratio**2
-
-
-def independent_inputs() -> float:
-    """Returns the rank of B: how many torques the motors of hip and knee can give independently."""
-    return float(np.linalg.matrix_rank(load("spear_ii").actuation_matrix))
 
 
 def stator_coupling(angle: float = ANGLE) -> tuple[float, float]:
@@ -157,30 +137,8 @@ def flight_poles(printed: bool = False, knee_damping: float = 0.0, knee: float =
     return poles[np.argsort(np.abs(poles))]
 
 
-def flight_growth(knee: float = ANGLE) -> tuple[float, float]:
-    """Returns the largest growth rate in flight by (4.9)-(4.10) as printed, and corrected, in 1/s."""
-    return float(flight_poles(printed=True, knee=knee).real.max()), float(flight_poles(knee=knee).real.max())
-
-
-def settling_times(knee_damping: float = 0.0, knee: float = ANGLE) -> tuple[float, float]:
-    """Returns the time to 2 % of each mode in flight, 4 / |Re pole|, shortest first, in s."""
-    times = [4.0 / abs(float(pole.real)) for pole in flight_poles(knee_damping=knee_damping, knee=knee)]
-    return min(times), max(times)
-
-
-def bounding_knee_stiffness() -> tuple[float, float]:
-    """Returns -dτ/dθ of the knee law (5.5) as printed, and corrected, in N·m/rad a motor; > 0 restores."""
-    stiffness = Gait.load("long_stride").system.law.virtual_stiffness / PAIR
-    return -stiffness, stiffness
-
-
 def damping_gain(knee_damping: float = 1.3, knee: float = ANGLE) -> float:
     """Returns the ratio of the damping ratios of the knee's (faster) mode in flight with and without knee damping."""
     fastest = [flight_poles(knee_damping=damping, knee=knee)[-1] for damping in (knee_damping, 0.0)]
     ratios = [float(-pole.real / abs(pole)) for pole in fastest]
     return ratios[0] / ratios[1]
-
-
-def decoupling_columns() -> float:
-    """Returns the number of columns of a swing leg's decoupling matrix, one per motor; v of (5.16) has one."""
-    return float(len(legs_of(load("q_spear"))[0].motors))

@@ -7,7 +7,6 @@ from statistics import fmean
 
 import numpy as np
 
-from spear_pin.model.spring import belt_stiffness
 from spear_pin.studies.push_test import PassiveKnee, find_pushed_angle, rest_at, spear_ii
 from spear_pin.studies.push_test.motion import move
 
@@ -80,36 +79,15 @@ def average(motor: bool) -> TableRow:
     return TableRow(motor, None, *(fmean(getattr(row, name) for row in rows) for name in COLUMNS))
 
 
-def mean(column: str, motor: bool) -> float:
-    """Returns the mean of a column of Table 4.1 over the rows with the motor, or without."""
-    return float(getattr(average(motor), column))
-
-
 def motor_effect(column: str) -> float:
     """Returns the mean difference that the motor makes to a column of Table 4.1."""
-    return mean(column, True) - mean(column, False)
+    return float(getattr(average(True), column) - getattr(average(False), column))
 
 
 def motor_effect_in_deviations() -> float:
     """Returns the stiffness difference by the motor, weighted by inverse variances, over its standard deviation."""
     (engaged, first), (disengaged, second) = weighted_stiffness(True), weighted_stiffness(False)
     return (engaged - disengaged) / float(np.hypot(first, second))
-
-
-def damping_by_depth(motor: bool) -> tuple[float, ...]:
-    """Returns the damping of Table 4.1 by depth, in N·m·s/rad."""
-    return tuple(row.damping for row in TABLE_4_1 if row.motor == motor)
-
-
-def belt_range() -> tuple[float, float]:
-    """Returns k_rotBelt of (4.6) with the source's numbers, in N·m/rad."""
-    low, high = (belt_stiffness(modulus, **BELT) for modulus in BELT_MODULUS)
-    return low, high
-
-
-def boom_over_motor() -> float:
-    """Returns the damping without the motor over the damping that the motor adds, by the means of Table 4.1."""
-    return mean("damping", False) / motor_effect("damping")
 
 
 def weighted_stiffness(motor: bool) -> tuple[float, float]:

@@ -15,6 +15,7 @@ import numpy as np
 
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.hardware import Sensing
@@ -81,6 +82,12 @@ def one_hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR
     """Simulates one of these hops, from touchdown to touchdown."""
     gait = hop(knee, friction, ratio)
     return simulate(gait.system, gait.state, progress=False)
+
+
+@kept
+def hop_measures(knee: float = KNEE, friction: float = FRICTION) -> dict[str, float]:
+    """Returns the measures of one of these hops, of `spear_pin.gaits.measures.catalogue`, by name."""
+    return Sampled(hop(knee, friction).system.robot, one_hop(knee, friction)).values()
 
 
 @cache

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spear_pin.studies.payoff.figures import most
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.searches import SearchEnd
 from spear_pin.studies.payoff.study import Study
@@ -103,7 +104,11 @@ def _sentence(study: Study, found: Judgement) -> str:
     first, second = sorted((FIXED, SWITCHED), key=lambda kind: _rank(study, kind))
     bare = study.best[NONE].cost
     costs = f" ({study.best[first].cost:.3g} against {bare:.3g} without)" if first in study.best else ""
-    peaks = ", ".join(f"{_peak(study.best[kind]):.3g} {word}" for kind, word in PEAKS.items() if kind in study.best)
+    peaks = ", ".join(
+        f"{most(best.figures.peak, 'knee'):.3g} {word}"
+        for kind, word in PEAKS.items()
+        if (best := study.best.get(kind)) is not None and best.figures is not None
+    )
     pace = study.gaits.words.pace.format(study.speed)
     return (
         f"{opening}: {pace} {_does(study, first, found)}{costs}, {_does(study, second, found)};"
@@ -127,12 +132,6 @@ def _does(study: Study, kind: str, found: Judgement) -> str:
     chosen = study.gaits.words.of_numbers(best.figures.chosen)
     own = f"{unit} per leg{outside}" + f" with {chosen}" * bool(chosen)
     return f"a {name} spring of {best.figures.stiffness:.3g} {own} {does} the electricity"
-
-
-def _peak(finding: SearchEnd) -> float:
-    """Returns the largest torque of a knee's motor, in N·m."""
-    assert finding.figures is not None
-    return max(torque for joint, torque in finding.figures.peak.items() if joint.endswith("knee"))
 
 
 def _edges(study: Study) -> tuple[str, ...]:

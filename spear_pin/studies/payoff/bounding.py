@@ -28,31 +28,7 @@ SHARES = (0.6, 0.7, 0.8, 0.9)  # of the speed that `Request.scaled` has
 FINER = (20,)  # intervals of each phase
 # with a virtual stiffness that is given, a spring that is like it would have the advantage
 FREE: dict[str, Any] = {"virtual_stiffness": None, "minimum_knee_torque": 0.0}
-WORDS = Words(
-    one="bound",
-    doing="bounding",
-    pace="at {:.3g} m/s",
-    paces="at {:.3g} to {:.3g} m/s",
-    axis="Speed (m/s)",
-    measure="speed",
-    slowest="the slowest speed",
-    fastest="the fastest speed",
-    cost="Electrical cost of transport",
-    since="Time from posterior touchdown (s)",
-    joint="a pair of {part}s",
-    rests=(
-        (
-            "what is minimised",
-            "the electricity that knees and hips draw over weight and distance, heat of the windings included, by a"
-            " smooth stand-in; the costs shown are those of the simulated motion",
-        ),
-        (
-            "what a law may do",
-            "in stance a constant torque and a virtual spring at the knee and a constant torque at the hip, in swing"
-            " Bézier curves; all of it, the virtual spring too, is chosen for each point",
-        ),
-    ),
-)
+WORDS = Words.read("bounding")
 
 
 def request(robot: Robot, point: Point, motors: Motors) -> Request:

@@ -121,6 +121,11 @@ def figures(
     )
 
 
+def most(values: Mapping[str, float], part: str) -> float:
+    """Returns the largest of the values of knees or hips."""
+    return max(value for joint, value in values.items() if joint.endswith(part))
+
+
 def _used(robot: Robot, values: Mapping[str, float], limit: str, motors: int) -> dict[str, float | None]:
     """Returns values over the limits of a robot's file; a torque is that of a joint's motors together."""
     limits = {joint: getattr(robot.limits[joint], limit) for joint in values}

@@ -1,10 +1,10 @@
-"""What a payoff study needs from a kind of gait, and one search for any kind."""
+"""What a payoff study needs from a kind of gait, and its searches in processes, each kept in a store."""
 
 from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
@@ -13,10 +13,15 @@ from spear_pin.errors import BadValue, Infeasible, NoGait
 from spear_pin.gaits.collocation import Solution
 from spear_pin.gaits.gait import Gait
 from spear_pin.model.robot import Robot
+from spear_pin.studies import workers
 from spear_pin.studies.payoff.figures import Figures
 from spear_pin.studies.payoff.grid import NONE, SWITCHED, Point
 from spear_pin.studies.payoff.motors import Motors
-from spear_pin.studies.payoff.searches import Search, SearchEnd, write_gait
+from spear_pin.studies.payoff.searches import Search, SearchEnd, of_json, to_json, write_gait
+from spear_pin.studies.payoff.store import Store
+from spear_pin.studies.prose import read
+
+SAID = read(__package__, "words.toml")
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,12 @@ class Words:
     unit: str = "N·m/rad"
     units: Mapping[str, str] = field(default_factory=dict)
 
+    @classmethod
+    def read(cls, kind: str) -> Words:
+        """Returns the words for a kind of gait, from the file beside this module."""
+        said = SAID[kind]
+        return cls(**said | {"rests": tuple(said["rests"].items())})
+
     def of(self, point: Point) -> str:
         """Returns a point in words."""
         return point.said(self.pace, self.unit)
@@ -66,6 +77,8 @@ class Words:
         return ", ".join(f"{name} {value:.3g} {self.units.get(name, '')}".rstrip() for name, value in chosen.items())
 
 
+PURPOSE = "a payoff study in several processes"
+Tell = Callable[[str], object]
 Found = tuple[Gait, Figures, Solution | None]
 
 
@@ -142,3 +155,39 @@ def attempt(gaits: Gaits, robot: Robot, motors: Motors, asked: Search) -> Search
     return replace(
         finding, seconds=time.process_time() - begun, figures=found, gait=write_gait(gait), solution=solution
     )
+
+
+@dataclass(frozen=True)
+class Searcher:
+    """Searches for a robot with its motors, in processes, each kept in a store.
+
+    Attributes:
+        gaits: the kind of gait.
+        robot: robot in the plane, with the motors' rotors.
+        motors: motors of the robot.
+        store: where findings are kept.
+        n_jobs: number of processes.
+        tell: called with messages about progress, in words.
+    """
+
+    gaits: Gaits
+    robot: Robot
+    motors: Motors
+    store: Store
+    n_jobs: int | None = 1
+    tell: Tell = lambda text: None
+
+    def find(self, searches: Sequence[Search]) -> list[SearchEnd]:
+        """Returns the findings of some searches, in their order."""
+        missing = {each.key: each for each in searches if self.store.get(each.key) is None}
+        if missing:
+            words, left = self.gaits.words, len(missing)
+            self.tell(f"searching for {words.of(next(iter(missing.values())).point)}")
+            arguments = [(self.gaits, self.robot, self.motors, each) for each in missing.values()]
+            for finding in workers.each(attempt, arguments, self.n_jobs, PURPOSE):
+                self.store.keep(to_json(finding))
+                left -= 1
+                found = "no gait" if finding.figures is None else f"{finding.figures.cost:.4g}"
+                done = f"{len(self.store)} searches done, {left} left in this round"
+                self.tell(f"{done}; the last for {words.of(finding.point)}: {found}")
+        return [of_json(self.store.get(each.key) or {}) for each in searches]

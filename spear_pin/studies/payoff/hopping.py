@@ -48,37 +48,7 @@ TOLERANCES = {MESH: 1e-4, FINER: 1e-5}  # of the search: the relative gain that 
 COLD, FREELY = {NONE: 1, FIXED: 16, SWITCHED: 1}, 4  # random starts: beside SPEAR-II's law, with a chosen stiffness
 KNEES, HIPS = (0.3, 2.2), (-1.5, 1.5)  # rad: of touchdown, within the joints' limits
 RATES, TORQUES, STIFFNESS = (0.3, 2.5), (0.0, 6.0), (0.0, 8.0)  # of SPEAR-II's, scaled
-WORDS = Words(
-    one="hop",
-    doing="hopping in place",
-    pace="{:.3g} s in the air",
-    paces="{:.3g} to {:.3g} s in the air",
-    axis="Flight time (s)",
-    measure="flight_time",
-    slowest="the shortest flight",
-    fastest="the longest flight",
-    cost="Electricity of a hop over m g h",
-    since="Time from touchdown (s)",
-    joint="the {part}",
-    rests=(
-        (
-            "what is minimised",
-            "the electricity that knee and hip draw in a hop, heat of the windings included, over m g h: m the mass on"
-            " the slider, h = g T²/8 the rise of a body that is T in the air",
-        ),
-        (
-            "what a law may do",
-            "in stance one period of a square wave of torque at the knee, its flexion as strong as leaves the toe on"
-            " the ground, and a virtual spring; no torque at the hip. A damper at the knee in stance, SPEAR-II's,"
-            " scaled, which no kind of knee is without. In flight both joints are driven to angles. Torque, frequency,"
-            " virtual spring and both angles are chosen for each point, the gains of the flight are SPEAR-II's, scaled;"
-            " in flight a fixed spring is borne by the motor. Unless the spring is fixed, the toe leaves the ground"
-            " before the knee is back at its angle of touchdown: there springs are let go, the virtual one too, and it"
-            " would stay",
-        ),
-        ("the leg", "on a vertical slider without friction; limits of the file and what the motors can do are kept"),
-    ),
-)
+WORDS = Words.read("hopping")
 
 
 def work(robot: Robot, flight_time: float) -> float:

@@ -6,22 +6,9 @@ from spear_pin.model.limits import UNKNOWN
 from spear_pin.model.motor import Drive
 from spear_pin.model.variants import MASS, SIZE
 from spear_pin.studies.design import joints_of
+from spear_pin.studies.payoff.gaits import SAID
 from spear_pin.studies.payoff.motors import PARTS, SPARE
 from spear_pin.studies.payoff.study import Study
-
-ALWAYS = (
-    (
-        "springs",
-        "without mass, and without damping of their own. A switchable one is latched at touchdown and let go at"
-        " lift-off at no cost; a fixed one rests where the law lets the leg land, the only rest tried, and pulls both"
-        " ways, in swing too",
-    ),
-)
-LEFT_OUT = (
-    "what motors give back, neither stored nor passed to others, what electronics draw at rest, friction of gears"
-    " beyond their efficiency, the mass of {}springs, and feedback: the gaits are periodic, not all are stable by"
-    " themselves"
-)
 
 
 def rests_of(study: Study) -> list[tuple[str, str]]:
@@ -29,8 +16,8 @@ def rests_of(study: Study) -> list[tuple[str, str]]:
     motors = [(f"{part} motors, {study.motors.said[part]}", _motor(study, part)) for part in PARTS]
     limits = "limits of the file", "; ".join(_limits(study, part) for part in PARTS)
     weighed = all(part in study.motors.own or f"{part}_{MASS}" in study.robot.varied for part in PARTS)
-    left = "left out", LEFT_OUT.format("" if weighed else "other motors and of ")
-    return [*motors, limits, *study.gaits.words.rests, *ALWAYS, left]
+    left = "left out", SAID["left_out"].format("" if weighed else "other motors and of ")
+    return [*motors, limits, *study.gaits.words.rests, *SAID["always"].items(), left]
 
 
 def _motor(study: Study, part: str) -> str:

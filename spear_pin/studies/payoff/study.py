@@ -5,19 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import spear_pin
-from spear_pin.errors import SpearError
+from spear_pin.errors import Infeasible, NoGait, SpearError
 from spear_pin.gaits.gait import Gait
+from spear_pin.gaits.measures.of_samples import Sampled
+from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.motor import Drive
 from spear_pin.model.robot import Robot
-from spear_pin.studies.payoff.fitting import motors_for
-from spear_pin.studies.payoff.gaits import Gaits
+from spear_pin.studies.design import joints_of
+from spear_pin.studies.payoff.gaits import Gaits, Searcher, Tell
 from spear_pin.studies.payoff.grid import KINDS, NONE, SWITCHED, Grid, Point
-from spear_pin.studies.payoff.motors import Motors, fit_motors
-from spear_pin.studies.payoff.searcher import Searcher, Tell
+from spear_pin.studies.payoff.motors import PARTS, Motors, assume_motor, fit_motors, known, own_rotors
 from spear_pin.studies.payoff.searches import Search, SearchEnd, rebuilt
 from spear_pin.studies.payoff.store import Store
 from spear_pin.studies.sweep.store import fingerprint
@@ -144,7 +146,7 @@ def study_knees(
         **gaits.asked(robot),
     }
     store = Store(path, asked)
-    motors = motors_for(gaits, robot, drives, bus, speeds, store, tell)
+    motors = _motors(gaits, robot, drives, bus, speeds, store, tell)
     searcher = Searcher(gaits, fit_motors(robot, motors), motors, store, n_jobs, tell)
     gaits.suits(searcher.robot)
     work = _Work(searcher)
@@ -165,6 +167,61 @@ def study_knees(
     changes = {kind: _change(each, finer[kind]) for kind, each in best.items()}
     best = {kind: min(each, finer[kind], key=lambda end: end.cost) for kind, each in best.items()}
     return Study(gaits, searcher.robot, motors, grid, work.tries, best, finer, changes, speed, chosen)
+
+
+def _motors(
+    gaits: Gaits,
+    robot: Robot,
+    drives: Mapping[str, Drive],
+    bus: float | None,
+    speeds: Sequence[float],
+    store: Store,
+    tell: Tell,
+) -> Motors:
+    """Returns the given motors, the robot's own, or assumed ones."""
+    found, said, own = dict(drives), dict.fromkeys(drives, "given"), []
+    for part in PARTS:
+        if part in found:
+            continue
+        own_drive = known(robot, part, bus)
+        if own_drive is not None:
+            found[part], said[part] = own_drive
+            own.append(part)
+    if missing := [part for part in PARTS if part not in found]:
+        takes = _taken(gaits, robot, speeds, store, tell)
+        for part in missing:
+            torque, rate = takes["takes"][part]
+            found[part] = assume_motor(robot, part, torque, rate, bus)
+            said[part] = "assumed"
+            own += [part] * (part in own_rotors(robot))
+    replaced = tuple(part for part in drives if part in own_rotors(robot))
+    return Motors(found["knee"], found["hip"], said, tuple(own), replaced)
+
+
+def _taken(gaits: Gaits, robot: Robot, speeds: Sequence[float], store: Store, tell: Tell) -> dict[str, Any]:
+    """Returns torque and speed of each part in a gait of least effort without springs, the fastest that exists.
+
+    Raises:
+        NoGait, Infeasible: there is no such gait.
+    """
+    found = store.get("reference")
+    if found is not None:
+        return found
+    failure: SpearError | None = None
+    for speed in sorted(speeds, reverse=True):
+        tell(f"searching for what motors have to do {gaits.words.pace.format(speed)}")
+        try:
+            gait = gaits.reference(robot, speed)
+        except (Infeasible, NoGait) as error:
+            failure = error
+            continue
+        cycle = Sampled(robot, simulate(gait.system, gait.state, progress=False))
+        loads = [cycle.of(kind) for kind in ("rms_torque", "peak_speed")]
+        takes = {part: [max(load[joint] for joint in joints_of(robot, part)) for load in loads] for part in PARTS}
+        store.keep({"key": "reference", "speed": speed, "takes": takes})
+        return store.get("reference") or {}
+    assert failure is not None
+    raise failure
 
 
 def _change(coarse: SearchEnd, fine: SearchEnd) -> float:

@@ -8,7 +8,8 @@ from scipy.optimize import brentq
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.result import Moment, Options
 from spear_pin.hybrid.run import run
-from spear_pin.studies.audit import prose, zero_dynamics
+from spear_pin.studies import prose
+from spear_pin.studies.audit import zero_dynamics
 from spear_pin.studies.audit.runs import bound, stride_run
 
 
@@ -35,7 +36,7 @@ def test_what_is_off_is_noticed(system):
 def test_they_return_as_a_critically_damped_pair_of_poles_does(system):
     x = brentq(lambda x: (1 + x) * math.exp(-x) - zero_dynamics.LEFT, 1.0, 10.0)
     assert zero_dynamics.decay(system, stride_run(), 0.01) == pytest.approx(x, rel=1e-4)
-    said = prose.read("statements/chapter5.toml")["outputs-converge"]
+    said = prose.read("spear_pin.studies.audit.statements", "chapter5.toml")["outputs-converge"]
     assert said["criterion"]["near"][0] == pytest.approx(x, abs=1e-4)
 
 

@@ -5,8 +5,8 @@ import pytest
 from spear_pin import load, simulate
 from spear_pin.studies.payoff import Motors, Point, Search, Store, assume_motor
 from spear_pin.studies.payoff.bounding import BOUNDS
+from spear_pin.studies.payoff.gaits import Searcher
 from spear_pin.studies.payoff.grid import NONE, SWITCHED
-from spear_pin.studies.payoff.searcher import Searcher
 from spear_pin.studies.payoff.searches import rebuilt
 
 

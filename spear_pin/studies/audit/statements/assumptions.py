@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from spear_pin.studies.audit.prose import joined, read
+from spear_pin.studies.prose import read
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,6 @@ class Assumption:
 
 
 ASSUMPTIONS = tuple(
-    Assumption(
-        id,
-        each["what"],
-        joined(each["here"]),
-        tuple(Other(other["label"], tuple(other["given"])) for other in each.get("others", ())),
-        joined(each.get("settled", "")),
-    )
-    for id, each in read("assumptions.toml").items()
+    Assumption(id, **each | {"others": tuple(Other(**other) for other in each.get("others", ()))})
+    for id, each in read("spear_pin.studies.audit", "assumptions.toml").items()
 )

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from functools import partial
-
-from spear_pin.studies.audit import printed_estimates
 from spear_pin.studies.audit.printed_estimates import TABLE_4_2
 from spear_pin.studies.audit.statements.criteria import near
+from spear_pin.studies.audit.statements.formula import Formula
 from spear_pin.studies.audit.statements.statement import Statement
 
 PRINTED = {row.motor: row for row in TABLE_4_2}
@@ -30,7 +28,7 @@ def _average(column: str, motor: bool) -> Statement:
         "Table 4.2",
         f"{case.capitalize()}, the mean {name} is {printed:g} {unit}.",
         "mean of the rows of Table 4.1",
-        partial(printed_estimates.mean, column, motor),
+        Formula(f"printed_estimates.average({motor}).{column}"),
         unit,
         printed,
         near(printed, tolerance),

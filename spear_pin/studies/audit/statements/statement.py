@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal, TypeAlias, get_args
 
+import numpy as np
+
 from spear_pin.errors import BadValue
 from spear_pin.studies.audit.statements.assumptions import ASSUMPTIONS, Assumption, Other
 from spear_pin.studies.audit.statements.criteria import Criterion, Value
+from spear_pin.studies.audit.statements.formula import Formula
 
 Verdict = Literal["agrees", "differs", "by construction", "cannot be known", "failed"]
 VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
@@ -25,7 +27,7 @@ RULES: dict[Verdict, str] = {
     "source gives no measure.",
     "failed": "Its numbers could not be made, or what holds by construction does not.",
 }
-Study: TypeAlias = "Callable[[], Value] | partial[Value]"
+Study: TypeAlias = Callable[..., Any]
 
 
 @dataclass(frozen=True)
@@ -37,8 +39,7 @@ class Statement:
         place: where the source states it.
         says: the statement, in words of our own.
         finds: what the numbers of `study` mean.
-        study: a function of a module, or a `functools.partial` of one, that returns the numbers; None where nothing
-            can.
+        study: returns the numbers, with what is assumed by keyword, such as a `Formula`; None where nothing can.
         unit: unit of these numbers.
         printed: the source's number; None where it has none.
         criterion: criterion for the numbers; None where the source gives nothing to compare with.
@@ -65,8 +66,8 @@ class Statement:
 
     @property
     def command(self) -> str:
-        """Shell line that computes the numbers again; empty where there is no study."""
-        return "" if self.study is None else command_of(self.study)
+        """Shell line that computes the numbers again; empty where there is no formula."""
+        return self.study.command if isinstance(self.study, Formula) else ""
 
     @property
     def assumptions(self) -> tuple[Assumption, ...]:
@@ -155,8 +156,8 @@ def _value(data: Any) -> Any:
 def _numbers(study: Callable[..., Any]) -> Value:
     """Returns the numbers of a study as plain finite ones, NumPy's too."""
     value = study()
-    numbers = tuple(map(float, value)) if isinstance(value, tuple) else float(value)
-    if not all(map(math.isfinite, numbers if isinstance(numbers, tuple) else (numbers,))):
+    numbers = tuple(map(float, value)) if np.ndim(value) else float(value)
+    if not np.isfinite(numbers).all():
         raise BadValue("what is found", numbers, "finite")
     return numbers
 
