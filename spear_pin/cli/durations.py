@@ -33,9 +33,14 @@ LASTING = (
         "about three searches for each knee at each speed or flight time (a knee without a spring, and a fixed and a"
         " switched one for each stiffness), 5 s to a minute each, shared by the processors",
     ),
+    Lasting(
+        "sweep",
+        "",
+        "some seconds, half a minute for a bound, and in 3-D 5 to 30 s for each gait, or minutes where there is none",
+    ),
     Lasting("family", "", "some seconds to a minute for a hop, and minutes for a bound"),
-    Lasting("sensitivity", "", "some seconds, and half a minute for a bound"),
-    Lasting("design", "", "some seconds, and a minute for a bound"),
+    Lasting("sensitivity", "", "some seconds, and half a minute for a bound or a trot"),
+    Lasting("design", "", "some seconds, and a minute or two for a bound or a trot"),
     Lasting("uncertainty", "monte_carlo", "some seconds, and for 10000 samples of a hop half a minute to a minute"),
     Lasting("uncertainty", "", "some seconds, and half a minute for a bound"),
     Lasting("fit", "", "some seconds, and without heyoka a minute or more"),

@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from spear_pin.cli.arguments import Commands, add_command, add_open, add_out, add_rtol, check_out
-from spear_pin.cli.gaits import add_gait, add_wanted, find_named_gait, write_gait
+from spear_pin.cli.gaits import add_gait, add_wanted, find_named_gait, solved_for, write_gait
 from spear_pin.cli.given import name_options, refuse
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import align_lines, progress
@@ -105,23 +105,16 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.at is not None and not low <= arguments.at <= high:
         raise BadValue("--at", arguments.at, f"a number from {low:g} to {high:g}")
     if arguments.what != "hop":
-        refuse(arguments, "only with hop", "robot", "flight_time", "at")
-    else:
-        refuse(arguments, "only with a bound; for a hop give --flight-time", "speed")
+        refuse(arguments, "only with hop", "robot", "at")
 
 
 def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[str], dict[str, float]]:
     """The gait to begin with, what is solved for, and the target."""
-    from spear_pin.gaits.bounding import SPEED_BY
     from spear_pin.gaits.targets import measures_of
 
     gait = None if arguments.what == "hop" else find_named_gait(arguments.what)
-    if gait is not None and arguments.speed is not None and gait.system.kind != "bounding":
-        raise BadValue("--speed", arguments.speed, f"only with a bound; this gait is of the kind {gait.system.kind!r}")
-    bounds = gait is not None and "hopping" not in gait.system.kind
-    solved, measure = (SPEED_BY, "mean_speed") if bounds else ("stance_torque", "flight_time")
-    value = arguments.speed if bounds else arguments.flight_time
-    target = {} if value is None else {measure: value}
+    asked = solved_for(arguments, gait)
+    target = {} if asked.value is None else {asked.measure: asked.value}
     if gait is None:
         gait = _hop(arguments, target, program)
     else:
@@ -131,9 +124,9 @@ def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[
         raise BadValue(
             "--over",
             arguments.over[0],
-            f"a parameter; for a measure leave out {'--speed' if bounds else '--flight-time'}",
+            f"a parameter; for a measure leave out {asked.option}",
         )
-    return gait, [solved] if measured or target else [], target
+    return gait, [asked.solved] if measured or target else [], target
 
 
 def _hop(arguments: argparse.Namespace, target: dict[str, float], program: Program) -> Gait:

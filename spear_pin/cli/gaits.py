@@ -6,12 +6,12 @@ import argparse
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
+from spear_pin.cli.given import refuse
 from spear_pin.cli.pairs import names
 from spear_pin.cli.python_lines import Code, Program
-from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName
 
 if TYPE_CHECKING:
     from spear_pin.gaits.gait import Gait
@@ -43,8 +43,6 @@ def bounding_gait(name: str, speed: float | None) -> tuple[str, Gait]:
     from spear_pin.gaits.gait import Gait
     from spear_pin.studies.bound import mean_speed
 
-    if Path(name).suffix == ".npz":
-        raise BadFile(name, "is not a saved gait (.json): trajectories are saved as .npz")
     if name in library.names() and speed is not None:
         family = {other: re.search(SPEED_SUFFIX, other) for other in library.names() if _base(other) == _base(name)}
         speeds = {
@@ -64,17 +62,52 @@ def add_gait(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "what",
         metavar=WHAT,
-        help=f"a leg's hop in place, the bound {BOUND}, a gait by name, or the path of one that `hop --save` wrote",
+        help=f"a leg's hop in place, the bound {BOUND}, a gait by name such as trot, or the path of a saved one",
     )
 
 
 def add_wanted(parser: argparse.ArgumentParser) -> None:
-    """Declare --flight-time and --speed, of which one may be given."""
+    """Declare --flight-time and --speed, of which one may be given; see `solved_for`."""
     wanted = parser.add_mutually_exclusive_group()
     wanted.add_argument(
         "--flight-time", type=float, metavar="S", help="solve a hop's stance torque for this flight time"
     )
-    wanted.add_argument("--speed", type=float, metavar="M/S", help="solve a bound's hip torque for this mean speed")
+    wanted.add_argument("--speed", type=float, metavar="M/S", help="solve other gaits' hip torque for this mean speed")
+
+
+class Asked(NamedTuple):
+    """What a gait is asked for.
+
+    Attributes:
+        solved: the parameter to solve for.
+        measure: the measure that has a wanted value.
+        value: this value; None if its option was not given.
+        option: the option.
+    """
+
+    solved: str
+    measure: str
+    value: float | None
+    option: str
+
+
+def solved_for(arguments: argparse.Namespace, gait: Gait | None) -> Asked:
+    """What a gait is asked for by the options of `add_wanted`: a hop for its flight time, others for their speed.
+
+    Args:
+        arguments: of the command.
+        gait: the gait; None for the hop.
+
+    Raises:
+        BadValue: the option for other gaits was given.
+    """
+    from spear_pin.gaits.bounding import SPEED_BY
+
+    if gait is None or "hopping" in gait.system.kind:
+        refuse(arguments, "to be left out with a hop; for a hop give --flight-time", "speed")
+        return Asked("stance_torque", "flight_time", arguments.flight_time, "--flight-time")
+    refuse(arguments, "only with a hop; for other gaits give --speed", "flight_time")
+    return Asked(SPEED_BY, "mean_speed", arguments.speed, "--speed")
 
 
 def add_kept(parser: argparse.ArgumentParser) -> None:

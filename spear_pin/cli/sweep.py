@@ -17,7 +17,7 @@ from spear_pin.cli.arguments import (
     check_folder,
     folder,
 )
-from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait, offer_words
+from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait, find_named_gait, solved_for, write_gait
 from spear_pin.cli.given import refuse
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import align_lines
@@ -28,6 +28,7 @@ from spear_pin.words import number
 
 if TYPE_CHECKING:
     from spear_pin.hybrid.automaton import HybridSystem
+    from spear_pin.hybrid.result import State
 
 NAME = "sweep.zarr"
 OUT = "an existing folder, or NAME.zarr in one"
@@ -58,7 +59,7 @@ def add(commands: Commands) -> None:
     sampled.add_argument("--latin", type=int, metavar="N", help="take N points of a Latin hypercube instead of a grid")
     add_seed(parser, "points")
     parser.add_argument(
-        "--chunk", type=int, default=512, metavar="N", help="number of points in a batch (default: 512)"
+        "--chunk", type=int, metavar="N", help="number of points in a batch (default: 512, and 1 in 3-D)"
     )
     add_rtol(parser)
     add_workers(parser, 1, "1")
@@ -96,7 +97,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         else sample({k: (v[0], v[1]) for k, v in axes.items()}, number, method, arguments.seed)
     )
     program = Program()
-    system, vary, target = _asked(arguments, set(axes), program)
+    system, guess, vary, target = _asked(arguments, set(axes), program)
     _check_names(system, axes)
     check_wanted(system, {**target, **{name: axes[name] for name in axes if name in measures_of(system)}})
     store.require()  # its extra has the engine's too
@@ -110,10 +111,10 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
         dataset = sweep(
             system, points, arguments.out, vary, target,
-            rtol=arguments.rtol, chunk=arguments.chunk, n_jobs=arguments.workers, resume=arguments.resume,
+            guess=guess, rtol=arguments.rtol, chunk=arguments.chunk, n_jobs=arguments.workers, resume=arguments.resume,
             on_points=tell,
         )  # fmt: skip
-    _write(arguments, program, axes, vary, target)
+    _write(arguments, program, axes, vary, target, Code("gait.state") if guess else None)
     why = reasons(dataset).tolist()
     counts = {reason: why.count(reason) for reason in sorted(set(why), key=lambda each: -why.count(each))}
     opened, files, found = None, [str(arguments.out)], counts.get("converged", 0)
@@ -129,7 +130,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _write(
-    arguments: argparse.Namespace, program: Program, axes: Axes, vary: list[str], target: dict[str, float]
+    arguments: argparse.Namespace,
+    program: Program,
+    axes: Axes,
+    vary: list[str],
+    target: dict[str, float],
+    guess: Code | None,
 ) -> None:
     """Write the Python of a sweep of the system that is called "system"."""
     from numpy import linspace
@@ -143,17 +149,17 @@ def _write(
         points = program.let("points", program.call(grid, lines))
     else:
         points = program.let("points", program.call(sample, axes, number, method=method, seed=arguments.seed))
-    options = {"rtol": arguments.rtol, "chunk": arguments.chunk, "n_jobs": arguments.workers}
+    options = {"guess": guess, "rtol": arguments.rtol, "chunk": arguments.chunk, "n_jobs": arguments.workers}
     solved = {"vary": vary, "target": target or None}
     program.let("dataset", program.call(sweep, Code("system"), points, arguments.out, **solved, **options))
 
 
 def _check(arguments: argparse.Namespace) -> None:
     """Refuse what makes no sense, before anything is solved for."""
-    if arguments.what not in ("hop", "bound"):
-        if arguments.gait is not None:
-            raise BadValue("--gait", arguments.gait, f"to be left out with {arguments.what}, which names a gait")
-        arguments.what, arguments.gait = "bound", arguments.what
+    if arguments.gait is not None:
+        if arguments.what != "bound":
+            raise BadValue("--gait", arguments.gait, f"only with bound, to be left out with {arguments.what}")
+        arguments.what = arguments.gait
     if arguments.out.suffix != ".zarr" and arguments.out.is_dir():
         arguments.out /= NAME
     if arguments.out.suffix != ".zarr":
@@ -165,13 +171,9 @@ def _check(arguments: argparse.Namespace) -> None:
         value = getattr(arguments, option)
         if value is not None and value < least:
             raise BadValue(f"--{option}", value, f"a whole number, at least {least}")
-    if arguments.what == "hop":
-        refuse(arguments, "only with bound; for a hop give --flight-time", "speed")
-        refuse(arguments, "only with bound: the search for a hop needs no gait", "gait")
-    else:
-        typed = "`spear bound --robot NAME --save`, then --gait bound.json"
+    if arguments.what != "hop":
+        typed = "`spear bound --robot NAME --save`, then `spear sweep bound.json`"
         refuse(arguments, f"only with hop; for a bound of this robot type {typed}", "robot")
-        refuse(arguments, "only with hop; for a bound give --speed", "flight_time")
     if arguments.speed is not None and not 0.0 < arguments.speed < math.inf:
         raise BadValue("--speed", arguments.speed, "a number > 0")
 
@@ -205,32 +207,30 @@ def _axis(word: str, sampled: bool) -> tuple[str, tuple[float, ...]]:
 
 def _asked(
     arguments: argparse.Namespace, names: set[str], program: Program
-) -> tuple[HybridSystem, list[str], dict[str, float]]:
-    """The system, what to solve for, and the target."""
-    from spear_pin import Gait, hopping, load
-    from spear_pin.gaits.bounding import SPEED_BY
+) -> tuple[HybridSystem, State | None, list[str], dict[str, float]]:
+    """The system, a state from which its gait is searched for, what to solve for, and the target."""
+    from spear_pin import hopping, load
     from spear_pin.gaits.targets import measures_of
     from spear_pin.studies.hop_of_another import scaled_hopping
 
     leg = one_leg(arguments, ["boom_x"])
     if arguments.what == "hop":
         system = hopping(load("spear_ii", locked=["boom_x"])) if leg is None else scaled_hopping(leg)
-        measure, value, solved = "flight_time", arguments.flight_time, "stance_torque"
+        gait = None
         robot = write_leg(program, arguments, system.robot, ["boom_x"])
         program.let("system", program.call(hopping if leg is None else scaled_hopping, robot))
     else:
-        with offer_words("hop", "bound"):
-            name, gait = bounding_gait(BOUND if arguments.gait is None else arguments.gait, None)
+        gait = find_named_gait(arguments.what) if arguments.gait is None else bounding_gait(arguments.gait, None)[1]
         system = gait.system
-        program.let("system", Code(f"{program.call(Gait.load, name)}.system"))
-        measure, value, solved = "mean_speed", arguments.speed, SPEED_BY
+        write_gait(program, arguments.what)
+        program.let("system", Code("gait.system"))
+    wanted = solved_for(arguments, gait)
     over = [name for name in measures_of(system) if name in names]
-    if over and (value is not None or len(over) > 1):
-        option = "--flight-time" if arguments.what == "hop" else "--speed"
-        expected = f"a parameter; for a measure leave out {option}" if value is not None else "one measure at most"
-        raise BadValue("--over", over[-1], expected)
-    asked = value is not None or bool(over)
-    return system, [solved] if asked else [], {} if value is None else {measure: value}
+    if over and (wanted.value is not None or len(over) > 1):
+        left_out = f"a parameter; for a measure leave out {wanted.option}"
+        raise BadValue("--over", over[-1], left_out if wanted.value is not None else "one measure at most")
+    target = {} if wanted.value is None else {wanted.measure: wanted.value}
+    return system, None if gait is None else gait.state, [wanted.solved] if target or over else [], target
 
 
 def _check_names(system: HybridSystem, axes: Axes) -> None:

@@ -5,6 +5,7 @@ import sys
 import numpy as np
 import pytest
 
+from spear_pin import Gait, find_gait
 from spear_pin.errors import BadFile
 from spear_pin.studies.sweep import store
 from tests.cli.calls import printed, refused, run, words
@@ -41,6 +42,45 @@ class TestSweep:
     def test_flight_times(self, capsys, tmp_path):
         arguments = ("sweep", "hop", "--over", "flight_time=0.2,0.21", "--out", tmp_path / "a.zarr")
         assert printed(capsys, *arguments)["vary"] == ["stance_torque"]
+
+    @pytest.mark.parametrize("name", ["trot", "pace", "pronk", "turn_9"])
+    def test_asks_the_same_of_gaits_in_space(self, name, capsys, tmp_path, monkeypatch):
+        """As of bounds: each begins from its own state, and the hips' torque is solved for the speed."""
+        gait, asked = Gait.load(name), {}
+
+        def stop(system, points, out, vary, target, **options):
+            asked.update(system=system, points=points, vary=vary, target=target, **options)
+            raise BadFile(out, "stops here")
+
+        monkeypatch.setattr("spear_pin.studies.sweep.sweep", stop)
+        out = ("--out", tmp_path / "a.zarr")
+        refused(capsys, "sweep", name, "--over", "torso_mass=34,36", "--speed", 2, *out)
+        assert asked["system"].kind == gait.system.kind and asked["chunk"] is None
+        assert (asked["vary"], asked["target"]) == (["posterior_hip_torque"], {"mean_speed": 2.0})
+        for given, own in zip(asked["guess"], gait.state, strict=True):
+            np.testing.assert_array_equal(given, own)
+        refused(capsys, "sweep", name, "--over", "mean_speed=1.9,2", *out)
+        assert (asked["vary"], asked["target"]) == (["posterior_hip_torque"], {})
+
+    @pytest.mark.slow
+    def test_trots(self, capsys, tmp_path):
+        """Each point is what one search finds, it is stored by itself, and the Python lines name the start."""
+        gait = Gait.load("trot")
+        result = printed(capsys, "sweep", "trot", "--over", "mean_speed=1.98,2.02", "--out", tmp_path / "a.zarr")
+        assert result["converged"] == 2 and result["vary"] == ["posterior_hip_torque"]
+        assert "guess=gait.state" in result["python"] and (tmp_path / "a.svg").exists()
+        dataset = store.read(tmp_path / "a.zarr")
+        alone = find_gait(gait.system, ["posterior_hip_torque"], {"mean_speed": 2.02}, guess=gait.state)
+        assert float(dataset["posterior_hip_torque"][1]) == pytest.approx(
+            alone.parameters["posterior_hip_torque"], abs=1e-6
+        )
+        assert float(dataset["largest_multiplier"][1]) == pytest.approx(abs(alone.multipliers[0]), abs=1e-5)
+
+    def test_a_saved_hop(self, capsys, tmp_path, hop):
+        path = hop.save(tmp_path / "hop.json")
+        arguments = ("sweep", path, "--over", "stiffness=48,50", "--flight-time", 0.2)
+        result = printed(capsys, *arguments, "--out", tmp_path / "a.zarr")
+        assert result["converged"] == 2 and result["vary"] == ["stance_torque"]
 
     def test_none_found(self, capsys, tmp_path):
         status, out, _ = run(capsys, "sweep", "hop", "--over", "stance_torque=-1,-2", "--out", tmp_path / "a.zarr")
@@ -96,7 +136,7 @@ class TestMistakes:
             (("stiffness=46:52",), "--sobol or --latin with a range"),
             (("stiffness=1,2", "--over", "stiffness=3,4"), "each name once"),
             (("help",), "each valid parameter: knee_touchdown, "),
-            (("stiffness=46,52", "--speed", "2"), "only with bound; for a hop give --flight-time"),
+            (("stiffness=46,52", "--speed", "2"), "to be left out with a hop; for a hop give --flight-time"),
             (("stiffness=46,52", "--flight-time", "0.03"), "flight_time is 0.03; expected a number from 0.05 to 5"),
             (("flight_time=0.2,0.03",), "flight_time is 0.03; expected"),
             (("flight_time=0.03:0.3", "--sobol", "4"), "flight_time is 0.03; expected"),
@@ -121,11 +161,13 @@ class TestMistakes:
     def test_of_a_gait_by_its_name(self, capsys, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         assert "left out with trot" in refused(capsys, "sweep", "trot", *OVER, "--gait", "pace")
-        assert "expected a bounding gait" in refused(capsys, "sweep", "trot", *OVER)
+        assert "expected a bounding gait" in refused(capsys, "sweep", "bound", *OVER, "--gait", "trot")
+        assert "trajectories are saved as .npz" in refused(capsys, "sweep", "hop.npz", *OVER)
         assert "nearest of 24: bound," in refused(capsys, "sweep", "bounds", *OVER)
-        assert "only with hop; for a bound give --speed" in refused(
-            capsys, "sweep", "long_stride", *OVER, "--flight-time", "0.2"
-        )
+        for gait in ("long_stride", "trot"):
+            text = refused(capsys, "sweep", gait, *OVER, "--flight-time", "0.2")
+            assert "only with a hop; for other gaits give --speed" in text
+        assert "leave out --speed" in refused(capsys, "sweep", "trot", "--over", "period=0.2,0.3", "--speed", "2")
 
     def test_of_what_is_not_installed(self, capsys, tmp_path, monkeypatch):
         """One extra has everything, and a mistake needs none."""

@@ -398,6 +398,7 @@ LINES = (
     "sweep hop --over stiffness=1,2 --sobol 4",
     "sweep hop --over stiffness=1:2 --sobol 4 --latin 4",
     "sweep hop --over flight_time=0.1,0.2 --flight-time 0.2",
+    "sweep trot --over friction=0.5,0.9 --flight-time 0.2",
     "family",
     "family hop",
     "family hop --over stiffness",
