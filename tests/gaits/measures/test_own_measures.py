@@ -60,7 +60,7 @@ def test_its_name_and_unit(hop):
         measure_of(hop.system, "beauty")
 
 
-@pytest.mark.parametrize("name", ["hop", "long_stride"])
+@pytest.mark.parametrize("name", ["hop", "long_stride", "trot"])
 def test_with_touchdowns_it_bears_the_weight(hop, name):
     """A cycle changes no momentum."""
     gait = hop if name == "hop" else Gait.load(name)
@@ -70,6 +70,16 @@ def test_with_touchdowns_it_bears_the_weight(hop, name):
     assert borne + struck == pytest.approx(robot.weight * gait.period, rel=1e-7)
     if name == "hop":
         assert summarize(gait, motion)["measures"]["impulse_toe"] == pytest.approx(borne, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_a_trot_has_the_same_by_derivatives():
+    """Half a stride closes its cycle, of which each leg does what its partner does in the other half."""
+    gait = Gait.load("trot")
+    found = gait.sensitivity(["torso_mass"]).outputs
+    stride = simulate(gait.system, gait.state, 2, progress=False)
+    for toe, value in Sampled(gait.system.robot, stride, (1, 2), halves=True).of("impulse").items():
+        assert found[f"impulse_{toe}"] == pytest.approx(value, rel=1e-6)
 
 
 @pytest.mark.extra("heyoka")
