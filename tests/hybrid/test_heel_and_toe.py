@@ -235,7 +235,7 @@ class TestBouncesEnd:
         v = np.outer(about_toe, [6e-6, 6e-5])  # rad/s
         numbers = Numbers(system, {"friction": np.full(2, 50.0)}, Code(1e-12))
         lanes = Group(np.arange(2), np.zeros(2), np.concatenate([np.outer(q, [1.0, 1.0]), v]), {})
-        struck, _ = strike(numbers, list(robot.toes), ("heel",), lanes)
+        struck, _ = strike(numbers, list(robot.toes), lands, lanes)
         expected = [strike_by_rule(system, robot.toes, lands, q, each).v for each in v.T]
         np.testing.assert_allclose(struck.y[3:].T, expected, atol=1e-18)
         np.testing.assert_allclose(struck.y[3:, 0], 0.0, atol=1e-18)

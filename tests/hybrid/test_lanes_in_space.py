@@ -62,6 +62,16 @@ def test_pushed(name, cycles):
 
 @compiles
 @pytest.mark.slow
+def test_as_exact_as_asked_for():
+    """No guard is so great, or so bent, that the steps follow it instead of the state."""
+    gait = Gait.load("trot")
+    found = simulate_many(gait.system, *(part[None] for part in gait.state))
+    expected = run(gait.system, gait.state, 1, Options(1e-12)).state
+    np.testing.assert_allclose(np.concatenate([found.q[0], found.v[0]]), np.concatenate(expected), rtol=0, atol=5e-12)
+
+
+@compiles
+@pytest.mark.slow
 @pytest.mark.parametrize("alone", [True, False])
 def test_a_toe_that_bounces_and_falls_at_once(monkeypatch, alone):
     """An impact of another toe leaves it on the ground and moving down; no step of the compiled code shows that."""

@@ -12,9 +12,10 @@ from spear_pin.hybrid.contact import SIGN, SLIP, SLOW, STICK
 from spear_pin.hybrid.domain import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.elimination import determinant
-from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, LIFTS, UNLOADED, along, moved, size
+from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, LIFTS, UNLOADED, along, moved
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import Lever
+from spear_pin.model.scalars import dot
 
 ON_GROUND = 1e-8  # m: above the integration's error of the constraint, below any foot clearance
 ON_REST = 1e-9  # rad: above the effect of an error in an event's time
@@ -46,11 +47,15 @@ def cone_margin(toe: str, side: float) -> GuardValue:
 
 
 def circular_margin(toe: str) -> GuardValue:
-    """Returns the guard μ F_z - |F_t|, in N, which is zero where the toe begins to slide in space."""
+    """Returns the guard (μ F_z)² - |F_t|², in N², which is zero where the toe begins to slide in space.
+
+    Unlike μ F_z - |F_t| it has no kink at F_t = 0, near which a Taylor integrator takes short steps.
+    """
 
     def margin(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         *tangential, normal = dyn.force(toe)
-        return dyn.friction_coefficient * normal - size(tangential, ops)
+        grip = dyn.friction_coefficient * normal
+        return grip * grip - dot(tangential, tangential)
 
     return margin
 
