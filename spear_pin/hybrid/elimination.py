@@ -12,32 +12,33 @@ Matrix = list[list[Any]]
 
 
 def factorize(matrix: Matrix) -> tuple[Matrix, list[Any]]:
-    """Factorizes a symmetric matrix into L diag(d) Lᵀ, and returns L and d.
+    """Factorizes a symmetric matrix into Lᵀ diag(d) L, and returns L and d.
 
-    The matrix is positive definite, or that of `responses`, for which no pivot vanishes either.
+    It begins with the last row, which keeps zeros in the mass matrix of a tree: a joint comes after those that carry
+    it. The matrix is positive definite, or that of `responses`, for which no pivot vanishes either.
     """
     n = len(matrix)
     lower: Matrix = [[0.0] * n for _ in range(n)]
-    diagonal: list[Any] = []
-    for j in range(n):
-        scaled = [times(lower[j][k], diagonal[k]) for k in range(j)]
-        diagonal.append(matrix[j][j] - dot(scaled, lower[j][:j]))
-        for i in range(j + 1, n):
-            value = matrix[i][j] - dot(scaled, lower[i][:j])
-            lower[i][j] = 0.0 if vanishes(value) else value / diagonal[j]
+    diagonal: list[Any] = [0.0] * n
+    for j in reversed(range(n)):
+        columns = [[lower[k][i] for k in range(j + 1, n)] for i in range(j + 1)]
+        scaled = [times(value, d) for value, d in zip(columns[j], diagonal[j + 1 :], strict=True)]
+        diagonal[j] = matrix[j][j] - dot(scaled, columns[j])
+        for i in range(j):
+            value = plus(matrix[i][j], negate(dot(scaled, columns[i])))
+            lower[j][i] = 0.0 if vanishes(value) else value / diagonal[j]
     return lower, diagonal
 
 
 def substitute(factors: tuple[Matrix, list[Any]], right: Sequence[Any]) -> list[Any]:
-    """Solves L diag(d) Lᵀ x = right."""
+    """Solves Lᵀ diag(d) L x = right."""
     lower, diagonal = factors
-    n = len(diagonal)
-    x: list[Any] = []
-    for i in range(n):
-        x.append(right[i] - dot(lower[i][:i], x))
-    x = [0.0 if vanishes(value) else value / d for value, d in zip(x, diagonal, strict=True)]
+    n, x = len(diagonal), list(right)
     for i in reversed(range(n)):
-        x[i] = x[i] - dot([lower[j][i] for j in range(i + 1, n)], x[i + 1 :])
+        x[i] = plus(x[i], negate(dot([lower[k][i] for k in range(i + 1, n)], x[i + 1 :])))
+    x = [0.0 if vanishes(value) else value / d for value, d in zip(x, diagonal, strict=True)]
+    for i in range(n):
+        x[i] = plus(x[i], negate(dot(lower[i][:i], x[:i])))
     return x
 
 
@@ -54,12 +55,13 @@ def responses(
 
     With closed loops and joints that brakes hold, whose rows are A, it solves D r + Aᵀ μ = Jᵀ, A r = 0 instead.
     """
-    nv, loops = len(terms.mass_matrix), [*terms.loop_rows, *(grips or [])]
+    loops = [*terms.loop_rows, *(grips or [])]
     if not loops:
         return solved(terms.mass_matrix, rows)
-    border = [[*own, *column] for own, *column in zip(terms.mass_matrix, *loops, strict=True)]
-    border += [[*row, *[0.0] * len(loops)] for row in loops]
-    return [found[:nv] for found in solved(border, [[*row, *[0.0] * len(loops)] for row in rows])]
+    none = [0.0] * len(loops)
+    border = [[*none, *row] for row in loops]
+    border += [[*column, *own] for own, *column in zip(terms.mass_matrix, *loops, strict=True)]
+    return [found[len(loops) :] for found in solved(border, [[*none, *row] for row in rows])]
 
 
 def determinant(matrix: Sequence[Sequence[Any]]) -> Any:

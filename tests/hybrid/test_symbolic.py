@@ -185,6 +185,15 @@ def test_linear_algebra():
     np.testing.assert_allclose(solve(skewed.tolist(), right.tolist()), np.linalg.solve(skewed, right), atol=1e-10)
 
 
+def test_limbs_stay_uncoupled():
+    """Joints on one trunk share nothing but the trunk, so factors are no fuller than the mass matrix."""
+    rng = np.random.default_rng(2)
+    matrix = np.diag(4.0 + rng.random(6))
+    matrix[0, 1:] = matrix[1:, 0] = rng.uniform(0.1, 1.0, 5)
+    lower, _ = factorize(matrix.tolist())
+    np.testing.assert_array_equal(np.nonzero(lower), np.nonzero(np.tril(matrix, -1)))
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_sparse_systems(seed):
     """As of a constrained robot: units to begin with, zeros on the diagonal, what is left dense."""
