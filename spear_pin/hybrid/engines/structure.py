@@ -175,6 +175,8 @@ def shape_of(held: Values) -> Any:
 
 
 def _shape(value: Any) -> Any:
+    if type(value) in FLOATS:  # most are
+        return float
     if isinstance(value, tuple):
         return len(value) if FLOATS.issuperset(map(type, value)) else tuple(map(_shape, value))
     if (names := field_names(value)) is not None:

@@ -123,7 +123,7 @@ class Lanes:
         """Sorts the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
         states = self.start[:, 0].tolist() if n == 1 else list(self.start)  # arrays of one are slow
-        feet = self.numbers.mechanism.feet(states[: self.nv], states[self.nv :], np)
+        feet = self.numbers.mechanism.feet(states[: self.nv], [0.0] * self.nv, np)  # drifts are not needed
         ground = self.numbers.ground(np.arange(n))
         for toe in system.robot.toes if n and not ground.plane else ():
             system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a call with numbers reveals a mistake
