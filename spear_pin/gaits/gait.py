@@ -185,9 +185,9 @@ class Gait(Shown):
         """
         if str(path) in library.all_names() or not ({"/", "\\", "."} & set(str(path))):
             path = library.path(str(path))
-        if Path(path).suffix == ".npz":
-            raise BadFile(path, "is not a saved gait (.json): trajectories are saved as .npz")
         text = read_bytes(path)
+        if Path(path).suffix == ".npz":
+            raise BadFile(path, "is a trajectory; expected a saved gait, a .json file")
         try:
             data = parse_json(text.decode())
             _check(data)

@@ -95,7 +95,19 @@ class Watch:
             if time is not None:
                 crossings.append((time, i))
         self._values = after
-        return sorted(crossings)
+        return sorted(crossings + self._earlier(t0, crossings, interpolant)) if crossings else crossings
+
+    def _earlier(
+        self, begin: float, crossings: list[tuple[float, int]], interpolant: Callable[[], Interpolant]
+    ) -> list[tuple[float, int]]:
+        """Returns crossings that only the first one shows: of guards that fall just before it and rise after it."""
+        until, solution, others = min(crossings)[0], interpolant(), {*self._quick, *(i for _, i in crossings)}
+        found = list[tuple[float, int]]()
+        for i in range(len(self._guards)):
+            if i not in others and self._armed[i] and self._value(i, solution, until) < -self._guards[i].tolerance:
+                if self._value(i, solution, begin) > 0.0:
+                    found.append((_root(partial(self._value, i, solution), begin, until), i))
+        return found
 
     def _parts(self, i: int, step: Step, solution: Interpolant, end: float) -> list[float]:
         """Returns the times at which a guard that may vary faster than a step falls through zero in it."""

@@ -162,7 +162,7 @@ class TestMistakes:
         monkeypatch.chdir(tmp_path)
         assert "left out with trot" in refused(capsys, "sweep", "trot", *OVER, "--gait", "pace")
         assert "expected a bounding gait" in refused(capsys, "sweep", "bound", *OVER, "--gait", "trot")
-        assert "trajectories are saved as .npz" in refused(capsys, "sweep", "hop.npz", *OVER)
+        assert "is a trajectory; expected a saved gait, a .json file" in refused(capsys, "sweep", "hop.npz", *OVER)
         assert "nearest of 24: bound," in refused(capsys, "sweep", "bounds", *OVER)
         for gait in ("long_stride", "trot"):
             text = refused(capsys, "sweep", gait, *OVER, "--flight-time", "0.2")

@@ -13,7 +13,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import UnknownName
 from spear_pin.files import plain
-from spear_pin.gaits.sensitivity.samples import Samples
+from spear_pin.gaits.sensitivity.samples import SampledGaits
 from spear_pin.showing import Shown
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ class MonteCarlo(Shown):
     """
 
     spread: Uncertainty
-    samples: Samples
+    samples: SampledGaits
     seed: int
 
     @property

@@ -38,7 +38,7 @@ NOT_PLAIN = "not_plain"
 
 
 @dataclass(frozen=True)
-class Samples:
+class SampledGaits:
     """Gaits with parameters drawn at random.
 
     Attributes:
@@ -62,7 +62,7 @@ class Samples:
         return np.asarray(self.reason == CONVERGED)
 
 
-def find_anew(table: Sensitivity, parameters: Array, on_lanes: OnLanes = lambda n: None) -> Samples:
+def find_anew(table: Sensitivity, parameters: Array, on_lanes: OnLanes = lambda n: None) -> SampledGaits:
     """Finds the gaits near a gait for other parameters, (n, m).
 
     Args:
@@ -119,7 +119,7 @@ def _moduli(table: Sensitivity, multipliers: NDArray[np.complex128]) -> Array:
     return np.asarray(np.abs(others[order]), np.float64)
 
 
-def _in_lanes(table: Sensitivity, parameters: Array, on_lanes: OnLanes) -> Samples:
+def _in_lanes(table: Sensitivity, parameters: Array, on_lanes: OnLanes) -> SampledGaits:
     system, order = table.system, Recorder(table.system).lap(np.concatenate(table.at)).order
     given = dict(zip(table.parameters, parameters.T, strict=True))
     y, begin = _predicted(table, parameters)
@@ -142,10 +142,10 @@ def _in_lanes(table: Sensitivity, parameters: Array, on_lanes: OnLanes) -> Sampl
     outputs |= dict(zip(state_columns(system.robot), np.column_stack([gaits.q, gaits.v]).T, strict=True))
     alike = np.zeros(len(parameters), dtype=bool)
     alike[found] = [each == order for each in orders]
-    return Samples(parameters, outputs, gaits.reason, gaits.largest, alike)
+    return SampledGaits(parameters, outputs, gaits.reason, gaits.largest, alike)
 
 
-def _one_by_one(table: Sensitivity, parameters: Array, on_lanes: OnLanes) -> Samples:
+def _one_by_one(table: Sensitivity, parameters: Array, on_lanes: OnLanes) -> SampledGaits:
     n, order = len(parameters), Recorder(table.system).lap(np.concatenate(table.at)).order
     y, begin = _predicted(table, parameters)
     reason, alike, largest = np.full(n, CONVERGED, dtype=object), np.zeros(n, dtype=bool), np.full(n, np.nan)
@@ -175,4 +175,4 @@ def _one_by_one(table: Sensitivity, parameters: Array, on_lanes: OnLanes) -> Sam
             outputs.setdefault(name, np.full(n, np.nan))[i] = value
         alike[i] = Recorder(orbit.system).lap(np.concatenate(orbit.state)).order == order
         largest[i] = np.abs(multipliers).max()
-    return Samples(parameters, outputs, reason.astype(str), largest, alike)
+    return SampledGaits(parameters, outputs, reason.astype(str), largest, alike)
