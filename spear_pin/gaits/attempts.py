@@ -114,10 +114,8 @@ class Search:
         system, state = unasked.roughly(system, state, self.wanted[:0])
         cycle = return_map(system, state, self.family.rtol)
         if not cycle.cycles:
-            raise NoGait(
-                f"the cycle of the system as it is ends early: {cycle.message}; expected a guess that is nearer to a gait",
-                np.inf,
-            )
+            why = f"the cycle of the system as it is ends early: {cycle.message}"
+            raise NoGait(f"{why}; expected a guess that is nearer to a gait", np.inf)
         begin = np.array([measure(system, cycle) for measure in self.family.of_runs], dtype=float)
 
         def solve(share: float, near: tuple[HybridSystem, State]) -> tuple[HybridSystem, State]:

@@ -164,7 +164,7 @@ class TestSweep:
 
     def test_a_bound_is_saved_first(self, capsys, dog, tmp_path):
         asked = ("sweep", "bound", "--robot", dog, "--over", "stiffness=1,2", "--out", tmp_path / "a.zarr")
-        assert "type `spear bound --robot NAME --save`, then --gait bound.json" in refused(capsys, *asked)
+        assert "type `spear bound --robot NAME --save`, then `spear sweep bound.json`" in refused(capsys, *asked)
 
     def test_goes_with_a_robot(self, capsys, tmp_path):
         asked = ("sweep", "hop", "--leg", "HR", "--over", "stiffness=1,2", "--out", tmp_path / "a.zarr")

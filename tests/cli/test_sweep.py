@@ -1,6 +1,7 @@
 """`spear sweep`: what it finds and writes, and one line for every mistake."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -162,6 +163,7 @@ class TestMistakes:
         monkeypatch.chdir(tmp_path)
         assert "left out with trot" in refused(capsys, "sweep", "trot", *OVER, "--gait", "pace")
         assert "expected a bounding gait" in refused(capsys, "sweep", "bound", *OVER, "--gait", "trot")
+        Path("hop.npz").write_bytes(b"")
         assert "is a trajectory; expected a saved gait, a .json file" in refused(capsys, "sweep", "hop.npz", *OVER)
         assert "nearest of 24: bound," in refused(capsys, "sweep", "bounds", *OVER)
         for gait in ("long_stride", "trot"):

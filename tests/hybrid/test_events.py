@@ -71,6 +71,14 @@ def once(value, name="once", flag="passed"):
     return Guard(name, lambda t, q, v, held, *_: value(t) + held[flag], passed)
 
 
+def test_a_fall_is_seen_that_another_event_a_moment_later_hides(monkeypatch):
+    monkeypatch.setattr("spear_pin.hybrid.events.may_be_quick", lambda *_: False)  # as if it followed the motion
+    fell = Guard("seen", lambda t, *_: 1.0 - 2.0 * math.exp(-(((t - 0.1) / 1e-5) ** 2)))  # below zero for 17 µs
+    run = fall(falling(fell, once(lambda t: 0.1 - t)))
+    assert times(run, "seen") == pytest.approx([0.1 - 1e-5 * math.sqrt(math.log(2.0))], abs=1e-12)
+    assert times(run, "once") == pytest.approx([0.1], abs=1e-12)
+
+
 class TestBetweenSteps:
     """A guard is looked at halfway through a step, there only by an estimate of the state."""
 
