@@ -1,7 +1,8 @@
 """Brakes, which hold a joint, or a path over joints, in some phases of a motion.
 
-As such a phase begins, or at an event in it, its brake brings the path to rest in an impact, together with toes that
-strike then. Afterwards it holds the path as dry friction does, up to a force beyond which it slips.
+As such a phase begins, or at an event in it, its brake brings the path to rest in an impact, together with toes on the
+ground. A toe that this lifts leaves the ground. Afterwards the brake holds the path as dry friction does, up to a force
+beyond which it slips.
 """
 
 from __future__ import annotations
@@ -19,10 +20,13 @@ from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.brake import Brake as Brake
 from spear_pin.hybrid.brake import Braked
 from spear_pin.hybrid.clutch import of_brake
+from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, GuardValue, Held, Reset, Rub, Turn
 from spear_pin.hybrid.dry_friction import count_free, modes_of
 from spear_pin.hybrid.dynamics import Dynamics
 from spear_pin.hybrid.parameters import change_system
+from spear_pin.hybrid.rules.footing import AT_REST
+from spear_pin.hybrid.rules.guards import stays
 from spear_pin.kinds import typed
 from spear_pin.model.robot_posture import find_spanned, row_along
 
@@ -82,7 +86,7 @@ class Braking(Braked):
             domains=tuple(
                 mode
                 for domain in system.domains
-                for variant, closed in self._variants(domain, rubs, made)
+                for variant, closed in self._variants(_let_rise(domain, system), rubs, made)
                 for mode in modes_of(variant, robot, _checked(domain, closed, system))
             ),
         )
@@ -156,6 +160,24 @@ class Braking(Braked):
     def _turn(self, name: str, entered: bool, stays: bool) -> Turn:
         """Returns what the beginning of a phase does to a brake that may close in that phase, or stay closed."""
         return Turn(name, closed=stays, waits=entered and not stays and self.brakes[name].when is None)
+
+
+def _let_rise(domain: Domain, system: HybridSystem) -> Domain:
+    """Returns the domain with immediate events by which toes leave that a brake lifts.
+
+    Each is the first event without an impact after which the toe is in the air and the fewest others are. If there is
+    none, the run ends.
+    """
+    resets = ((guard, guard.reset) for guard in domain.guards if guard.reset is not None and not guard.reset.impact)
+    ways = [(guard, system.of_phase(reset.phase)[0].contacts) for guard, reset in resets if reset.phase is not None]
+    leaving = list[Guard]()
+    for i, (toe, mode) in enumerate(zip(system.robot.toes, domain.contacts, strict=True)):
+        if mode != OPEN:
+            own = [way for way in ways if way[1][i] == OPEN]
+            ends = Guard(f"lifts:{toe}", stays(toe), ends="lifted"), ()
+            event, _ = min(own, key=lambda way: way[1].count(OPEN), default=ends)
+            leaving.append(replace(event, value=stays(toe), tolerance=AT_REST))
+    return replace(domain, guards=(*leaving, *domain.guards))
 
 
 def _at_once(names: Names, t: Any, q: Any, v: Any, held: Held, p: Any, dyn: Dynamics, ops: Any) -> Any:

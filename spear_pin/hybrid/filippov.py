@@ -124,9 +124,7 @@ def find_sliding(
     """
     assert guard.reset is not None
     between = alternation(system, (flow.domain, came[0]), (guard.reset, came[1]))
-    nq, nv = system.robot.nq, system.robot.nv
-    q, v = y[:nq], y[nq : nq + nv]
-    if between is None or not still(system.ground.foot(system.robot, q, between.toe)[1][-1] @ v):
+    if between is None or not _rest(system, [between.toe], y):
         return None
     follow, left, held = enter_resets(system, flow.held, y, between.touch)
     again = None if left is None else enter_resets(system, held, y, left)[1]
@@ -136,9 +134,21 @@ def find_sliding(
 
 
 def continue_sliding(system: HybridSystem, flow: Flow, held: Held, y: Array) -> Sliding | None:
-    """Finds the motion on the same switching surfaces after an event within the phase, such as slip of another toe."""
+    """Finds the motion on the same switching surfaces after an event within the phase, such as slip of another toe.
+
+    There is none where the event lifted one of the toes.
+    """
     between = flow.domain.crossing or flow.domain.between
-    return None if between is None else find_alternating(system, between, held, y)
+    if between is None or not _rest(system, flow.domain.alternating, y):
+        return None
+    return find_alternating(system, between, held, y)
+
+
+def _rest(system: HybridSystem, toes: Iterable[str], y: Array) -> bool:
+    """Tells whether toes on the ground neither rise nor sink."""
+    nq, nv = system.robot.nq, system.robot.nv
+    q, v = y[:nq], y[nq : nq + nv]
+    return all(still(system.ground.foot(system.robot, q, toe)[1][-1] @ v) for toe in toes)
 
 
 def find_alternating(

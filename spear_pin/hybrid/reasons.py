@@ -12,6 +12,7 @@ REASONS = {
     "painleve": "the slip equation has no unique solution (Painlevé's paradox)",
     "overload": "the control law asked for more torque than any motor has: near a singularity or far from its gait",
     "no_event": "a phase went on beyond its time limit",
+    "lifted": "a brake lifted a toe off the ground, and no event leads on from there",
     "stuck": "dry friction holds a joint, and nothing frees it within the time limit of the phase",
     "step_size": "the integrator's step size fell to nothing",
     "evaluation_cap": "the run used up its right-hand side evaluations",

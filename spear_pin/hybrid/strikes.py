@@ -18,7 +18,6 @@ from spear_pin.hybrid.rules.footing import closed_toes
 from spear_pin.hybrid.rules.guards import ON_GROUND, rise
 from spear_pin.hybrid.rules.guards import struck as told
 from spear_pin.hybrid.rules.impact import (
-    Impact,
     JointImpact,
     caught,
     find_struck_toes,
@@ -41,8 +40,8 @@ class Strike(NamedTuple):
         v: velocity after the impact, (nv,).
         impulse: impulse on each toe, along the ground and normal to it, (ntoes, 2) or (ntoes, 3), in N·s.
         work: work done on the mechanism, in J, never positive.
-        rises: speeds at which an impact of several toes lifts toes off, in m/s, and in space whether toes took part,
-            by name in `held`.
+        rises: speeds at which an impact of several toes, or of a brake, lifts toes off, in m/s, and in space whether
+            toes took part, by name in `held`.
     """
 
     v: Array
@@ -231,26 +230,25 @@ def comes_to_rest(robot: Robot, domain: Domain, reset: Reset, toe: str, speed: A
 def strike_by_rule(system: HybridSystem, struck: Sequence[str], reset: Reset, q: Array, v: Array) -> Strike:
     """Computes the effect of an impact in the plane on all toes that take part, by `plastic_impact` or `joint_impact`.
 
-    For the other arguments see `strike_toes`.
+    Brakes grip together with the toes; the ground does not pull at a toe that they lift. For the other arguments see
+    `strike_toes`.
     """
-    robot = system.robot
-    basis, mass_matrix, before = make_yielding(robot, q, v, reset.grips)
-    braked = -0.5 * float((v - basis @ before) @ robot.mass_matrix(q) @ (v + basis @ before)) if reset.grips else 0.0
+    robot, impulse, rises = system.robot, np.zeros((len(system.robot.toes), 2)), dict[str, float]()
+    basis, mass_matrix, after = make_yielding(robot, q, v)
     toes = [robot.toes.index(toe) for toe in struck]
-    impulse = np.zeros((len(robot.toes), 2))
-    if not struck:
-        return Strike(basis @ before, impulse, braked, {})
-    jacobian = np.concatenate([system.ground.foot(robot, q, toe)[1] for toe in struck]) @ basis
-    stay = [toe in reset.impact or bool(reset.grips) for toe in struck]
-    v, impulse[toes, 1] = land_toes(mass_matrix, jacobian, before, stay)
-    found = mass_matrix, jacobian, v, system.contact.friction
-    impact: Impact | JointImpact = (
-        plastic_impact(*found) if len(struck) == 1 else joint_impact(*found, find_leading(robot.feet, struck))
-    )
-    work = 0.5 * float(impulse[toes, 1] @ (jacobian @ (before + v))[1::2]) - impact.loss
-    impulse[toes] += impact.impulse
-    rises = {}
-    if isinstance(impact, JointImpact):
-        speeds = np.where(impact.leaves, (jacobian @ impact.v)[1::2], 0.0).tolist()
-        rises = dict(zip(map(rise, struck), speeds, strict=True))
-    return Strike(basis @ impact.v, impulse, work + braked, rises)
+    jacobian = np.concatenate([np.empty((0, robot.nv)), *(system.ground.foot(robot, q, toe)[1] for toe in struck)])
+    if struck:
+        lands = [toe in reset.impact for toe in struck]
+        after, impulse[toes, 1] = land_toes(mass_matrix, jacobian @ basis, after, lands)
+    if reset.grips:
+        basis, mass_matrix, after = make_yielding(robot, q, basis @ after, reset.grips)
+    if struck:
+        found = mass_matrix, jacobian @ basis, after, system.contact.friction
+        alone = len(struck) == 1 and not reset.grips
+        impact = plastic_impact(*found) if alone else joint_impact(*found, find_leading(robot.feet, struck))
+        after, impulse[toes] = impact.v, impulse[toes] + impact.impulse
+        if isinstance(impact, JointImpact) or system.brakes:
+            leaves = impact.leaves if isinstance(impact, JointImpact) else False
+            rises = dict(zip(map(rise, struck), np.where(leaves, (found[1] @ after)[1::2], 0.0).tolist(), strict=True))
+    after = basis @ after
+    return Strike(after, impulse, 0.5 * float((after - v) @ robot.mass_matrix(q) @ (after + v)), rises)

@@ -236,3 +236,17 @@ class TestUntil:
         lands = [event for event in hop.named("retouch") if event.domain.startswith("toe") and event.time < 0.06]
         assert len(lands) > 3 and closes.time < lands[0].time and not hop.named("opens:ankle")
         assert all(abs(event.v[3]) < 1e-12 for event in lands)
+
+
+@pytest.mark.parametrize(("joint", "delay"), [("knee", 0.3), ("hip", 0.3), ("knee", 0.35), ("hip", 0.35)])
+def test_the_ground_does_not_pull_at_a_toe_that_a_brake_lifts(joint, delay):
+    """It leaves at once, with the momentum of the joint's impact alone."""
+    hop = simulate(with_brakes(HOP, {joint: Brake(200.0, ("stance",), delay=delay)}), START, cycles=1, rtol=1e-10)
+    grips, leaves = hop.named(f"closes:{joint}")[0], hop.named("lift_off")[0]
+    assert leaves.time == grips.time and not grips.impulse.any()
+    alone = np.eye(3)[2 if joint == "knee" else 1]
+    change = LEG.mass_matrix(grips.q) @ (grips.v - grips.v_before)
+    np.testing.assert_allclose(np.cross(change, alone), 0.0, atol=1e-12)
+    assert abs(alone @ grips.v) < 1e-12 and LEG.toe_jacobian(grips.q, "toe")[1] @ grips.v > 0.0
+    assert grips.work["impact"] == pytest.approx(0.5 * change @ (grips.v + grips.v_before), abs=1e-12)
+    assert all(event.impulse[:, 1].min() >= 0.0 for event in hop.events)

@@ -48,7 +48,7 @@ BRAKES = {
     "closes late": {"knee": Brake(200.0, (AIR,), BOTH, lambda t, q, v, *_: -v[2], 0.03)},
     "two": {"knee": Brake(2.0, (AIR,), delay=0.02), "hip": Brake(2.0, (AIR,), delay=0.04)},
     "in stance": {"knee": Brake(3.0, ("stance",), when=loaded)},
-    "stops a toe that rises": {"hip": Brake(0.3, ("stance",), delay=0.33)},
+    "lifts the toe": {"hip": Brake(0.3, ("stance",), delay=0.35)},
 }
 
 
@@ -197,7 +197,7 @@ class TestDerivatives:
     NAMES = ("knee.brake_force", "knee.brake_delay")
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("name", ["lets go", "opens", "two", "in stance", "stops a toe that rises"])
+    @pytest.mark.parametrize("name", ["lets go", "opens", "two", "in stance", "lifts the toe"])
     def test_of_the_return_map(self, name):
         """Against differences, of fourth order, of the reference engine's."""
         system = with_brakes(HOP, BRAKES[name])

@@ -268,7 +268,7 @@ class LoneRunner:
         if key not in self._struck:
             self._struck[key] = find_struck_toes(self._system, domain, reset)
         toes = self._struck[key]
-        if len(toes) == 1 and not reset.grips:
+        if len(toes) == 1 and not self._system.brakes:
             struck = self._compiled.impact(toes[0])(now.y, now.parameters)
             if struck is None:
                 raise _Unclear(RISES)

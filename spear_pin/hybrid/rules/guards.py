@@ -86,7 +86,7 @@ def rate(index: int, side: float = 1.0) -> GuardValue:
 
 
 def rise(toe: str) -> str:
-    """Returns the name in `held` of the speed at which the last impact of several lifted a toe off, in m/s."""
+    """Returns the name in `held` of the speed at which the last impact lifted a toe off, in m/s."""
     return f"{toe}_rise"
 
 

@@ -50,42 +50,27 @@ def differentiate_strike(
         toes: names of these toes.
         lands: names of the toes that land.
         leads: of each toe, the first of these toes on its body.
-        grips: whether brakes grip, so that toes that rise are stopped.
+        grips: whether brakes grip.
 
     Raises:
         NotDifferentiable: a toe that lands rises again, as at the end of bounces, or the smallest perturbation may
             change the set of sticking, sliding and lifted toes.
     """
-    lifted, up = dict[str, Any](), [rises(float(speed)) for speed in feet.speeds[1::2]]
-    if not grips and any(above for toe, above in zip(toes, up, strict=True) if toe in lands):
+    approach = feet.speeds[1::2] - (feet.rows[:, 1] @ feet.braked if grips else 0.0)  # before brakes grip
+    if any(rises(float(speed)) for toe, speed in zip(toes, approach, strict=True) if toe in lands):
         raise NotDifferentiable("a toe rises as it lands, as at the end of bounces")
     A = [duals(row, d) for row, d in zip(feet.inverse_inertia, slopes.inverse_inertia, strict=True)]
     before, friction = duals(feet.speeds, slopes.speeds), Dual(float(feet.friction), slopes.friction)
-    stopping: Sequence[Any] = [0.0] * len(before)
-    if grips and any(up):
-        stopping = _stopping(A, before, up)
-        before = [speed + dot(row, stopping) for speed, row in zip(before, A, strict=True)]
+    speeds: Sequence[Any] = [0.0] * len(toes)
     impulses: Sequence[Any] = [0.0] * len(before)
-    if grips and all(up):  # the toes have been stopped
-        lifted = dict.fromkeys(map(rise, toes), 0.0) if len(toes) > 1 else {}
-    elif len(toes) == 1:
+    if len(toes) == 1 and not grips:
         impulses, _ = routh(A, before, friction)
-    else:
+    elif toes:
         impulses, speeds = _joint(feet, A, before, friction, leads)
-        lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
-    impulses = [one + other for one, other in zip(stopping, impulses, strict=True)]
+    lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
     given, change = np.array([value_of(each) for each in impulses]), derivatives(impulses, len(slopes.friction))
     moved, turned = _moved(feet, slopes, given, change)
     return feet.braked + moved, slopes.braked + turned, lifted
-
-
-def _stopping(A: Sequence[Sequence[Any]], before: Sequence[Any], up: Sequence[bool]) -> list[Any]:
-    """Returns the impulses that stop toes that rise, as `rules.impact.land_toes` does."""
-    normal, found = range(1, len(before), 2), [0.0] * len(before)
-    wanted = [-before[row] if above else 0.0 for row, above in zip(normal, up, strict=True)]
-    for row, impulse in zip(normal, solve([[A[i][j] for j in normal] for i in normal], wanted), strict=True):
-        found[row] = impulse
-    return found
 
 
 @dataclass(frozen=True)

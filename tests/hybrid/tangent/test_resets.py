@@ -54,7 +54,7 @@ class Line:
     def struck(self, toes):
         """Velocity after the impact and what is held, and derivatives of them by s."""
         change, slope, held = differentiate_strike(*self.dual, toes, toes, range(len(toes)))
-        speeds = [held[rise(toe)] for toe in toes if held]
+        speeds = [held[rise(toe)] for toe in toes if len(toes) > 1]
         slopes = [*(self.v[1] + slope[:, 0]), *(float(np.sum(derivative_of(x))) for x in speeds)]
         return np.array([*(self.v[0] + change), *map(value_of, speeds)]), np.array(slopes)
 
