@@ -40,7 +40,7 @@ from spear_pin.cli import (
 from spear_pin.cli.arguments import Commands, Parser, commands_of
 from spear_pin.cli.durations import tell_duration
 from spear_pin.cli.output import complain, draw, foretold, open_page, print_result, tell
-from spear_pin.errors import RobotWarning, SpearError, one_line
+from spear_pin.errors import LONGEST, RobotWarning, SpearError, UnknownName, one_line
 from spear_pin.files import check_target, together
 
 # the commands, by the heading of their group, as help, completion and docs list them
@@ -82,7 +82,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         return _run(argv)
     except (SpearError, OSError) as error:
-        complain(f"spear: {one_line(str(error))}")
+        most = 10 * LONGEST if isinstance(error, UnknownName) else LONGEST  # all names, if help asks for them
+        complain(f"spear: {one_line(str(error), most)}")
         return 2
     except MemoryError:
         complain("spear: there is not enough memory for this; a smaller file or fewer cycles take less")

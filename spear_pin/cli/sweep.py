@@ -17,7 +17,7 @@ from spear_pin.cli.arguments import (
     check_folder,
     folder,
 )
-from spear_pin.cli.gaits import BOUND, add_gait, add_wanted, bounding_gait, find_named_gait, solved_for, write_gait
+from spear_pin.cli.gaits import add_gait, add_wanted, find_named_gait, solved_for, write_gait
 from spear_pin.cli.given import refuse
 from spear_pin.cli.legs import add_leg, one_leg, rests_on, write_leg
 from spear_pin.cli.output import align_lines
@@ -53,7 +53,6 @@ def add(commands: Commands) -> None:
         " help lists all parameters",
     )
     add_wanted(parser)
-    parser.add_argument("--gait", metavar="GAIT", help=f"the gait of bound, by name or path (default: {BOUND})")
     sampled = parser.add_mutually_exclusive_group()
     sampled.add_argument("--sobol", type=int, metavar="N", help="take N points of a Sobol sequence instead of a grid")
     sampled.add_argument("--latin", type=int, metavar="N", help="take N points of a Latin hypercube instead of a grid")
@@ -91,14 +90,14 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from spear_pin.viz.plots.sweep import sweep_map
 
     Options(rtol=arguments.rtol)
+    program = Program()
+    system, guess, vary, target = _asked(arguments, set(axes), program)
+    _check_names(system, axes)
     points = (
         grid(axes)
         if number is None
         else sample({k: (v[0], v[1]) for k, v in axes.items()}, number, method, arguments.seed)
     )
-    program = Program()
-    system, guess, vary, target = _asked(arguments, set(axes), program)
-    _check_names(system, axes)
     check_wanted(system, {**target, **{name: axes[name] for name in axes if name in measures_of(system)}})
     store.require()  # its extra has the engine's too
     with tqdm(total=1, unit="gait", delay=1.0, disable=None, leave=False) as bar:
@@ -156,10 +155,6 @@ def _write(
 
 def _check(arguments: argparse.Namespace) -> None:
     """Refuse what makes no sense, before anything is solved for."""
-    if arguments.gait is not None:
-        if arguments.what != "bound":
-            raise BadValue("--gait", arguments.gait, f"only with bound, to be left out with {arguments.what}")
-        arguments.what = arguments.gait
     if arguments.out.suffix != ".zarr" and arguments.out.is_dir():
         arguments.out /= NAME
     if arguments.out.suffix != ".zarr":
@@ -220,7 +215,7 @@ def _asked(
         robot = write_leg(program, arguments, system.robot, ["boom_x"])
         program.let("system", program.call(hopping if leg is None else scaled_hopping, robot))
     else:
-        gait = find_named_gait(arguments.what) if arguments.gait is None else bounding_gait(arguments.gait, None)[1]
+        gait = find_named_gait(arguments.what)
         system = gait.system
         write_gait(program, arguments.what)
         program.let("system", Code("gait.system"))

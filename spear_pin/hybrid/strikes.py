@@ -251,4 +251,5 @@ def strike_by_rule(system: HybridSystem, struck: Sequence[str], reset: Reset, q:
             leaves = impact.leaves if isinstance(impact, JointImpact) else False
             rises = dict(zip(map(rise, struck), np.where(leaves, (found[1] @ after)[1::2], 0.0).tolist(), strict=True))
     after = basis @ after
-    return Strike(after, impulse, 0.5 * float((after - v) @ robot.mass_matrix(q) @ (after + v)), rises)
+    pushed = robot.mass_matrix(q) @ (after - v) if reset.grips else jacobian.T @ impulse[toes].ravel()
+    return Strike(after, impulse, 0.5 * float(pushed @ (v + after)), rises)

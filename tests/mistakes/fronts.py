@@ -171,8 +171,8 @@ MUTATIONS = [
         ["cli/test_main"],
         {
             "a mistake ends with status 0": (
-                'one_line(str(error))}")\n        return 2',
-                'one_line(str(error))}")\n        return 0',
+                'one_line(str(error), most)}")\n        return 2',
+                'one_line(str(error), most)}")\n        return 0',
             ),
         },
     ),

@@ -106,7 +106,8 @@ MUTATIONS = [
         ["hybrid/test_brakes"],
         {
             "a brake that takes the most energy": ("own, basis.T @ mass_matrix @ v)", "own, own @ basis.T @ v)"),
-            "a brake takes no energy": ("-0.5 * float((v - basis", "0.0 * float((v - basis"),
+            "a brake takes no energy": ("@ (after - v) if", "@ (0.0 * v) if"),
+            "a brake lifts no toe": ("np.where(leaves, (found[1] @ after)[1::2], 0.0)", "np.zeros(len(toes))"),
         },
     ),
     *mistakes_in(
@@ -133,10 +134,10 @@ MUTATIONS = [
         ["hybrid/test_compiled_brakes"],
         {
             "lanes: a brake that takes the most energy": (
-                "_solved(own, apply_matrices(along_it @ D, v)) if",
+                "np.asarray(np.linalg.solve(own, pushed)[:, :, 0]) if",
                 "v @ basis[0] if",
             ),
-            "lanes: a brake lifts toes": ("v = _landed(D, J[:, 1::2], v)", "v = 1.0 * v"),
+            "lanes: a brake lifts no toe": ("[1::2] * impact.leaves for", "[1::2] * 0.0 for"),
         },
     ),
     *mistakes_in(
@@ -144,7 +145,6 @@ MUTATIONS = [
         ["hybrid/test_compiled_brakes"],
         {
             "derivatives: a brake that moves a path": ("slopes.braked + turned", "turned"),
-            "derivatives: a brake lifts toes": ("if grips and any(up):", "if grips and False:"),
         },
     ),
     *mistakes_in(
@@ -389,8 +389,8 @@ MUTATIONS = [
         ["hybrid/test_ledger"],
         {
             "impact left out of the ledger": (
-                "(jacobian @ (before + v))[1::2]) - impact.loss",
-                "(jacobian @ (before + v))[1::2])",
+                "jacobian.T @ impulse[toes].ravel()",
+                "0.0 * v",
             )
         },
     ),

@@ -190,7 +190,6 @@ OPTIONS = {
         **dict.fromkeys(("--leg", "--bends", "--body"), ("1",)),
     },
     "sweep bound --over stiffness=110:115:2": {
-        "--gait": (*NAME, "a_file"),
         "--speed": POSITIVE,
         "--flight-time": ("1",),
         "--robot": ("q_spear_full",),

@@ -15,7 +15,7 @@ from spear_pin.gaits.continuation.branch import BorderPoint, Branch, End, Specia
 from spear_pin.gaits.continuation.follow import BORDER, CLOSED, LOST, Way, follow
 from spear_pin.gaits.continuation.gaits import Gaits
 from spear_pin.gaits.continuation.problem import NoValue
-from spear_pin.gaits.continuation.stepping import Point, correct_point, orient_tangent
+from spear_pin.gaits.continuation.stepping import FAR, Point, correct_point, orient_tangent
 from spear_pin.gaits.family import Family
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.targets import check_wanted, measures_of
@@ -158,9 +158,9 @@ def _start(problem: Gaits, state: Any, values: Array) -> Point:
             residual = float(np.abs(problem.glance(u)[0]).max())
         except NoValue:
             residual = np.inf
-        raise NoGait(
-            f"the gait cannot be continued from where it is: {WHY.get(nothing.reason, nothing.reason)}", residual
-        ) from None
+        why = {FAR: "it is far from the nearest gait with these values; expected the gait at them"}.get(nothing.reason)
+        why = why or WHY.get(nothing.reason, nothing.reason)
+        raise NoGait(f"the gait cannot be continued from where it is: {why}", residual) from None
 
 
 def _branch(problem: Gaits, over: str, vary: tuple[str, ...], target: dict[str, float], back: Way, on: Way) -> Branch:
