@@ -85,9 +85,9 @@ def one_hop(knee: float = KNEE, friction: float = FRICTION, ratio: float = SPEAR
 
 
 @kept
-def hop_measures(knee: float = KNEE, friction: float = FRICTION) -> dict[str, float]:
+def hop_measures() -> dict[str, float]:
     """Returns the measures of one of these hops, of `spear_pin.gaits.measures.catalogue`, by name."""
-    return Sampled(hop(knee, friction).system.robot, one_hop(knee, friction)).values()
+    return Sampled(hop().system.robot, one_hop()).values()
 
 
 @cache
