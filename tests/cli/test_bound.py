@@ -43,7 +43,7 @@ class TestOfACut:
         assert "q_spear_full bounding at 2.50 m/s" in page
 
     def test_is_swept(self, capsys, tmp_path, cut_gait):
-        asked = ("sweep", "bound", "--gait", cut_gait, "--over", "colour=1,2", "--out", tmp_path / "s.zarr")
+        asked = ("sweep", cut_gait, "--over", "colour=1,2", "--out", tmp_path / "s.zarr")
         said = refused(capsys, *asked)
         assert "unknown parameter 'colour'" in said and "nearest of" in said
 
@@ -209,7 +209,7 @@ class TestMistakes:
         [
             (["--gait", "canter"], ["unknown gait 'canter'; nearest of"]),
             (["--gait", "missing.json"], ["missing.json"]),
-            (["--gait", "hop.npz"], ["hop.npz", "not a saved gait (.json)"]),
+            (["--gait", "hop.npz"], ["hop.npz", "cannot be read"]),
             (["--gait", "canter", "--speed", "2.6"], ["unknown gait 'canter'; nearest of"]),
             (["--gait", ""], ["unknown gait ''"]),
             (["--speed", "0"], ["--speed", "m/s"]),
