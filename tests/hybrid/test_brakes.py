@@ -1,14 +1,18 @@
 """Brakes: impacts in closed form, a Lagrangian's equations of motion, energy, and what they refuse."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from spear_pin import Gait, HoppingLaw, hopping, load, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.hybrid.brakes import Brake, with_brakes
-from spear_pin.hybrid.domain import Reset
+from spear_pin.hybrid.domain import Guard, Reset
 from spear_pin.hybrid.dry_friction import with_dry_friction
 from spear_pin.hybrid.parameters import with_parameters
+from spear_pin.hybrid.rules.guards import rise
+from spear_pin.hybrid.rules.impact import find_struck_toes
 from spear_pin.hybrid.strikes import Overlap, strike_toes
 from spear_pin.model.path import Joints
 from tests.hybrid.test_heel_and_toe import footed, leg
@@ -250,3 +254,82 @@ def test_the_ground_does_not_pull_at_a_toe_that_a_brake_lifts(joint, delay):
     assert abs(alone @ grips.v) < 1e-12 and LEG.toe_jacobian(grips.q, "toe")[1] @ grips.v > 0.0
     assert grips.work["impact"] == pytest.approx(0.5 * change @ (grips.v + grips.v_before), abs=1e-12)
     assert all(event.impulse[:, 1].min() >= 0.0 for event in hop.events)
+
+
+def without_lift_off(system):
+    """The system, of which stance has no event that leads on."""
+    never = Guard("never", lambda *_: 1.0, replace(system.reset_into(AIR), release=()))
+
+    def changed(domain):
+        kept = tuple(guard for guard in domain.guards if guard.name != "lift_off")
+        return replace(domain, guards=(*kept, never) if domain.phase == AIR else kept)
+
+    return replace(system, domains=tuple(map(changed, system.domains)))
+
+
+def test_a_run_ends_where_no_event_lets_go_of_a_toe_that_a_brake_lifts():
+    system = with_brakes(without_lift_off(HOP), {"knee": Brake(200.0, ("stance",), delay=0.3)})
+    hop = simulate(system, START, cycles=1)
+    assert hop.reason == "lifted" and hop.events[-1].name == "lifts:toe"
+    assert hop.message.startswith("a brake lifted a toe off the ground") and hop.events[-1].time == pytest.approx(0.3)
+
+
+def flat(robot, q):
+    """A configuration with the ankle turned so that heel and toe are at one height."""
+    heel, toe = (robot.toe_position(q, each) for each in ("heel", "toe"))
+    turned = q - np.eye(4)[3] * np.arctan2(*(toe - heel)[::-1])
+    assert robot.toe_position(turned, "heel")[1] == pytest.approx(robot.toe_position(turned, "toe")[1], abs=1e-12)
+    return turned
+
+
+class TestTwoToes:
+    """A brake of the ankle, or of the knee, that grips while heel and toe are down."""
+
+    @pytest.mark.parametrize("joint", ["ankle", "knee"])
+    def test_law_of_the_impact_at_random_states(self, tmp_path, joint):
+        """Momentum, the path at rest, 0 <= impulse ⊥ rise >= 0, the cone, and the energy lost."""
+        system = with_brakes(footed(leg(tmp_path)), {joint: Brake(5.0, ("flat",), delay=0.01)})
+        robot, rng, found = system.robot, np.random.default_rng(3), set()
+        row, domain = np.eye(robot.nv)[robot.index(joint)], system.of_phase("flat")[0]
+        reset = next(guard.reset for guard in domain.guards if guard.name == f"closes:{joint}")
+        assert find_struck_toes(system, domain, reset) == ["heel", "toe"]
+        for _ in range(100):
+            q, v = flat(robot, rng.uniform(0.2, 1.0, 4)), rng.uniform(-3.0, 3.0, 4)
+            strike, D = strike_toes(system, domain, reset, q, v, Overlap(0.0), 0.0), robot.mass_matrix(q)
+            J = np.concatenate([robot.toe_jacobian(q, toe) for toe in robot.toes])
+            left = D @ (strike.v - v) - J.T @ strike.impulse.ravel()
+            np.testing.assert_allclose(left, (row @ left) * row, atol=1e-9)
+            (along, up), up_speed = strike.impulse.T, (J @ strike.v)[1::2]
+            assert abs(row @ strike.v) < 1e-12 and up.min() > -1e-10 and up_speed.min() > -1e-8
+            assert abs(up * up_speed).max() < 1e-8 and (abs(along) <= system.contact.friction * up + 1e-8).all()
+            change = 0.5 * strike.v @ D @ strike.v - 0.5 * v @ D @ v
+            assert strike.work == pytest.approx(change, abs=1e-12) and change <= 0.0
+            leaves = tuple(strike.rises[rise(toe)] > 0.0 for toe in robot.toes)
+            np.testing.assert_allclose([strike.rises[rise(toe)] for toe in robot.toes], up_speed * leaves, atol=1e-12)
+            found.add(leaves)
+        assert found == {(False, False), (False, True), (True, False), (True, True)}
+
+    @pytest.mark.parametrize(
+        ("joint", "delay", "leaving"),
+        [("ankle", 0.02, ["heel"]), ("ankle", 0.08, ["toe"]), ("knee", 0.1, ["heel", "toe"])],
+    )
+    def test_toes_leave_that_it_lifts(self, tmp_path, joint, delay, leaving):
+        system = footed(leg(tmp_path))
+        hop = simulate(with_brakes(system, {joint: Brake(5.0, ("flat",), delay=delay)}), system.guess(), rtol=1e-10)
+        grips = hop.named(f"closes:{joint}")[0]
+        after = [event for event in hop.events if event.time == grips.time][1:]
+        assert [event.name for event in after] == [f"{toe}_lift_off" for toe in leaving]
+        for toe, (_, normal) in zip(system.robot.toes, grips.impulse, strict=True):
+            assert (normal == 0.0) == (toe in leaving) and normal >= 0.0
+        assert hop.reason == "complete" and abs(hop.ledger.residual).max() < 1e-9
+        assert hop.force[:, :, 1].min() > -1e-5
+
+    def test_each_leaves_alone_where_another_event_lets_go_of_both(self, tmp_path):
+        system = footed(leg(tmp_path))
+        jumps = Guard("jumps", lambda *_: 1.0, Reset(release=("knee",), phase="flight"))
+        domains = (
+            replace(each, guards=(jumps, *each.guards)) if each.phase == "flat" else each for each in system.domains
+        )
+        made = with_brakes(replace(system, domains=tuple(domains)), {"ankle": Brake(5.0, ("flat",), delay=0.1)})
+        domain, *_ = made.of_phase("flat")
+        assert [guard.name for guard in domain.guards[:3]] == ["heel_lift_off", "toe_lift_off", "jumps"]

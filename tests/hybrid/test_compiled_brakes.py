@@ -29,7 +29,8 @@ from spear_pin.hybrid.tangent.seeds import numbers, seeds
 from spear_pin.model.equations import mechanism_of
 from spear_pin.model.feet import find_leading
 from spear_pin.model.planar import Planar
-from tests.hybrid.test_brakes import AIR, BOTH, HOP, START, braked
+from tests.gaits.test_reaching import FIVE, OPENING, geared
+from tests.hybrid.test_brakes import AIR, BOTH, HOP, START, braked, without_lift_off
 from tests.hybrid.test_heel_and_toe import footed, leg
 from tests.hybrid.test_symbolic import OPS
 
@@ -48,6 +49,7 @@ BRAKES = {
     "closes late": {"knee": Brake(200.0, (AIR,), BOTH, lambda t, q, v, *_: -v[2], 0.03)},
     "two": {"knee": Brake(2.0, (AIR,), delay=0.02), "hip": Brake(2.0, (AIR,), delay=0.04)},
     "in stance": {"knee": Brake(3.0, ("stance",), when=loaded)},
+    "grips at rest": {"knee": Brake(3.0, ("stance",), when=lambda t, q, v, *_: v[2])},
     "lifts the toe": {"hip": Brake(0.3, ("stance",), delay=0.35)},
 }
 
@@ -128,6 +130,21 @@ class TestLanes:
             assert own.brakes["knee"] == Brake(forces[i], (AIR,), delay=delays[i])
             np.testing.assert_allclose(np.append(batch.q[i], batch.v[i]), lands(own, START), rtol=0, atol=1e-9)
 
+    def test_end_where_no_event_lets_go_of_a_lifted_toe(self):
+        system = with_brakes(without_lift_off(HOP), {"knee": Brake(200.0, ("stance",), delay=0.3)})
+        for n in (1, 20):
+            batch = simulate_many(system, *(np.tile(part, (n, 1)) for part in START))
+            assert set(batch.reason) == {"lifted"} and batch.message[0].endswith("(lifts:toe at t = 0.3 s)")
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize(("joint", "delay"), [("ankle", 0.12), ("knee", 0.1)])
+    def test_of_two_toes(self, tmp_path, joint, delay):
+        """Both leave, or none does."""
+        plain = footed(leg(tmp_path))
+        system = with_brakes(plain, {joint: Brake(5.0, ("flat",), delay=delay)})
+        batch, expected = simulate_many(system, *(part[None] for part in plain.guess())), lands(system, plain.guess())
+        np.testing.assert_allclose(np.append(batch.q[0], batch.v[0]), expected, rtol=0, atol=1e-9)
+
     def test_dry_friction_of_other_joints_is_refused(self):
         system = braked(system=with_dry_friction(HOP, {"boom_z": 20.0}))
         with pytest.raises(BadValue, match="^system is 'hopping'; expected one without hardware and dry friction"):
@@ -197,20 +214,30 @@ class TestDerivatives:
     NAMES = ("knee.brake_force", "knee.brake_delay")
 
     @pytest.mark.slow
-    @pytest.mark.parametrize("name", ["lets go", "opens", "two", "in stance", "lifts the toe"])
+    @pytest.mark.parametrize("name", ["lets go", "opens", "two", "in stance", "grips at rest", "lifts the toe"])
     def test_of_the_return_map(self, name):
         """Against differences, of fourth order, of the reference engine's."""
-        system = with_brakes(HOP, BRAKES[name])
+        self.check(with_brakes(HOP, BRAKES[name]), START)
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize("delay", [0.03, 0.12])
+    def test_of_a_toe_that_moves_up_and_down_only(self, tmp_path, delay):
+        """It stays down, and is lifted."""
+        plain = hopping(geared(tmp_path), FIVE, OPENING)
+        self.check(with_brakes(plain, {"front_hip": Brake(0.05, ("stance",), delay=delay)}), plain.guess())
+
+    @staticmethod
+    def check(system, start):
         own = next(iter(system.brakes))
         over = [each for each in (f"{own}.brake_force", f"{own}.brake_delay") if parameter(system, each)]
-        local, given = chart(system, START), seeds(system, over).numbers
-        found, middle = exact_map(system, START, given), lands(system, START)
+        local, given = chart(system, start), seeds(system, over).numbers
+        found, middle = exact_map(system, start, given), lands(system, start)
 
         def differences(j, h):
             def end(step):
                 if j >= local.dimension:
                     each = over[j - local.dimension]
-                    return lands(with_parameters(system, {each: parameter(system, each) + step}), START)
+                    return lands(with_parameters(system, {each: parameter(system, each) + step}), start)
                 return lands(system, local.state(step * np.eye(local.dimension)[j]))
 
             return (end(h) - end(-h)) / (2.0 * h)

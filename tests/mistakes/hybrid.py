@@ -118,6 +118,8 @@ MUTATIONS = [
             "a brake closes in a phase without an impact": ("Reset(grips=grips, turns=", "Reset(turns="),
             "a condition is met again while a brake waits": ("waits + (1.0 - waits) * when(", "when("),
             "a brake grips although it is to open": ("waits * until(t, q, v, held, p, dyn, ops) +", "waits +"),
+            "a toe that a brake lifts stays": ("guards=(*leaving, *domain.guards)", "guards=domain.guards"),
+            "a lifted toe takes another along": ("way[1].count(OPEN), default", "-way[1].count(OPEN), default"),
             "a brake that stays closed is opened": ("Turn(name, closed=stays,", "Turn(name, closed=False,"),
         },
     ),
@@ -145,6 +147,8 @@ MUTATIONS = [
         ["hybrid/test_compiled_brakes"],
         {
             "derivatives: a brake that moves a path": ("slopes.braked + turned", "turned"),
+            "derivatives: a path at rest that may move": ("elif not still:", "elif toes:"),
+            "derivatives: a guided toe held along the ground": ("first = 1 if guided[i] or (", "first = 1 if ("),
         },
     ),
     *mistakes_in(
@@ -266,7 +270,7 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/tangent/resets",
         ["hybrid/test_heel_and_toe"],
-        {"derivatives: heel and toe depend on each other": ("if row % 2 or leads", "if True or leads")},
+        {"derivatives: heel and toe depend on each other": ("if row % 2 or (leads", "if True or (leads")},
     ),
     *mistakes_in(
         "hybrid/rules/entry",

@@ -23,6 +23,7 @@ from spear_pin.model.scalars import dot
 DEGENERATE = 1e-9  # relative to the largest speed or impulse: an active set this close to another is degenerate
 BORDER = "an impact of several toes is on the border between two outcomes"
 SINGULAR = 1e12  # condition number of J D⁻¹ Jᵀ above which toes depend on each other
+UNMOVED = 1e-7  # m/s per unit of a direction: toes at rest stay so if their speeds change less, as where a path turns
 
 
 class NotDifferentiable(SpearError):
@@ -63,9 +64,10 @@ def differentiate_strike(
     before, friction = duals(feet.speeds, slopes.speeds), Dual(float(feet.friction), slopes.friction)
     speeds: Sequence[Any] = [0.0] * len(toes)
     impulses: Sequence[Any] = [0.0] * len(before)
+    still = np.abs(feet.speeds).max(initial=0.0) < DEGENERATE and np.abs(slopes.speeds).max(initial=0.0) < UNMOVED
     if len(toes) == 1 and not grips:
         impulses, _ = routh(A, before, friction)
-    elif toes:
+    elif not still:
         impulses, speeds = _joint(feet, A, before, friction, leads)
     lifted = {rise(toe): speed for toe, speed in zip(toes, speeds, strict=True)}
     given, change = np.array([value_of(each) for each in impulses]), derivatives(impulses, len(slopes.friction))
@@ -212,7 +214,9 @@ def _joint(
     """Returns the impulses of a joint impact, and the lift speeds of toes, for the active set that the rule finds."""
     size, values, mu = len(before), feet.inverse_inertia, float(feet.friction)
     given = np.array([value_of(speed) for speed in before])
-    free = [row for row in range(size) if row % 2 or leads[row // 2] == row // 2]  # toes of one body move along alike
+    guided = np.diag(values)[::2] <= np.trace(values) / SINGULAR  # toes that move up and down only
+    # toes of one body move along alike
+    free = [row for row in range(size) if row % 2 or (leads[row // 2] == row // 2 and not guided[row // 2])]
     if not np.linalg.cond(values[np.ix_(free, free)]) < SINGULAR:
         raise NotDifferentiable("toes in an impact cannot move independently, so their impulses are not unique")
     if np.abs(given).max() < DEGENERATE:  # in m/s: the toes only touch, and rounding decides the rest
@@ -229,7 +233,7 @@ def _joint(
             rows.append(2 * i + 1)
             directions.append([z + grip * x if x else z for x, z in zip(*unit, strict=True)])
         elif mode == "stick":
-            first = 1 if leads[i] < i and modes[leads[i]] == "stick" else 0
+            first = 1 if guided[i] or (leads[i] < i and modes[leads[i]] == "stick") else 0
             rows += [2 * i, 2 * i + 1][first:]
             directions += unit[first:]
     matrix = [[dot(A[row], direction) for direction in directions] for row in rows]
