@@ -120,7 +120,9 @@ def value_of(robot: Robot, name: str) -> float:
     kind = _kind(name)
     if name in robot.varied or robot.cut is None:
         value = float(robot.varied.get(name, PARAMETERS[name].default))
-        return value if kind is not None else value + (_read(robot.model, name) - _read(robot.base, name))
+        if kind is not None or robot.varied.keys() <= PARAMETERS.keys():  # no number of a body was set
+            return value
+        return value + (_read(robot.model, name) - _read(robot.base, name))
     model, found = robot.model, set[float]()
     if kind is None:
         return _read(model, name)

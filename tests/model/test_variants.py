@@ -385,3 +385,7 @@ class TestRefusals:
         changed = Robot(model, name=robot.name, toes=robot.toes, actuated=robot.actuated, source=robot.source)
         with pytest.raises(BadValue, match="^robot is "):
             vary(changed, hip_distance=0.9)
+
+
+def test_a_parameter_of_a_joint_that_is_locked():
+    assert value_of(load("spear_ii", locked=["boom_z"]), "boom_damping") == 0.0

@@ -22,12 +22,13 @@ PARTS = ("adduction", "hip", "knee")
 def summarize_in_space(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     """Returns figures of a bounding gait in space, from the gait and a trajectory of it, in SI units and radians.
 
+    The course is the first heading; if the halves of a stride are mirror images, it is halfway between those of both.
+
     Returns:
         - residual, multipliers: see `Gait`.
         - cycles, reason, energy_residual: whole strides, why it ended, and the largest imbalance of a stride, in J.
         - speed, period: along its course at the begin, in m/s; of whole strides, in s.
-        - aside, heading: where it is at the end across that course, in m, and how its heading has changed. The course
-          is the first heading; if the halves of a stride are mirror images, it is halfway between those of both halves.
+        - aside, heading: where it is at the end across that course, in m, and how its heading has changed.
         - largest_roll: on the way.
         - slips: how often a foot begins to slide.
         - friction_used: largest ratio of tangential to normal force, where a foot carries 2 % of its even share.
