@@ -126,7 +126,18 @@ def _begun(arguments: argparse.Namespace, program: Program) -> tuple[Gait, list[
             arguments.over[0],
             f"a parameter; for a measure leave out {asked.option}",
         )
+    if target and arguments.what != "hop":
+        gait = _at(gait, asked.solved, target, program)
     return gait, [asked.solved] if measured or target else [], target
+
+
+def _at(gait: Gait, solved: str, target: dict[str, float], program: Program) -> Gait:
+    """Find the gait beside another one that has the target, and write the Python for it."""
+    from spear_pin import find_gait
+
+    call = program.call(find_gait, Code("gait.system"), [solved], target, guess=Code("gait.state"))
+    program.let("gait", call)
+    return find_gait(gait.system, [solved], dict[Any, float](target), guess=gait.state)
 
 
 def _hop(arguments: argparse.Namespace, target: dict[str, float], program: Program) -> Gait:

@@ -104,9 +104,9 @@ def solved_for(arguments: argparse.Namespace, gait: Gait | None) -> Asked:
     from spear_pin.gaits.bounding import SPEED_BY
 
     if gait is None or "hopping" in gait.system.kind:
-        refuse(arguments, "to be left out with a hop; for a hop give --flight-time", "speed")
+        refuse(arguments, "only with gaits that travel; for a hop give --flight-time", "speed")
         return Asked("stance_torque", "flight_time", arguments.flight_time, "--flight-time")
-    refuse(arguments, "only with a hop; for other gaits give --speed", "flight_time")
+    refuse(arguments, "only with a hop; for gaits that travel give --speed", "flight_time")
     return Asked(SPEED_BY, "mean_speed", arguments.speed, "--speed")
 
 

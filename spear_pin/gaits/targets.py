@@ -19,6 +19,7 @@ from spear_pin.hybrid.simulate import simulate
 
 SAMPLES = 400  # of each phase
 FLIGHT = "flight_time"  # the measure that the section's event bounds
+SPEED, FORWARD = "mean_speed", "posterior_hip_torque"  # laws with this torque only go forward
 
 
 def check_wanted(system: HybridSystem, target: Mapping[Any, ArrayLike]) -> None:
@@ -29,8 +30,8 @@ def check_wanted(system: HybridSystem, target: Mapping[Any, ArrayLike]) -> None:
         target: wanted values, one or many each, of measures or of functions of the cycle.
 
     Raises:
-        BadValue: a value is not a finite number, or a flight is too short to close a cycle or longer than a phase may
-            be.
+        BadValue: a value is not a finite number, a flight is too short to close a cycle or longer than a phase may
+            be, or a quadruped's speed is not above zero.
     """
     for name, wanted in target.items():
         values = np.atleast_1d(np.asarray(wanted, dtype=float))
@@ -39,6 +40,8 @@ def check_wanted(system: HybridSystem, target: Mapping[Any, ArrayLike]) -> None:
             least, most = flight_times(system)
             valid = (least <= values) & (values <= most)
             expected = f"a number from {least:g} to {most:g}, in s: the system's shortest flight and longest phase"
+        elif name == SPEED and hasattr(system.law, FORWARD):
+            valid, expected = valid & (values > 0.0), "a number > 0, in m/s: the law only goes forward"
         if not valid.all():
             raise BadValue(f"target {name}", float(values[~valid][0]), expected)
 

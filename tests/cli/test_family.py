@@ -44,6 +44,13 @@ class TestFamily:
         over = ("--over", "mean_speed=1.99:2.01", "--points", 2, "--out", tmp_path)
         assert "posterior hip torque" in run(capsys, "family", "trot", *over)[1]
 
+    @pytest.mark.slow
+    def test_at_another_speed(self, capsys, tmp_path):
+        """The gait at that speed is found first: the branch begins there."""
+        arguments = ("--over", "friction=0.79:0.81", "--speed", 2.05, "--points", 2, "--out", tmp_path)
+        result = printed(capsys, "family", "trot", *arguments)
+        assert "find_gait(gait.system" in result["python"] and result["points"] >= 2
+
 
 class TestMistakes:
     @pytest.mark.parametrize(
@@ -61,7 +68,7 @@ class TestMistakes:
             (("hop", "--over", "stiffness=40:50", "--at", "60"), "--at is 60.0; expected"),
             (
                 ("hop", "--over", "stiffness=40:50", "--speed", "2"),
-                "to be left out with a hop; for a hop give --flight-time",
+                "only with gaits that travel; for a hop give --flight-time",
             ),
             (("hop", "--over", "stiffness=1:2"), "--over stiffness is '1:2'; expected two numbers"),
             LATE(("hop", "--over", "nope=1:2"), "unknown parameter 'nope'; nearest of "),
@@ -84,6 +91,8 @@ class TestMistakes:
             (("bound", "--over", "stiffness=1:2", "--at", "1"), "--at is 1.0; expected only with hop"),
             (("bound", "--over", "stiffness=1:2", "--flight-time", "1"), "only with a hop"),
             (("trot", "--over", "mean_speed=1:2", "--speed", "1"), "leave out --speed"),
+            (("trot", "--over", "friction=0.7:0.9", "--speed", "0"), "mean_speed is 0.0; expected a number > 0"),
+            (("trot", "--over", "mean_speed=-1:3"), "mean_speed is -1.0; expected a number > 0"),
             (("fly", "--over", "friction=1:2"), "'fly'"),
         ],
         ids=words,

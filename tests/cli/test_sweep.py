@@ -136,7 +136,7 @@ class TestMistakes:
             (("stiffness=1,2", "--over", "stiffness=3,4"), "each name once"),
             (("help",), "each valid parameter: knee_touchdown, "),
             (("help", "--sobol", "4"), "each valid parameter: knee_touchdown, "),
-            (("stiffness=46,52", "--speed", "2"), "to be left out with a hop; for a hop give --flight-time"),
+            (("stiffness=46,52", "--speed", "2"), "only with gaits that travel; for a hop give --flight-time"),
             (("stiffness=46,52", "--flight-time", "0.03"), "flight_time is 0.03; expected a number from 0.05 to 5"),
             (("flight_time=0.2,0.03",), "flight_time is 0.03; expected"),
             (("flight_time=0.03:0.3", "--sobol", "4"), "flight_time is 0.03; expected"),
@@ -171,8 +171,11 @@ class TestMistakes:
         assert "nearest of 24: bound," in refused(capsys, "sweep", "bounds", *OVER)
         for gait in ("long_stride", "trot"):
             text = refused(capsys, "sweep", gait, *OVER, "--flight-time", "0.2")
-            assert "only with a hop; for other gaits give --speed" in text
+            assert "only with a hop; for gaits that travel give --speed" in text
         assert "leave out --speed" in refused(capsys, "sweep", "trot", "--over", "period=0.2,0.3", "--speed", "2")
+        assert "mean_speed is -1.0; expected a number > 0" in refused(
+            capsys, "sweep", "trot", "--over", "mean_speed=-1,2"
+        )
 
     def test_of_what_is_not_installed(self, capsys, tmp_path, monkeypatch):
         """One extra has everything, and a mistake needs none."""
