@@ -14,7 +14,7 @@ from spear_pin.cli.output import align_lines, progress
 from spear_pin.cli.pairs import RANGE, one_range
 from spear_pin.cli.python_lines import Code, Program
 from spear_pin.cli.writing import write_study
-from spear_pin.errors import BadValue
+from spear_pin.errors import ALL, BadValue
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -96,13 +96,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 def _check(arguments: argparse.Namespace) -> None:
     """Refuse what makes no sense, before anything is solved for."""
     check_out(arguments)
-    _, (low, high) = arguments.over
+    over, (low, high) = arguments.over
     for option, value in (("--over", low), ("--over", high), ("--at", arguments.at)):
         if value is not None and not math.isfinite(value):
             raise BadValue(option, value, "a finite number")
     if not low < high:
         raise BadValue("--over", high, f"a number above the least value, {low:g}")
-    if arguments.at is not None and not low <= arguments.at <= high:
+    if over != ALL and arguments.at is not None and not low <= arguments.at <= high:
         raise BadValue("--at", arguments.at, f"a number from {low:g} to {high:g}")
     if arguments.what != "hop":
         refuse(arguments, "only with hop", "robot", "at")

@@ -31,6 +31,18 @@ def test_a_hop(capsys, tmp_path):
         ((*HOP, "--over", "stiffness"), "is not NAME=LOW:HIGH"),
         ((*HOP, "--over", "help"), "each valid parameter: knee_touchdown, "),
         ((*HOP, "--over", "stiffness=40:60", "--at-most", "help"), "each valid measure: stance_time, "),
+        (
+            (
+                "design",
+                "hop",
+                "--minimize",
+                "help",
+                "--keep",
+                "flight_time=0.2,period=0.5",
+                *("--over", "stiffness=46:56"),
+            ),
+            "each valid measure: stance_time, ",
+        ),
         ((*HOP, "--over", "stiffness=1:2"), "the gait's own value"),
         ((*HOP, "--over", "stiffness=40:60", "--at-most", "work"), "is not NAME=VALUE"),
         ((*HOP, "--over", "stiffness=40:60", "--at-most", "nope=1"), "'nope'"),

@@ -73,6 +73,7 @@ class TestMistakes:
             (("hop", "--over", "stiffness=1:2"), "--over stiffness is '1:2'; expected two numbers"),
             LATE(("hop", "--over", "nope=1:2"), "unknown parameter 'nope'; nearest of "),
             (("hop", "--over", "nope=1:2", "--at", "1"), "unknown parameter 'nope'; nearest of "),
+            (("hop", "--over", "help", "--at", "60"), "each valid parameter: "),
             LATE(("hop", "--over", "stiffness=40:60", "--step", "0"), "step is 0.0; expected"),
             LATE(("hop", "--over", "stiffness=40:60", "--points", "1"), "points is 1; expected"),
             (("hop", "--over", "stiffness=40:60", "--rtol", "0"), "rtol is 0.0; expected"),

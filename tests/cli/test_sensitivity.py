@@ -39,6 +39,7 @@ def test_with_a_motor(capsys, tmp_path):
         (("fly",), "'fly'"),
         (("hop", "--over", "nope"), "'nope'"),
         (("hop", "--over", "stiffness", "--vary", "stance_torque"), "as many measures"),
+        (("hop", "--keep", "help"), "each valid measure: stance_time, "),
         (("hop", "--motor", "knee=nope"), "'nope'"),
         (("hop", "--motor", "toe=spear_ii_knee"), "'toe'"),
         (("hop", "--motor", "knee=ec_45"), "'ec_45'"),

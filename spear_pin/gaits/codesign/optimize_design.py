@@ -111,6 +111,8 @@ def optimize_design(
 
     begun = Orbit(gait.system, gait.state, problem.names, problem.motors)
     problem.named(begun)
+    if len(problem.vary) != len(problem.keep):
+        raise BadValue("keep", dict(problem.keep), f"as many measures as vary has parameters, {len(problem.vary)}")
     orbit = close_cycle(begun, problem.keep, count)
     scale = abs(problem.values(orbit)[0]) or 1.0
 
@@ -187,8 +189,6 @@ def _check(gait: Gait, problem: Problem, tolerance: float, iterations: int) -> N
     for name, kept in problem.keep.items():
         if not problem.at_least.get(name, -np.inf) <= kept <= problem.at_most.get(name, np.inf):
             raise BadValue(f"keep[{name!r}]", kept, "a value within at_least and at_most of the same measure")
-    if len(problem.vary) != len(problem.keep):
-        raise BadValue("keep", dict(problem.keep), f"as many measures as vary has parameters, {len(problem.vary)}")
     require("tolerance", tolerance, lambda share: 0.0 < share < 1.0, "a number between 0 and 1")
     require("iterations", iterations, lambda n: n >= 1, "a whole number >= 1")
     if problem.largest_multiplier is not None:

@@ -169,12 +169,12 @@ def orbit_of_gait(
     names = (*vary, *over)
     if len(set(names)) != len(names) or not over:
         raise BadValue("over", list(over), "one parameter or more, each once, none of them in vary")
-    if len(vary) != len(keep):
-        raise BadValue("keep", list(keep), f"as many measures as vary has parameters, {len(vary)}")
     orbit = Orbit(system, state, names, motors)
     for name in keep:
         if name not in orbit.measures:
             raise UnknownName("measure", name, orbit.measures)
+    if len(vary) != len(keep):
+        raise BadValue("keep", list(keep), f"as many measures as vary has parameters, {len(vary)}")
     off = float(np.abs(orbit.displacement).max())
     if not off <= CLOSED:
         raise BadValue(
