@@ -66,14 +66,26 @@ def add_cut(parser: Any) -> None:
     group.add_argument("--body", type=float, metavar="KG", help=BODY)
 
 
-def in_the_plane(arguments: argparse.Namespace) -> Robot | None:
+def in_the_plane(arguments: argparse.Namespace, option: str = "--robot", otherwise: str = "") -> Robot | None:
     """A quadruped in its sagittal plane, as of `add_plane`; None if no robot is named.
+
+    Args:
+        arguments: those of `add_plane`.
+        option: names the robot in errors.
+        otherwise: what a robot without a free trunk can do, in words that end an error.
 
     Raises:
         UnknownName: there is no such robot.
-        BadValue: an option goes with --robot only, or the robot has not two pairs of legs of hip and knee.
+        BadValue: an option goes with --robot only, the trunk is fixed, or the robot has not two pairs of legs of hip
+            and knee.
     """
-    robot = _loaded(arguments, "free")
+    from spear_pin.model.fitting import CannotFloat
+
+    try:
+        robot = _loaded(arguments, "free")
+    except CannotFloat as error:
+        fixed = f"the root of its file, {error.root!r}, is fixed (spear robots lists quadrupeds){otherwise}"
+        raise BadValue(option, arguments.robot, f"a quadruped whose trunk is free: {fixed}") from None
     if robot is None:
         return None
     plane = _plane(robot, arguments.bends)

@@ -137,7 +137,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     if sidecar_of(arguments.robot).loops:
         raise BadValue("robot", arguments.robot, WITHOUT_LOOPS)
-    hop = arguments.leg is not None or _is_leg(arguments)
+    hop = arguments.leg is not None or len(_legs(arguments)) == 1
     robot, study_of, speeds = (_hops if hop else _bounds)(arguments)
     with name_options(bus="--bus"):
         drives = make_drives(arguments, robot)
@@ -190,13 +190,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     }
 
 
-def _is_leg(arguments: argparse.Namespace) -> bool:
-    """Tell whether the robot has one leg, which can but hop; warnings are for when it is loaded to be used."""
+def _legs(arguments: argparse.Namespace) -> list[str]:
+    """The names of the robot's legs, of which one alone can but hop; warnings are for when it is loaded to be used."""
     from spear_pin import load
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RobotWarning)
-        return len(load(arguments.robot, repair=bool(arguments.repair)).legs) == 1
+        return [leg.name for leg in load(arguments.robot, repair=bool(arguments.repair)).legs]
 
 
 def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study], Sequence[float] | None]:
@@ -214,7 +214,7 @@ def _bounds(arguments: argparse.Namespace) -> tuple[Robot, Callable[..., Study],
         raise BadValue(
             "--bends", arguments.bends, "two numbers, for the posterior and for the anterior knees; with --leg one"
         )
-    robot = in_the_plane(arguments)
+    robot = in_the_plane(arguments, "robot", f"; for hops of one leg type --leg {_legs(arguments)[0]}")
     assert robot is not None
     return robot, bounds, arguments.speeds
 

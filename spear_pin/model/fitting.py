@@ -19,6 +19,15 @@ REMEDY = "give its links an <inertial>"
 MENDED = 1e-4  # kg·m² or kg, the armature added to a joint that moves no inertia
 
 
+class CannotFloat(BadFile):
+    """A root that shall float, but has no inertia."""
+
+    def __init__(self, path: str | Path, root: str) -> None:
+        self.root = root
+        problem = f"its root {root!r} has no inertia, so it cannot float"
+        super().__init__(path, f"{problem} (base='free', or a quadruped's trunk): leave base out, or {REMEDY}")
+
+
 def drivable(model: pin.Model) -> list[str]:
     """Returns the names of the joints that can have a motor: those of one degree of freedom."""
     return [name for name, joint in list(zip(model.names, model.joints, strict=True))[1:] if joint.nv == 1]
@@ -76,14 +85,13 @@ def check_floating(path: str | Path, model: pin.Model) -> None:
     """Refuses a root that shall float and has no inertia, unless other inertia makes up for it.
 
     Raises:
-        BadFile: the mass matrix is singular, and the link on a floating joint at the root has no mass.
+        CannotFloat: the mass matrix is singular, and the link on a floating joint at the root has no mass.
     """
     roots = [i for i in range(1, model.njoints) if model.parents[i] == 0 and model.joints[i].nv == FLOATING]
     massless = next((index for index in roots if not model.inertias[index].mass), None)
     if massless is not None and _fault(path, model):
         links = (f.name for f in model.frames if f.parentJoint == massless and f.type == pin.FrameType.BODY)
-        problem = f"its root {next(links, '')!r} has no inertia, so it cannot float"
-        raise BadFile(path, f"{problem} (base='free', or a quadruped's trunk): leave base out, or {REMEDY}")
+        raise CannotFloat(path, next(links, ""))
 
 
 def with_inertia(path: str | Path, model: pin.Model, repair: bool) -> tuple[pin.Model, list[str]]:

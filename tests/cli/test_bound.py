@@ -222,6 +222,10 @@ class TestMistakes:
             (["--cycles", "1.5"], ["1.5"]),
             (["--rtol", "1"], ["rtol"]),
             (["--colour", "red"], ["--colour"]),
+            (
+                ["--robot", "biped"],
+                ["--robot is 'biped'; expected a quadruped whose trunk is free", "'world', is fixed"],
+            ),
         ],
         ids=words,
     )

@@ -7,7 +7,8 @@ import pinocchio as pin
 import pytest
 
 from spear_pin import RobotWarning, load
-from spear_pin.errors import BadFile, BadValue, UnknownName
+from spear_pin.errors import BadValue, UnknownName
+from spear_pin.model.fitting import CannotFloat
 from tests.model.looped import FIVE_BAR
 from tests.model.looped import write as write_files
 from tests.model.planar_arm import ARM as PLANAR
@@ -66,13 +67,13 @@ class TestFree:
 
     def test_a_root_without_inertia_that_turns_as_its_only_joint_does(self, write):
         """Yaw of the base and of the column move the same."""
-        assert "root 'base' has no inertia" in str(refusal(BadFile, lambda: load(write(ARM), base="free")))
+        assert "root 'base' has no inertia" in str(refusal(CannotFloat, lambda: load(write(ARM), base="free")))
 
     @pytest.mark.parametrize("repair", [False, True])
     @pytest.mark.parametrize("name", ["spear_ii", "biped", "q_spear"])
     def test_a_root_that_only_carries_rails(self, name, repair):
         """Neither an inertia of some link nor an armature would let it float."""
-        problem = refusal(BadFile, lambda: load(name, base="free", repair=repair)).problem
+        problem = refusal(CannotFloat, lambda: load(name, base="free", repair=repair)).problem
         assert "root 'world'" in problem and "leave base out" in problem and "repair" not in problem
 
 
