@@ -185,7 +185,7 @@ class _Lanes:
         there = batch.reason == "complete"
         self.solve(todo[there], batch.q[there], batch.v[there], self.start[todo[there]])
 
-    def alike(
+    def group_alike(
         self, lanes: NDArray[np.int64], q: Array, v: Array
     ) -> Iterator[tuple[NDArray[np.bool_], NDArray[np.int64], Charts, LaneCycles]]:
         """Groups lanes with the same sliding toes: which they are, their numbers, their charts and their cycles."""
@@ -197,7 +197,7 @@ class _Lanes:
 
     def solve(self, lanes: NDArray[np.int64], q: Array, v: Array, start: Array) -> None:
         """Runs Newton's method and finds multipliers, for lanes with the same sliding toes together."""
-        for chosen, own, charts, cycles in self.alike(lanes, q, v):
+        for chosen, own, charts, cycles in self.group_alike(lanes, q, v):
             shooting = Shooting(charts, cycles, cycles.vary, self.wanted[own], cycles.slopes)
             roots = shooting.solve(start[chosen], TOLERANCE, calls=CALLS, always=False)
             self.fail(own, _why(roots), roots.norm)
@@ -211,7 +211,7 @@ class _Lanes:
 
     def finish(self, lanes: NDArray[np.int64], q: Array, v: Array, values: Array) -> None:
         """Checks the fixed points on the whole state, and finds their multipliers."""
-        for chosen, own, charts, cycles in self.alike(lanes, q, v):
+        for chosen, own, charts, cycles in self.group_alike(lanes, q, v):
             found = multipliers(cycles, charts, values[chosen])
             closes = found.residual <= max(RESIDUAL, 10.0 * cycles.rtol)
             reason = np.where(closes, found.reason, NO_CONVERGENCE).astype(object)

@@ -28,7 +28,7 @@ from spear_pin.hybrid.tangent.resets import REFUSALS
 SAME = 1e-14  # relative: states that differ only by rounding, as from charts, have one cycle
 
 
-class Differentiated(NamedTuple):
+class MeasuredCycle(NamedTuple):
     """A cycle and what is measured of it, with derivatives."""
 
     cycle: Derivative
@@ -45,7 +45,7 @@ class Differentiated(NamedTuple):
 
 def differentiate_measured(
     recorder: Recorder, y: Array, start: Array, seeds: Array, weight: Array, names: Sequence[str]
-) -> Differentiated | None:
+) -> MeasuredCycle | None:
     """Differentiates a cycle and what is measured of it; returns None where it lacks a measure.
 
     See `differentiate_cycle` for the first arguments and for what is raised.
@@ -63,7 +63,7 @@ def differentiate_measured(
         cycle = differentiate_cycle(recorder.system, recorder, y, start, seeds, fineness)
     known = differentiate_measures(cycle, start, weight)
     found = [known[name] for name in names if name in known]
-    return Differentiated(cycle, found) if len(found) == len(names) else None
+    return MeasuredCycle(cycle, found) if len(found) == len(names) else None
 
 
 @dataclass
@@ -71,7 +71,7 @@ class _Found:
     """The last cycle that was asked for, with its derivatives; None where there are none."""
 
     place: Any = np.nan
-    cycle: Differentiated | None = None
+    cycle: MeasuredCycle | None = None
     count: int = 0
 
 
@@ -151,7 +151,7 @@ class TangentCycles:
                 measured[i] = np.reshape([each.derivative for each in found.measured], (-1, width))
         return after, ends, measured
 
-    def _at(self, q: Array, v: Array, values: Array) -> Differentiated | None:
+    def _at(self, q: Array, v: Array, values: Array) -> MeasuredCycle | None:
         """Returns the cycle from a state, along all directions of the state and the numbers."""
         y = np.concatenate([q, v])
         place = np.concatenate([y, values])
@@ -160,7 +160,7 @@ class TangentCycles:
             self._found.count += 1
         return self._found.cycle
 
-    def _differentiated(self, y: Array, values: Array) -> Differentiated | None:
+    def _differentiated(self, y: Array, values: Array) -> MeasuredCycle | None:
         if not (np.isfinite(y).all() and np.isfinite(values).all()):
             return None
         along = np.eye(len(y), len(y) + len(values))

@@ -25,7 +25,7 @@ from spear_pin.hybrid.rules.footing import (
     is_torn_off,
     make_footing,
     make_rubbing,
-    moved,
+    rate_along,
     rate_fits,
     still,
 )
@@ -86,7 +86,9 @@ def find_fitting(system: HybridSystem, flows: Iterable[F], t: float, y: Array) -
     best, found, nq, nv = None, -math.inf, system.robot.nq, system.robot.nv
     for flow in flows:
         rubs, fits = flow.domain.rubs, UNFIT
-        if all(rate_fits(rub, float(moved(lever_along(rub.along, system.robot), y[nq : nq + nv]))) for rub in rubs):
+        if all(
+            rate_fits(rub, float(rate_along(lever_along(rub.along, system.robot), y[nq : nq + nv]))) for rub in rubs
+        ):
             flow(t, y)
             closed = closed_toes(system.robot.toes, flow.domain)
             feet = [

@@ -18,7 +18,7 @@ from spear_pin.gaits.codesign.trust_region import NO_VALUE, find_minimum
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.closing import close_cycle, find_changed
-from spear_pin.gaits.sensitivity.heat import check_gears
+from spear_pin.gaits.sensitivity.drives import check_gears
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch

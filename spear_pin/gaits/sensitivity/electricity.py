@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.sensitivity.heat import Behind
+from spear_pin.gaits.sensitivity.drives import Behind
 from spear_pin.gaits.sensitivity.signals import Pieces, peak, roots
 from spear_pin.hybrid.tangent.collocation import POINTS, rule
 

@@ -8,7 +8,7 @@ from contextlib import suppress
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.sensitivity.heat import Driven
+from spear_pin.gaits.sensitivity.drives import DrivenJoints
 from spear_pin.gaits.sensitivity.measures import differentiate_measures
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.orders import Order
@@ -43,7 +43,7 @@ def measure_lanes(
     n, numbers, found = len(q), many(system, given), dict[str, Array]()
     orders: list[Order] = [()] * n
     still = np.zeros((2 * system.robot.nv, 1))
-    driven = Driven(system, motors, (), 1)
+    driven = DrivenJoints(system, motors, (), 1)
     for i in range(n):
         recorder = Recorder(system, numbers, i)
         nothing = np.zeros((len(recorder.numbers), 1))

@@ -24,8 +24,8 @@ from spear_pin.gaits.sensitivity.along_arcs import (
     long,
     with_partner,
 )
+from spear_pin.gaits.sensitivity.drives import Behind, DrivenJoints
 from spear_pin.gaits.sensitivity.electricity import find_drawn, find_reserve
-from spear_pin.gaits.sensitivity.heat import Behind, Driven
 from spear_pin.gaits.sensitivity.measure import DualMeasure
 from spear_pin.gaits.sensitivity.signals import Pieces, integral, largest_ratio, peak, positive, where_it_falls
 from spear_pin.hybrid.column_names import motors_at
@@ -71,7 +71,9 @@ class Measures(Mapping[str, DualMeasure]):
         return self._found[i]
 
 
-def differentiate_measures(cycle: Derivative, start: Array, weight: Array, driven: Driven | None = None) -> Measures:
+def differentiate_measures(
+    cycle: Derivative, start: Array, weight: Array, driven: DrivenJoints | None = None
+) -> Measures:
     """Returns all named measures of a cycle, each found when it is asked for.
 
     Args:
@@ -116,9 +118,9 @@ class Differentiated(Signals):
         driven: motors and drives of joints.
     """
 
-    def __init__(self, cycle: Derivative, start: Array, weight: Array, driven: Driven | None = None) -> None:
+    def __init__(self, cycle: Derivative, start: Array, weight: Array, driven: DrivenJoints | None = None) -> None:
         self.cycle, self.start, self._weight = cycle, start, weight
-        self._driven = driven or Driven(cycle.system, {}, (), 0)
+        self._driven = driven or DrivenJoints(cycle.system, {}, (), 0)
         self.robot, self.section, self.stretches = cycle.system.robot, cycle.system.section, cycle.stretches
 
     @property

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
-from spear_pin.gaits.sensitivity.heat import Driven, check_gears
+from spear_pin.gaits.sensitivity.drives import DrivenJoints, check_gears
 from spear_pin.gaits.sensitivity.margins import margins
 from spear_pin.gaits.sensitivity.measure import DualMeasure
 from spear_pin.gaits.sensitivity.measures import Measures, differentiate_measures
@@ -102,7 +102,7 @@ class Orbit:
         Raises:
             BadValue: when a measure is read, if a motor's resistance or torque constant is not known.
         """
-        driven = Driven(self.system, self.motors, self.names, self.dimension)
+        driven = DrivenJoints(self.system, self.motors, self.names, self.dimension)
         return differentiate_measures(self.cycle, self.start, np.pad(self._seeds.weight, (self.dimension, 0)), driven)
 
     @cached_property

@@ -156,10 +156,10 @@ def make_rubbing(dynamics: Any, rub: Rub) -> Rubbing:
     """Returns the numbers of a joint with dry friction, by an engine's motion in a mode of it."""
     lever = lever_along(rub.along, dynamics.system.robot)
     holding = 0.0 if rub.sign else dynamics.holding(rub.joint)
-    return Rubbing(moved(lever, dynamics.v), moved(lever, dynamics.a), holding, dynamics.most(rub.joint))
+    return Rubbing(rate_along(lever, dynamics.v), rate_along(lever, dynamics.a), holding, dynamics.most(rub.joint))
 
 
-def moved(lever: Lever, rates: Any) -> Any:
+def rate_along(lever: Lever, rates: Any) -> Any:
     """Returns the rate of a path, or its acceleration, by those of the coordinates."""
     (first, weight), *others = lever
     return sum((other * rates[i] for i, other in others), weight * rates[first])

@@ -12,7 +12,7 @@ from spear_pin.hybrid.contact import SIGN, SLIP, SLOW, STICK
 from spear_pin.hybrid.domain import Guard, GuardValue, Mount, Reset, Rub
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.hybrid.elimination import determinant
-from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, LIFTS, UNLOADED, along, moved
+from spear_pin.hybrid.rules.footing import AT_REST, LET_GO, LIFTS, UNLOADED, along, rate_along
 from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import Lever
 from spear_pin.model.scalars import dot
@@ -235,7 +235,7 @@ def rubbing_guards(rub: Rub, lever: Lever) -> tuple[Guard, ...]:
     if sign:
 
         def onward(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Any, ops: Any) -> Any:
-            return sign * moved(lever, v)
+            return sign * rate_along(lever, v)
 
         return (Guard(f"rest:{joint}", onward, Reset(), tolerance=AT_REST),)
     return tuple(Guard(f"let_go:{joint}", to_spare(joint, side), Reset(), tolerance=LET_GO) for side in (1.0, -1.0))

@@ -8,7 +8,7 @@ import pytest
 from spear_pin import Gait, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.search import gait_beside
-from spear_pin.gaits.sensitivity.heat import Driven
+from spear_pin.gaits.sensitivity.drives import DrivenJoints
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.model.catalogue import motor
@@ -73,7 +73,7 @@ def test_motors_of_a_pair_share_its_torque():
 def test_legs_of_a_biped_have_motors_of_their_own():
     robot, one = biped.system().robot, Motor("one", torque_constant=0.1, resistance=0.5)
     expected = 0.5 / (0.1 * robot.gear_ratio("left_knee")) ** 2
-    assert Driven(biped.system(), {"left_knee": one}, (), 0).heat("left_knee").x == pytest.approx(expected)
+    assert DrivenJoints(biped.system(), {"left_knee": one}, (), 0).heat("left_knee").x == pytest.approx(expected)
 
 
 def test_without_motors_there_is_none(hop):

@@ -38,7 +38,7 @@ class Behind(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Driven:
+class DrivenJoints:
     """Motors and drives of joints; gears have the robot's ratio, and motors that are given are those of size 1.
 
     Gears of a `Motor` lose nothing, those of a `Drive` have its efficiency.
