@@ -57,6 +57,16 @@ def spring_growth(static_rest: bool = False) -> tuple[float, float]:
     return rates[0], rates[1]
 
 
+def friction_power(force: float = 1.0, speed: float = 1.0) -> tuple[float, float]:
+    """Returns the ground's power on a sliding toe, over μ, by (3.18) printed and corrected, in W.
+
+    Args:
+        force: normal force on the toe, in N.
+        speed: speed at which the toe slides forward, in m/s.
+    """
+    return force * speed, -force * float(np.sign(speed)) * speed
+
+
 def stator_coupling(angle: float = ANGLE) -> tuple[float, float]:
     """Returns the coupling of hip and knee that (3.13) leaves out, N J of the knee's rotor, and all of it, in kg·m²."""
     robot = load("spear_ii")

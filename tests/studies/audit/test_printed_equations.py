@@ -41,6 +41,8 @@ def test_poles_in_flight():
 def test_signs():
     printed, corrected = printed_equations.spring_growth()
     assert corrected < 0.0 < printed
+    assert printed_equations.friction_power() == (1.0, -1.0)
+    assert printed_equations.friction_power(2.0, -3.0) == (-6.0, -6.0)  # corrected, it takes energy either way
     assert printed_equations.rotor_in_mass_matrix() == (pytest.approx(0.047), pytest.approx(0.027))
 
 

@@ -16,7 +16,7 @@ from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.measures.curves import Curves
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.boom import RotaryBoom
-from spear_pin.model.bridge import back_emf
+from spear_pin.model.bridge import Battery, back_emf
 from spear_pin.model.catalogue import motor
 from spear_pin.studies.audit import runs
 from spear_pin.studies.audit.printed_designs import SPEAR_II
@@ -26,6 +26,7 @@ from spear_pin.studies.bound.turn import summarize_turn
 from spear_pin.studies.design import against
 from spear_pin.studies.push_test import DEPTHS, WITH_MOTOR, equilibrium, find_pushed_angle, release, rest_at, spear_ii
 
+VOLTS = Battery().voltage  # of SPEAR-II's battery, Section 2.4.5
 BRINK = 1e-6  # of the current limit
 BOOM_RADIUS = 2.0  # m, Section 2.4.4
 BEARING = 20.0  # N: below, the ratio of two forces means little
