@@ -162,7 +162,7 @@ def number(system: HybridSystem, name: str) -> float:
 
 
 def list_numbers(system: HybridSystem) -> list[str]:
-    """Returns the names of all numbers of a system: of its law, its springs, its ground and its robot."""
+    """Returns the names of all numbers of a system: of its law, its springs, its ground, its brakes and its robot."""
     own = (name for places in _places(system).values() for name in places)
     return [*dict.fromkeys((*own, *numbers_of_robot(system.robot)))]
 
@@ -239,7 +239,7 @@ class _Place(NamedTuple):
 
 
 def _parts(system: HybridSystem) -> dict[str, Any]:
-    """Returns the parts with numbers: law, each spring, and ground or contact."""
+    """Returns the parts with numbers: law, each spring, ground or contact, and each brake."""
     springs = {f"{OF_SPRING}{name}": spring for name, spring in system.springs.items()}
     brakes = {f"{OF_BRAKE}{name}": brake for name, brake in system.brakes.items()}
     return {"law": system.law, **springs, "contact": system.ground, **brakes}

@@ -53,7 +53,7 @@ class Formula:
     text: str
 
     def __post_init__(self) -> None:
-        """Checks the names."""
+        """Checks the names, and that modules have what is taken straight from them; what that has shows in a call."""
         own = {node.id for node in self._nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         for name in self.names:
             if name not in {*MODULES, *ASSUMED, *own, *dir(builtins)}:
