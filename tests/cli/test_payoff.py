@@ -39,7 +39,11 @@ CABLE = str(ROOT / "examples" / "biarticular.toml")
         ),
         (("q_spear", "--flight-times", "0.1,0.2"), "--flight-times is '0.1,0.2'; expected only with --leg"),
         (("spear_ii", "--knee-motor", "spear_ii_knee"), "--bus is None; expected the voltage"),
-        (("biped",), "is fixed (spear robots lists quadrupeds); for hops of one leg type --leg left"),
+        pytest.param(
+            ("biped",),
+            "is fixed (spear robots lists quadrupeds); for hops of one leg type --leg left",
+            marks=pytest.mark.extra("casadi"),
+        ),
         (("hoppy",), "robot is 'hoppy'; expected one whose leg goes round no post, such as hoppy_leg"),
     ],
 )
