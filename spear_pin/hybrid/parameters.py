@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 from spear_pin.errors import BadValue, SpearError, UnknownName
@@ -47,20 +48,21 @@ def with_parameters(system: HybridSystem, values: Mapping[str, float]) -> Hybrid
         place = _owner(system, name)
         parts[place.part] = place.given(parts.get(place.part, whole[place.part]), value)
     brakes = {each: parts.pop(OF_BRAKE + each) for each in system.brakes if OF_BRAKE + each in parts}
-    if brakes:
-        system = _rebraked(system, brakes)
     springs = {each: parts.pop(OF_SPRING + each) for each in system.springs if OF_SPRING + each in parts}
     if springs:
         parts["spring"] = {**system.springs, **springs} if system.sprung else springs.popitem()[1]
-    return rebuilt(system, **parts)
+    return rebuilt(system, brakes=brakes, **parts)
 
 
-def rebuilt(system: HybridSystem, robot: Robot | None = None, **parts: Any) -> HybridSystem:
+def rebuilt(
+    system: HybridSystem, robot: Robot | None = None, brakes: Brakes | None = None, **parts: Any
+) -> HybridSystem:
     """Returns a system with another robot, law, spring or contact; its other changed and replaced parts are kept.
 
     Args:
         system: the system.
         robot: the other robot.
+        brakes: other brakes, each in the place of the one of its name.
         parts: other parts by the names of the builder's arguments; a single `spring` takes the first one's place.
 
     Raises:
@@ -70,19 +72,19 @@ def rebuilt(system: HybridSystem, robot: Robot | None = None, **parts: Any) -> H
     if isinstance(own := parts.get("spring"), Spring) and system.sprung:
         first, *others = system.springs.items()
         parts["spring"] = dict([(first[0], own), *others])
-    again = system.build(system.robot if robot is None else robot, **system.parts | parts)
+    build = partial(_build_braked, system, brakes) if brakes else system.build
+    again = build(system.robot if robot is None else robot, **system.parts | parts)
     return replace(again, **kept) if kept else again  # once made it is checked
 
 
-def _rebraked(system: HybridSystem, brakes: Brakes) -> HybridSystem:
-    """Returns a system with other brakes in the place of those of their names."""
-    kept, build = find_replaced(system), system.made["builder"]
-    again: HybridSystem = build(system.robot, *system.parts.values())
+def _build_braked(system: HybridSystem, brakes: Brakes, robot: Robot, **parts: Any) -> HybridSystem:
+    """Builds a system as another was built and changed, with other brakes in the place of those of their names."""
+    again: HybridSystem = system.made["builder"](robot, **parts)
     for change in system.changes:
         if isinstance(change, Braked):
             change = replace(change, brakes={name: brakes.get(name, own) for name, own in change.brakes.items()})
         again = change_system(again, change)
-    return replace(again, **kept) if kept else again
+    return again
 
 
 def change_system(system: HybridSystem, change: Change) -> HybridSystem:

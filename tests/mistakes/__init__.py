@@ -1,6 +1,6 @@
 """Mistakes made on purpose, as data, by the layer that they are made in."""
 
-from tests.mistakes import cycles, fronts, gaits, hybrid, logs, model, rules, tangents
+from tests.mistakes import cycles, fronts, gaits, hybrid, logs, model, rules, springs, tangents
 from tests.mistakes.mutation import Mutation
 
 __all__ = ["MUTATIONS", "Mutation"]
@@ -8,6 +8,7 @@ __all__ = ["MUTATIONS", "Mutation"]
 MUTATIONS = [
     *model.MUTATIONS,
     *hybrid.MUTATIONS,
+    *springs.MUTATIONS,
     *rules.MUTATIONS,
     *cycles.MUTATIONS,
     *tangents.MUTATIONS,
