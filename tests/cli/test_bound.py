@@ -209,7 +209,7 @@ class TestMistakes:
         [
             (["--gait", "canter"], ["unknown gait 'canter'; nearest of"]),
             (["--gait", "missing.json"], ["missing.json"]),
-            (["--gait", "hop.npz"], ["hop.npz", "cannot be read"]),
+            (["--gait", "no_such.npz"], ["no_such.npz", "cannot be read"]),
             (["--gait", "canter", "--speed", "2.6"], ["unknown gait 'canter'; nearest of"]),
             (["--gait", ""], ["unknown gait ''"]),
             (["--speed", "0"], ["--speed", "m/s"]),

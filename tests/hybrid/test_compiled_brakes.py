@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spear_pin import HoppingLaw, find_gait, hopping, load, simulate
+from spear_pin import Gait, HoppingLaw, find_gait, hopping, load, simulate
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.brakes import Brake, with_brakes
@@ -104,6 +104,16 @@ class TestMotion:
         assert len(pairs) > 20
         for one, other in pairs:
             np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-10)
+
+    @pytest.mark.parametrize("phase", ["posterior_stance", "flight_1"])
+    def test_of_a_law_that_imposes_accelerations(self, phase):
+        """A brake keeps the legs from what the law imposes."""
+        bound = Gait.load("long_stride")
+        system = with_brakes(bound.system, {"posterior_knee": Brake(20.0, (phase,), delay=0.01)})
+        pairs = [(np.array(motion.a, float), flow.a) for _, flow, motion in accelerations(system, bound.state)]
+        assert len(pairs) > 10
+        for one, other in pairs:
+            np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-9)
 
 
 @pytest.mark.extra("heyoka")

@@ -30,6 +30,7 @@ MUTATIONS = [
         ["hybrid/test_compiled_brakes"],
         {
             "a brake that slips drives": ("found[i] - rub.sign * lever", "found[i] + rub.sign * lever"),
+            "a law imposes what a brake keeps it from": ("or self.domain.rubs or", "or"),
             "a brake that sticks moves": ("[*self._terms.loop_rows, *held]", "[*self._terms.loop_rows]"),
         },
     ),
