@@ -280,6 +280,8 @@ def test_a_formula_takes_other_values_of_what_is_assumed():
     formula = Formula("[knee * factor for factor in (1, 2)]")
     assert formula() == [1.0, 2.0] and formula(knee=3.0) == [3.0, 6.0]
     assert formula.command == 'python -c "knee = 1.0; print([knee * factor for factor in (1, 2)])"'
+    with pytest.raises(TypeError, match="gait"):
+        formula(gait="bound")
 
 
 class TestErrata:

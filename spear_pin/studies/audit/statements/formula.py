@@ -63,7 +63,13 @@ class Formula:
                 getattr(MODULES[node.value.id], node.attr)
 
     def __call__(self, **other: Any) -> Any:
-        """Returns the numbers, also with other values of what is assumed."""
+        """Returns the numbers, also with other values of what is assumed.
+
+        Raises:
+            TypeError: the expression has no such name.
+        """
+        if unknown := other.keys() - set(self.names):
+            raise TypeError(f"{self.text} does not depend on {', '.join(sorted(unknown))}")
         return eval(self.text, {**MODULES, **ASSUMED, **other})
 
     @cached_property
