@@ -163,15 +163,22 @@ class HybridSystem:
 
     def of_phase(self, phase: str) -> tuple[Domain, ...]:
         """Returns the domains of a phase."""
-        return tuple(domain for domain in self.domains if domain.phase == phase)
+        return self._by_phase.get(phase, ())
+
+    @cached_property
+    def _by_phase(self) -> Mapping[str, tuple[Domain, ...]]:
+        return {phase: tuple(each for each in self.domains if each.phase == phase) for phase in self.phases}
 
     def reset_into(self, phase: str) -> Reset:
-        """Returns the reset that leads into a phase."""
-        for domain in self.domains:
-            for guard in domain.guards:
-                if guard.reset is not None and guard.reset.phase == phase:
-                    return guard.reset
-        raise UnknownName("phase", phase, self.phases)
+        """Returns the reset that leads into a phase, the first if there are several."""
+        if phase not in self._into:
+            raise UnknownName("phase", phase, self.phases)
+        return self._into[phase]
+
+    @cached_property
+    def _into(self) -> Mapping[str, Reset]:
+        resets = [guard.reset for domain in self.domains for guard in domain.guards if guard.reset is not None]
+        return {reset.phase: reset for reset in reversed(resets) if reset.phase is not None}
 
     def place_of(self, reset: Reset) -> str:
         """Returns in words the event and the domain of a reset, the first if there are several."""

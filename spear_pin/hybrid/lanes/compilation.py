@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from functools import cached_property
 from typing import Any
 
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain
 from spear_pin.hybrid.engines import structure, taylor
+from spear_pin.hybrid.engines.feet import CompiledFeet, compile_feet
 from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.engines.taylor import Code, Ready
 from spear_pin.hybrid.engines.taylor_single import CompiledImpact, Single, impact
 from spear_pin.hybrid.lanes.groups import Held
+from spear_pin.hybrid.own import FOR_SYMBOLS, not_symbolic
 from spear_pin.model.equations import mechanism_of
 
 KEPT = 16  # number of systems whose compiled parts are kept
@@ -67,9 +70,24 @@ class Compilation:
     def impact(self, toe: str) -> CompiledImpact:
         """Returns the compiled impact of a toe."""
         if toe not in self._impacts:
-            whole = structure.Structure(self.system, self.system.domains[0], {}, self.mechanism)
-            self._impacts[toe] = impact(whole, toe, self._code.level)
+            self._impacts[toe] = impact(self._whole, toe, self._code.level)
         return self._impacts[toe]
+
+    @cached_property
+    def feet(self) -> CompiledFeet:
+        """The compiled motion of the toes.
+
+        Raises:
+            NotSymbolic: the ground does not take symbols.
+        """
+        try:
+            return compile_feet(self._whole, self._code.level)
+        except FOR_SYMBOLS as error:
+            raise not_symbolic("the ground", self.system.ground.above, error) from error
+
+    @cached_property
+    def _whole(self) -> structure.Structure:
+        return structure.Structure(self.system, self.system.domains[0], {}, self.mechanism)
 
 
 _kept: OrderedDict[Any, Compilation] = OrderedDict()

@@ -127,7 +127,6 @@ class LoneRunner:
         self._struck: dict[tuple[int, int], list[str]] = {}
         self._singles: dict[Any, dict[int, Single]] = {}  # by the shape of the held values, and the domain
         self.why = ""  # the last cycle is left to `runner`
-        self._phases = {phase: self._system.of_phase(phase) for phase in self._system.phases}
 
     def lap(self, phase: str, y: Array, held: Held, ago: list[float] | None = None) -> Lap | None:
         """Runs a cycle from a state just after the section, where a phase begins; returns None if it gives up.
@@ -158,7 +157,7 @@ class LoneRunner:
         overlap = Overlap(self._system.overlap)
         if self._in_space and min(ago) < overlap.window:
             raise _Unclear("an impact of the cycle before is not over")
-        return _Now(phase, self._phases[phase], y, held, *self._given(held), grounded, spent, overlap)
+        return _Now(phase, self._system.of_phase(phase), y, held, *self._given(held), grounded, spent, overlap)
 
     def _next(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
         """Enters a domain, integrates to its next event, and returns both; the event is None if it changes nothing."""
@@ -259,7 +258,7 @@ class LoneRunner:
         if reset.phase is not None:
             now.spent[counts_to(domain, reset, again)] += now.t
             now.phase, now.past, now.t, now.switches = reset.phase, time, 0.0, 0
-        now.domains = self._phases[now.phase]
+        now.domains = self._system.of_phase(now.phase)
         return reset, again
 
     def _strike(self, now: _Now, domain: Domain, reset: Reset) -> None:
@@ -367,7 +366,8 @@ class LoneRunner:
 
         Each of the many others would have to be compiled.
         """
-        domain = next(find_suiting(self._itself, now.domains, now.y), None)
+        feet = self._compiled.feet(now.y, now.parameters)
+        domain = next(find_suiting(self._system.robot, now.domains, *feet), None)
         if domain is None:
             return None
         ready = now.singles.get(id(domain))

@@ -26,7 +26,6 @@ from spear_pin.hybrid.lanes.modes import away, choose, find_sinking, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.orders import Happening, Order, in_order, make_happening, order_of
-from spear_pin.hybrid.own import FOR_SYMBOLS, not_symbolic
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.reasons import REASONS
 from spear_pin.hybrid.result import Options
@@ -40,7 +39,6 @@ from spear_pin.hybrid.rules.cycles import (
     retouches,
     whole,
 )
-from spear_pin.hybrid.rules.footing import along
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.impact import find_struck_toes
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
@@ -122,17 +120,11 @@ class Lanes:
     def begin(self) -> None:
         """Sorts the lanes into the phases where they begin."""
         system, n = self.system, self.start.shape[1]
-        states = self.start[:, 0].tolist() if n == 1 else list(self.start)  # arrays of one are slow
-        feet = self.numbers.mechanism.feet(states[: self.nv], [0.0] * self.nv, np)  # drifts are not needed
-        ground = self.numbers.ground(np.arange(n))
-        for toe in system.robot.toes if n and not ground.plane else ():
-            system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a call with numbers reveals a mistake
-        try:
-            feet = ground.seen(feet, np)
-        except FOR_SYMBOLS as error:
-            raise not_symbolic("the ground", ground.above, error) from error
         toes = system.robot.toes
-        heights = np.array([np.broadcast_to(feet.positions[toe][-1], n) for toe in toes]).reshape(len(toes), n)
+        for toe in toes if n and not system.ground.plane else ():
+            system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a call with numbers reveals a mistake
+        everywhere = Group(np.arange(n), np.zeros(n), self.start, {})
+        heights, velocities = self.numbers.compilation.feet(self.start, self.numbers.parameters(everywhere))
         below = below_ground(heights).any(axis=0)
         for lane in np.flatnonzero(below):
             self.finish(np.array([lane]), "below_ground", f"at {heights[:, lane].min():.3g} m")
@@ -145,9 +137,9 @@ class Lanes:
         if system.section_toes:
             standing = ~below & (heights[[toe in system.section_toes for toe in toes]] <= ON_GROUND).any(axis=0)
         else:
-            rising = [along(feet.jacobians[toe][-1], self.start[self.nv :]) for toe in toes]
             resting = [
-                rests(heights[i], rising[i], STATE_AT_REST) for i in system.of_phase(system.section_phase)[0].on_ground
+                rests(heights[i], velocities[i, -1], STATE_AT_REST)
+                for i in system.of_phase(system.section_phase)[0].on_ground
             ]
             standing = ~below & np.all(resting, axis=0)
         for stands, chosen in ((True, standing), (False, ~standing & ~below)):

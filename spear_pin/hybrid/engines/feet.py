@@ -1,0 +1,55 @@
+"""Where all toes are above the ground, and how they move, compiled."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from spear_pin.arrays import Array
+from spear_pin.hybrid.engines.structure import Structure, symbols
+from spear_pin.hybrid.engines.taylor import MOST, operations, require
+from spear_pin.model.scalars import dot
+
+
+class CompiledFeet:
+    """The toes' distances from the ground, and their velocities.
+
+    Args:
+        structure: structure of the system.
+        level: level of LLVM's optimisation.
+    """
+
+    def __init__(self, structure: Structure, level: int) -> None:
+        hy, robot, ops = require(), structure.system.robot, operations([])
+        state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in robot.coordinates])
+        mechanism, numbers, _ = symbols(structure.system, structure.mechanism, {}, hy.par)
+        q, v = state[: robot.nv], state[robot.nv :]
+        feet = numbers.ground.seen(mechanism.feet(q, v, ops), ops)
+        outputs: list[object] = []
+        for toe in robot.toes:
+            outputs += feet.positions[toe][-1], *(dot(row, v) for row in feet.jacobians[toe])
+        self._shape = len(robot.toes), len(outputs) // len(robot.toes)
+        self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state, opt_level=level)
+
+    def __call__(self, y: Array, parameters: Array) -> tuple[Array, Array]:
+        """Evaluates the toes at one state or at n states.
+
+        Args:
+            y: the states, (2 nv,) or (2 nv, n).
+            parameters: run-time parameters, (p,) or (p, n).
+
+        Returns:
+            distances from the ground in m, (toes,) or (toes, n).
+            velocities along the ground and normal to it, in m/s, (toes, 2 or 3) or (toes, 2 or 3, n).
+        """
+        y, pars = np.ascontiguousarray(y), np.ascontiguousarray(parameters[: self._function.nparams])
+        found = self._function(y, pars=pars) if len(pars) else self._function(y)
+        toes = found.reshape(*self._shape, *y.shape[1:])
+        return toes[:, 0], toes[:, 1:]
+
+
+@lru_cache(MOST)
+def compile_feet(structure: Structure, level: int) -> CompiledFeet:
+    """Compiles the toes' motion, once for each structure."""
+    return CompiledFeet(structure, level)
