@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.result import Options
@@ -18,6 +19,30 @@ def around(gait, spread, n, seed=0):
     local, rng = chart(gait.system, gait.state), np.random.default_rng(seed)
     states = [local.state(spread * rng.normal(size=local.dimension)) for _ in range(n)]
     return tuple(np.array(part) for part in zip(*states, strict=True))
+
+
+def watch_laps(monkeypatch):
+    """Returns a list that receives every cycle that a lane runs alone, None for one that is refused."""
+    laps, request = [], LoneRunner.request_lap
+
+    def watched(*given):
+        laps.append((yield from request(*given)))
+        return laps[-1]
+
+    monkeypatch.setattr(LoneRunner, "request_lap", watched)
+    return laps
+
+
+def refuse_laps(monkeypatch):
+    """Refuses every cycle that a lane would run alone; returns a list that receives what was asked for."""
+    asked = []
+
+    def refused(*given):
+        asked.append(given)
+        yield from ()
+
+    monkeypatch.setattr(LoneRunner, "request_lap", refused)
+    return asked
 
 
 def assert_agree(system, q, v, found, cycles=1, tolerance=1e-8, parameters=None):

@@ -19,7 +19,7 @@ from spear_pin.hybrid.parameters import change_system, with_parameters
 from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
-from tests.hybrid.lanes import FINE, around, assert_agree, assert_same, compiles
+from tests.hybrid.lanes import FINE, around, assert_agree, assert_same, compiles, refuse_laps, watch_laps
 
 AS_SHIPPED = taylor.LEVEL  # tests compile with less, see `soon_compiled`
 
@@ -46,8 +46,7 @@ class TestLanes:
         monkeypatch.setattr(runner, "FEW", 0)
         together = simulate_many(hop.system, q, v, 3, observe=True)
         monkeypatch.setattr(runner, "FEW", 24)
-        laps, lap = [], LoneRunner.lap
-        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        laps = watch_laps(monkeypatch)
         alone = simulate_many(hop.system, q, v, 3, observe=True)
         refused = sum(each is None for each in laps)
         assert refused == 0 if spread < 0.1 else 0 < refused < len(laps) / 2
@@ -57,8 +56,7 @@ class TestLanes:
     def test_one_by_one_with_their_own_numbers(self, hop, spread, monkeypatch):
         q, v = around(hop, spread, 8)
         given = {"stiffness": np.linspace(47.0, 50.0, 8), "stance_torque": np.full(8, 7.9), "friction": np.full(8, 0.7)}
-        laps, lap = [], LoneRunner.lap
-        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        laps = watch_laps(monkeypatch)
         alone = simulate_many(hop.system, q, v, 2, parameters=given)
         assert (None in laps) == (spread == 0.1)  # toes of some alternate
         monkeypatch.setattr(runner, "FEW", 0)
@@ -67,16 +65,14 @@ class TestLanes:
     def test_strides_one_by_one(self, monkeypatch):
         gait = Gait.load("force_lift_off")
         q, v = around(gait, 2e-4, 3)
-        laps, lap = [], LoneRunner.lap
-        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        laps = watch_laps(monkeypatch)
         alone = simulate_many(gait.system, q, v, 2)
         assert len(laps) == 6 and None not in laps
         monkeypatch.setattr(runner, "FEW", 0)
         assert_same(alone, simulate_many(gait.system, q, v, 2), 1e-8)
 
     def test_lanes_that_are_refused_are_left(self, hop, monkeypatch):
-        laps = []
-        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(given))
+        laps = refuse_laps(monkeypatch)
         found = simulate_many(hop.system, *(part[None] for part in hop.state), 6)
         assert len(laps) == runner.PATIENCE and found.cycles[0] == 6
 
@@ -93,8 +89,7 @@ class TestLanes:
     def test_an_event_at_once_is_no_reason_to_refuse(self, robot, hop, monkeypatch):
         """The limit on flexion becomes active at touchdown."""
         system = hopping(robot, replace(hop.system.law, minimum_force=12.0), Spring(), Contact())
-        laps, lap = [], LoneRunner.lap
-        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        laps = watch_laps(monkeypatch)
         q, v = (part[None] for part in hop.state)
         alone = simulate_many(system, q, v, 6)
         assert None not in laps and laps[0].held["limited"] == 0.0
@@ -106,8 +101,7 @@ class TestLanes:
         law = replace(hop.system.law, stance_torque=1.15 * hop.system.law.stance_torque)
         system = hopping(robot, law, Spring(), Contact(friction=0.3))
         q, v = around(hop, 0.1, 16, seed=1)
-        laps, lap = [], LoneRunner.lap
-        monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+        laps = watch_laps(monkeypatch)
         alone = simulate_many(system, q, v, 6)
         later = (alone.reason == "fall") & (alone.cycles >= 1) & ~alone.repeated
         assert later.any() and any(laps)

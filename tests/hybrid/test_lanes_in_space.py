@@ -21,7 +21,7 @@ from spear_pin.hybrid.periodic import chart
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.rules.entry import NONE
 from spear_pin.hybrid.run import run
-from tests.hybrid.lanes import compiles
+from tests.hybrid.lanes import around, compiles, refuse_laps
 
 VARIED = {
     "turn_9": [
@@ -76,7 +76,7 @@ def test_as_exact_as_asked_for():
 def test_a_toe_that_bounces_and_falls_at_once(monkeypatch, alone):
     """An impact of another toe leaves it on the ground and moving down; no step of the compiled code shows that."""
     if not alone:
-        monkeypatch.setattr(lone_runner.LoneRunner, "lap", lambda *_: None)
+        refuse_laps(monkeypatch)
     gait, rng = Gait.load("trot"), np.random.default_rng(0)
     local = chart(gait.system, gait.state)
     far = np.where(np.arange(500) % 3 == 0, 0.1, 0.02)
@@ -102,6 +102,23 @@ def test_a_toe_that_slides_for_less_than_a_microsecond_is_stopped(monkeypatch):
     simulate_many(gait.system, *(part[1:2] for part in pushed(gait)), unroll=False)
     domain, end, after = seen[0]
     assert (domain, end) == ("anterior_left slip", "stick") and after < 2e-5
+
+
+@compiles
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["trot", "turn_9"])
+def test_side_by_side(name):
+    """Lanes in the same domain share a register; each ends as it does alone."""
+    gait = Gait.load(name)
+    q, v = around(gait, 1e-4, 11)
+    friction = np.linspace(0.78, 0.82, 11)
+    together = simulate_many(gait.system, q, v, parameters={"friction": friction})
+    assert (together.reason == "complete").all() and not together.repeated.any()
+    for i in range(11):
+        alone = simulate_many(gait.system, q[i : i + 1], v[i : i + 1], parameters={"friction": friction[i : i + 1]})
+        np.testing.assert_allclose(together.q[i], alone.q[0], rtol=0, atol=1e-10)
+        np.testing.assert_allclose(together.v[i], alone.v[0], rtol=0, atol=1e-10)
+        assert together.orders[i] == alone.orders[0]
 
 
 @cache

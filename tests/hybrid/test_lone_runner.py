@@ -17,7 +17,7 @@ from spear_pin.hybrid.modes import starting_phase
 from spear_pin.hybrid.parameters import rebuilt
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
-from tests.hybrid.lanes import FINE
+from tests.hybrid.lanes import FINE, watch_laps
 
 pytestmark = pytest.mark.extra("heyoka")
 
@@ -131,8 +131,7 @@ def test_what_is_observed_is_passed(hop, few, monkeypatch):
     guards = [Guard(f"speed {speed:.3f}", falls_to(speed)) for speed in np.linspace(-0.6, 0.6, 12)]
     system = also(hop.system, "flight", *guards)
     monkeypatch.setattr(runner, "FEW", few)
-    laps, lap = [], LoneRunner.lap
-    monkeypatch.setattr(LoneRunner, "lap", lambda *given: laps.append(lap(*given)) or laps[-1])
+    laps = watch_laps(monkeypatch)
     found = simulate_many(system, *(part[None] for part in hop.state), 3, observe=True)
     assert len(laps) == 3 * few and None not in laps and not found.repeated.any()
     expected = run(system, hop.state, 3, Options(FINE))

@@ -10,6 +10,7 @@ from spear_pin.hybrid.orders import Happening, find_differing, in_order, make_ha
 from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
+from tests.hybrid.lanes import refuse_laps
 
 A, B, C = ("stance", "a"), ("stance", "b"), ("flight", "c")
 
@@ -31,7 +32,7 @@ class TestLanes:
 
     def test_also_where_that_has_to_run_them(self, hop, monkeypatch):
         alone = lanes_of(hop, [7.8, 9.55])
-        monkeypatch.setattr("spear_pin.hybrid.lanes.lone_runner.LoneRunner.lap", lambda *_: None)
+        refuse_laps(monkeypatch)
         monkeypatch.setattr(
             "spear_pin.hybrid.lanes.runner.Lanes.enter", lambda self, phase, group, came: self.give_up(group)
         )
@@ -40,7 +41,7 @@ class TestLanes:
 
     def test_also_side_by_side(self, hop, monkeypatch):
         alone = lanes_of(hop, [7.8, 8.0])
-        monkeypatch.setattr("spear_pin.hybrid.lanes.lone_runner.LoneRunner.lap", lambda *_: None)
+        refuse_laps(monkeypatch)
         assert lanes_of(hop, [7.8, 8.0]).orders == alone.orders
 
     def test_of_many_it_is_not_kept(self, hop):

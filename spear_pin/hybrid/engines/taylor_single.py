@@ -58,7 +58,7 @@ class Single:
     """
 
     def __init__(self, ready: Ready) -> None:
-        self.domain, self._code = ready.domain, ready.compiled
+        self.ready, self.domain, self._code = ready, ready.domain, ready.compiled
         code = self._code
         self._function = code.function
         self._count, self._timed = self._function.nparams, self._function.is_time_dependent

@@ -29,6 +29,7 @@ from spear_pin.hybrid.lanes.groups import Group, Held, alone, spread_held
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.numbers import Numbers
 from spear_pin.hybrid.lanes.reference_arc import follow
+from spear_pin.hybrid.lanes.requests import Request, Requests, answer_alone
 from spear_pin.hybrid.modes import find_suiting
 from spear_pin.hybrid.orders import Happening, in_order, make_happening
 from spear_pin.hybrid.parameters import with_parameters
@@ -137,10 +138,14 @@ class LoneRunner:
             held: held values at that state.
             ago: time since each toe was last on the ground, in s; None if that is long ago.
         """
+        return answer_alone(self.request_lap(phase, y, held, ago), self._longest, keep=self._keep)
+
+    def request_lap(self, phase: str, y: Array, held: Held, ago: list[float] | None = None) -> Requests[Lap | None]:
+        """Does what `lap` does, but requests the motions that are to be integrated."""
         try:
             now = self._begin(phase, y, held, ago or [math.inf] * len(self._system.robot.toes))
             for _ in range(EVENTS):
-                domain, event = self._next(now)
+                domain, event = yield from self._next(now)
                 if event is None:
                     now.domains = (domain,)
                     continue
@@ -159,7 +164,7 @@ class LoneRunner:
             raise _Unclear("an impact of the cycle before is not over")
         return _Now(phase, self._system.of_phase(phase), y, held, *self._given(held), grounded, spent, overlap)
 
-    def _next(self, now: _Now) -> tuple[Domain, Guard | Switch | None]:
+    def _next(self, now: _Now) -> Requests[tuple[Domain, Guard | Switch | None]]:
         """Enters a domain, integrates to its next event, and returns both; the event is None if it changes nothing."""
         begun, start = now.t, now.y
         entered = self._enter(now)
@@ -173,13 +178,13 @@ class LoneRunner:
         until = min(at, self._system.phase_limit)
         motion, steps = None, 0
         if end == NONE:
-            now.t, now.y, end, motion = self._moved(now, ready, until)
+            now.t, now.y, end, motion = yield Request(ready, now.t, now.y, until, now.parameters)
             if self._seen_again(now, domain, end) and now.t - begun < AHEAD:  # by rounding it was not passed
                 later = ready.moment_later(begun, start, now.parameters)
                 if later is None:
                     raise _Unclear(f"two events crowd in an instant in {domain.name}")
                 now.t, now.y = later
-                now.t, now.y, end, motion = self._moved(now, ready, until)
+                now.t, now.y, end, motion = yield Request(ready, now.t, now.y, until, now.parameters)
             steps = 0 if motion is None else len(motion.begins)
         event = self._event(now, domain, end, until == at)
         now.arcs.append(Arc(domain, now.held, begun, start, now.t, now.y, event, now.switches, motion, steps))
@@ -209,10 +214,6 @@ class LoneRunner:
         """Tells whether the event that ends a motion is the one that was observed as it began."""
         last = now.arcs[-1].event if now.arcs else None
         return end >= 0 and isinstance(last, Guard) and last.observes and domain.guards[end] is last
-
-    def _moved(self, now: _Now, ready: Single, until: float) -> tuple[float, Array, int, Any]:
-        """Integrates to the next event, and returns time, state and end there, and the motion if arcs keep it."""
-        return ready.run(now.t, now.y, until, now.parameters, self._longest, keep=self._keep)
 
     def _event(self, now: _Now, domain: Domain, end: int, due_now: bool) -> Guard | Switch | None:
         """Returns the event that ended an arc, None where the same motion goes on."""

@@ -19,11 +19,13 @@ from spear_pin.hybrid.contact import OPEN
 from spear_pin.hybrid.domain import Domain, Guard, Reset, Switch
 from spear_pin.hybrid.engines.structure import shape_of
 from spear_pin.hybrid.engines.taylor import FAILED, KINK, TIME_LIMIT, Code, Point, Ready
+from spear_pin.hybrid.lanes.beginning import find_beginning
 from spear_pin.hybrid.lanes.groups import Flags, Group, Indices, alone, finite, merge_groups, spread_held
 from spear_pin.hybrid.lanes.impacts import strike
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
 from spear_pin.hybrid.lanes.modes import away, choose, find_sinking, first_event
 from spear_pin.hybrid.lanes.numbers import Numbers
+from spear_pin.hybrid.lanes.requests import Requests, answer_alone, answer_together
 from spear_pin.hybrid.lanes.sliding import Came, slide
 from spear_pin.hybrid.orders import Happening, Order, in_order, make_happening, order_of
 from spear_pin.hybrid.parameters import with_parameters
@@ -39,9 +41,8 @@ from spear_pin.hybrid.rules.cycles import (
     retouches,
     whole,
 )
-from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.impact import find_struck_toes
-from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, rests, start
+from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.run import run
 
 FEW = 16  # most lanes for which running one by one is faster
@@ -68,7 +69,7 @@ class Lanes:
     ) -> None:
         n, self.nv = len(q), system.robot.nv
         self.system, self.options, self.wanted = system, options, cycles
-        self._longest = options.max_step or math.inf
+        self._longest, self._unrolled = options.max_step or math.inf, code.unrolled
         self.numbers = Numbers(system, given, code)
         # where the reference engine can begin: the last state on the section that defines all else, the cycles before
         self.start, self.before = np.concatenate([q.T, v.T]), np.zeros(n, np.int64)
@@ -104,8 +105,7 @@ class Lanes:
         with np.errstate(all="ignore"):
             self.begin()
             while self._alone or self._entering or self._flying:
-                while self._alone:
-                    self.go_round(*self._alone.pop())
+                self.go_rounds()
                 while self._entering:
                     phase, came, groups = self._entering.pop(next(iter(self._entering)))
                     self.enter(phase, merge_groups(groups), came)
@@ -119,35 +119,16 @@ class Lanes:
 
     def begin(self) -> None:
         """Sorts the lanes into the phases where they begin."""
-        system, n = self.system, self.start.shape[1]
-        toes = system.robot.toes
-        for toe in toes if n and not system.ground.plane else ():
-            system.ground.foot(system.robot, self.start[: self.nv, 0], toe)  # a call with numbers reveals a mistake
-        everywhere = Group(np.arange(n), np.zeros(n), self.start, {})
-        heights, velocities = self.numbers.compilation.feet(self.start, self.numbers.parameters(everywhere))
-        below = below_ground(heights).any(axis=0)
+        lowest, below, torn, standing = find_beginning(self.numbers, self.start)
         for lane in np.flatnonzero(below):
-            self.finish(np.array([lane]), "below_ground", f"at {heights[:, lane].min():.3g} m")
-        if system.robot.closure is not None:
-            for lane in np.flatnonzero(~below):
-                q, v = self.start[: self.nv, lane], self.start[self.nv :, lane]
-                if not all(system.robot.closure.holds(q, v)):
-                    self.finish(np.array([lane]), "open_loop", "")
-                    below[lane] = True
-        if system.section_toes:
-            standing = ~below & (heights[[toe in system.section_toes for toe in toes]] <= ON_GROUND).any(axis=0)
-        else:
-            resting = [
-                rests(heights[i], velocities[i, -1], STATE_AT_REST)
-                for i in system.of_phase(system.section_phase)[0].on_ground
-            ]
-            standing = ~below & np.all(resting, axis=0)
-        for stands, chosen in ((True, standing), (False, ~standing & ~below)):
-            lanes = np.flatnonzero(chosen)
+            self.finish(np.array([lane]), "below_ground", f"at {lowest[lane]:.3g} m")
+        self.finish(np.flatnonzero(torn & ~below), "open_loop", "")
+        for stands, chosen in ((True, standing), (False, ~standing)):
+            lanes = np.flatnonzero(chosen & ~below & ~torn)
             if not len(lanes):
                 continue
             group = Group(lanes, np.zeros(len(lanes)), self.start[:, lanes].copy(), {})
-            phase, resets = start(system, stands)
+            phase, resets = start(self.system, stands)
             for reset in resets:
                 group = self.numbers.latch(group, reset, begins=stands)
             self.on_section[lanes] = stands
@@ -164,14 +145,24 @@ class Lanes:
         if not single.all():
             self.put(phase, group.take(~single), came)
 
-    def go_round(self, phase: str, group: Group, came: Came | None) -> None:
+    def go_rounds(self) -> None:
+        """Runs the cycles of lanes that run one by one, or side by side where code for that compiles quickly."""
+        rounds = [self.go_round(*each) for each in self._alone]
+        self._alone = []
+        if len(self._lone) > 1 and not self._unrolled:
+            answer_together(rounds, self._longest)
+        else:
+            for each in rounds:
+                answer_alone(each, self._longest)
+
+    def go_round(self, phase: str, group: Group, came: Came | None) -> Requests[None]:
         """Runs the cycles of one lane as long as its lone runner accepts them."""
         lane, n, y, held = int(group.lanes[0]), 0, group.y[:, 0], alone(group.held)
         spent: Mapping[str, float] = {}
         start, fresh, began = y, 0, float(self.began[lane])
         wanted = self.wanted - int(self.cycles[lane])
         ago = (self.began[lane] - self.grounded[:, lane]).tolist()
-        while n < wanted and (lap := self._lone[lane].lap(phase, y, held, ago)) is not None:
+        while n < wanted and (lap := (yield from self._lone[lane].request_lap(phase, y, held, ago))) is not None:
             ago, self.orders[lane] = lap.ago, lap.order
             n, y, held, spent, phase, came = n + 1, lap.y, lap.held, lap.spent, lap.phase, lap.came
             if came[1] is self._fresh:
