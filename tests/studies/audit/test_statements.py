@@ -282,6 +282,8 @@ def test_a_formula_takes_other_values_of_what_is_assumed():
     assert formula.command == 'python -c "knee = 1.0; print([knee * factor for factor in (1, 2)])"'
     with pytest.raises(TypeError, match="gait"):
         formula(gait="bound")
+    with pytest.raises(NameError, match="open"):
+        Formula("open('gait')")
 
 
 class TestErrata:

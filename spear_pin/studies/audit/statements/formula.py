@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import builtins
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -36,11 +35,13 @@ ASSUMED: Mapping[str, Any] = {
     **{"knee": runs.KNEE, "friction": runs.FRICTION, "static_rest": False, "gait": runs.SHOWN, "epsilon": None}
 }
 """What the source leaves open, as here, by the keywords of the alternatives of assumptions."""
+FUNCTIONS = {function.__name__: function for function in (abs, getattr, len, max)}
+"""The functions of Python's own that formulas may call."""
 
 
 @dataclass(frozen=True)
 class Formula:
-    """An expression in Python's notation, of `MODULES` and `ASSUMED`, from a file of this package.
+    """An expression in Python's notation, of `MODULES`, `ASSUMED` and `FUNCTIONS`, from a file of this package.
 
     Attributes:
         text: the expression; its strings stand in single quotes, so that a shell takes it in double ones.
@@ -56,7 +57,7 @@ class Formula:
         """Checks the names, and that modules have what is taken straight from them; what that has shows in a call."""
         own = {node.id for node in self._nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
         for name in self.names:
-            if name not in {*MODULES, *ASSUMED, *own, *dir(builtins)}:
+            if name not in {*MODULES, *ASSUMED, *own, *FUNCTIONS}:
                 raise NameError(name)
         for node in self._nodes:
             if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in MODULES:
@@ -70,7 +71,7 @@ class Formula:
         """
         if unknown := other.keys() - set(self.names):
             raise TypeError(f"{self.text} does not depend on {', '.join(sorted(unknown))}")
-        return eval(self.text, {**MODULES, **ASSUMED, **other})
+        return eval(self.text, {"__builtins__": {}, **FUNCTIONS, **MODULES, **ASSUMED, **other})
 
     @cached_property
     def _nodes(self) -> list[ast.AST]:
