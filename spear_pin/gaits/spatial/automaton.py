@@ -262,8 +262,7 @@ class Automaton:
 
     @cached_property
     def _overload(self) -> Guard:
-        most = OVERLOAD * scale_in_space(self.robot).torque
-        return overload(most, unit=most)
+        return overload(OVERLOAD * scale_in_space(self.robot).torque)
 
     def _own(self, leg: Leg) -> Group:
         return next(group for group in self.groups if leg in group)
