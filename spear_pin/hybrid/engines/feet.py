@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.taylor import MOST, operations, require
+from spear_pin.model.mechanism import Feet
 from spear_pin.model.scalars import dot
 
 
@@ -26,11 +29,15 @@ class CompiledFeet:
         mechanism, numbers, _ = symbols(structure.system, structure.mechanism, {}, hy.par)
         q, v = state[: robot.nv], state[robot.nv :]
         feet = numbers.ground.seen(mechanism.feet(q, v, ops), ops)
-        outputs: list[object] = []
-        for toe in robot.toes:
-            outputs += feet.positions[toe][-1], *(dot(row, v) for row in feet.jacobians[toe])
-        self._shape = len(robot.toes), len(outputs) // len(robot.toes)
-        self._function = hy.cfunc([hy.expression(0.0) + value for value in outputs], state, opt_level=level)
+        outputs = [hy.expression(0.0) + value for toe in robot.toes for value in self._of_toe(feet, toe, v)]
+        self._shape = len(robot.toes), 1 + robot.dimension
+        self._function = hy.cfunc(outputs, state, opt_level=level) if outputs else None
+
+    @staticmethod
+    def _of_toe(feet: Feet, toe: str, v: Sequence[Any]) -> Iterator[Any]:
+        """Yields a toe's distance from the ground, and its velocity."""
+        yield feet.positions[toe][-1]
+        yield from (dot(row, v) for row in feet.jacobians[toe])
 
     def __call__(self, y: Array, parameters: Array) -> tuple[Array, Array]:
         """Evaluates the toes at one state or at n states.
@@ -43,9 +50,10 @@ class CompiledFeet:
             distances from the ground in m, (toes,) or (toes, n).
             velocities along the ground and normal to it, in m/s, (toes, 2 or 3) or (toes, 2 or 3, n).
         """
-        y, pars = np.ascontiguousarray(y), np.ascontiguousarray(parameters[: self._function.nparams])
-        found = self._function(y, pars=pars) if len(pars) else self._function(y)
-        toes = found.reshape(*self._shape, *y.shape[1:])
+        toes = np.zeros((*self._shape, *y.shape[1:]))
+        if self._function is not None:  # the robot has toes
+            y, pars = np.ascontiguousarray(y), np.ascontiguousarray(parameters[: self._function.nparams])
+            toes = (self._function(y, pars=pars) if len(pars) else self._function(y)).reshape(toes.shape)
         return toes[:, 0], toes[:, 1:]
 
 
