@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Callable, Iterable, Sequence
+from importlib import import_module
 from numbers import Real
 from pathlib import Path
 from reprlib import Repr
@@ -138,6 +139,24 @@ class MissingExtra(SpearError):
         super().__init__(
             f"{purpose} needs {package}, which is not installed: pip install '.[{extra}]' in the folder of this package"
         )
+
+
+def import_extra(module: str, extra: str, purpose: str) -> Any:
+    """Returns a module of an optional dependency.
+
+    Args:
+        module: name of the module.
+        extra: the extra of this package that installs it.
+        purpose: what needs it, in words.
+
+    Raises:
+        MissingExtra: it, or a package that it needs, is not installed.
+    """
+    try:
+        return import_module(module)
+    except ImportError as error:
+        package = (error.name or module).partition(".")[0].replace("_", "-")
+        raise MissingExtra(package, extra, purpose) from None
 
 
 class MissingProgram(SpearError):

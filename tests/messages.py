@@ -29,11 +29,11 @@ PATTERNS = {  # how a class makes its text of its arguments, and their names
         "{constraint} is missed by {violation} {unit}; try {remedy}",
         ("constraint", "violation", "unit", "remedy"),
     ),
-    "MissingExtra": ("{purpose} needs {package}: pip install '.[{extra}]'", ("package", "extra", "purpose")),
+    "import_extra": ("{purpose} needs {module}: pip install '.[{extra}]'", ("module", "extra", "purpose")),
     "MissingProgram": ("{purpose} need {program}: install {package}", ("program", "purpose", "package")),
     "require": ("{name} is {value}; expected {expected}", ("name", "value", "valid", "expected")),
 }
-HELPERS = ("require",)  # functions that raise
+HELPERS = ("require", "import_extra")  # functions that raise
 REFUSE = ("refuse", "error")  # methods of the command line's parser
 TELLING = "errors.py"  # makes the texts of the classes
 # by one of these a reader finds what to do; the system's own words tell that, too

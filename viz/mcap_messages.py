@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -12,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from spear_pin.arrays import Array
-from spear_pin.errors import MissingExtra
+from spear_pin.errors import import_extra
 from spear_pin.model.cut import STAY, Cut
 from spear_pin.model.robot import Robot
 from spear_pin.viz.playback.overlays import ARROW_COLOR
@@ -54,15 +53,14 @@ def load() -> Schemas:
     Raises:
         MissingExtra: the messages, or the library that writes them, are not installed.
     """
-    try:
-        for package in ("mcap.writer", "mcap_protobuf.schema"):
-            import_module(package)
-        found = {name: getattr(import_module(f"foxglove_schemas_protobuf.{name}_pb2"), name) for name in NAMES}
-        stamps = import_module("google.protobuf.timestamp_pb2")
-    except ImportError as error:
-        package = str(error.name).partition(".")[0].replace("_", "-")
-        raise MissingExtra(package, "logs", "a log in an MCAP file") from None
-    return SimpleNamespace(**found, Timestamp=stamps.Timestamp)
+
+    def library(module: str) -> Any:
+        return import_extra(module, "logs", "a log in an MCAP file")
+
+    for module in ("mcap.writer", "mcap_protobuf.schema"):
+        library(module)
+    found = {name: getattr(library(f"foxglove_schemas_protobuf.{name}_pb2"), name) for name in NAMES}
+    return SimpleNamespace(**found, Timestamp=library("google.protobuf.timestamp_pb2").Timestamp)
 
 
 def anchors(model: pin.Model) -> list[Anchor]:

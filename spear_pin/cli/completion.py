@@ -8,7 +8,7 @@ from typing import Any
 
 from spear_pin.cli.arguments import Commands, add_command, commands_of
 from spear_pin.cli.gaits import WHAT
-from spear_pin.errors import MissingExtra
+from spear_pin.errors import import_extra
 
 SHELLS = ("bash", "zsh", "fish")
 # metavars, or names of arguments without any, of what is a folder, a file, a robot's name or path, and a gait's
@@ -29,10 +29,7 @@ def add(commands: Commands) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Write the shell's script, from the parser of all commands."""
-    try:
-        import shtab
-    except ImportError:
-        raise MissingExtra("shtab", "completion", "completing commands") from None
+    shtab = import_extra("shtab", "completion", "completing commands")
     from spear_pin.gaits import library
     from spear_pin.model.loading import ROBOTS as SHIPPED
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from spear_pin.arrays import Array
-from spear_pin.errors import MissingExtra
+from spear_pin.errors import import_extra
 
 Progress = Callable[[int, float, float], object]
 Guess = Callable[[str], Array | None]
@@ -29,11 +29,7 @@ def casadi(purpose: str = "gait search") -> Any:
     Raises:
         MissingExtra: CasADi is not installed.
     """
-    try:
-        import casadi as module
-    except ImportError:
-        raise MissingExtra("casadi", "optimize", purpose) from None
-    return module
+    return import_extra("casadi", "optimize", purpose)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, MissingExtra, RobotWarning, SpearError, UnknownName
+from spear_pin.errors import BadValue, RobotWarning, SpearError, UnknownName, import_extra
 from spear_pin.files import atomic
 from spear_pin.hybrid.column_names import (
     ACTS,
@@ -100,10 +100,7 @@ def frame(trajectory: Trajectory) -> Any:
 
 def dataset(trajectory: Trajectory) -> Any:
     """Returns the samples as an `xarray.Dataset`, see `Trajectory.to_xarray`."""
-    try:
-        import xarray
-    except ImportError:
-        raise MissingExtra("xarray", "sweep", "a trajectory as a Dataset") from None
+    xarray = import_extra("xarray", "sweep", "a trajectory as a Dataset")
     measured = _measured(trajectory)
     lengths = [measured.get(name, UNSAID) for name in trajectory.coordinates]
     there = {name: axes for name, axes in AXES.items() if trajectory.current.size or name not in DRIVEN}

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from spear_pin.errors import MissingExtra
+from spear_pin.errors import import_extra
 
 Answer = TypeVar("Answer")
 
@@ -19,11 +19,7 @@ def require(purpose: str) -> Any:
     Raises:
         MissingExtra: joblib is not installed.
     """
-    try:
-        import joblib
-    except ImportError:
-        raise MissingExtra("joblib", "sweep", purpose) from None
-    return joblib
+    return import_extra("joblib", "sweep", purpose)
 
 
 def each(

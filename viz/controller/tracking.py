@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.errors import BadValue, MissingExtra, require
+from spear_pin.errors import BadValue, import_extra, require
 from spear_pin.files import atomic
 from spear_pin.gaits.gait import Gait
 from spear_pin.hybrid.column_names import heading, lengths
@@ -50,7 +50,7 @@ def write_table(gait: Gait, path: str | Path, rate: float = RATE) -> Path:
     path = Path(path)
     if path.suffix not in SUFFIXES:
         raise BadValue("path", str(path), f"a name ending in {', '.join(SUFFIXES)}")
-    writer = _mcap_writer() if path.suffix == ".mcap" else None
+    writer = import_extra("mcap.writer", "logs", "a table as .mcap").Writer if path.suffix == ".mcap" else None
     arrays = tabulated(gait, rate)
     with atomic(path) as temporary, temporary.open("wb") as file:
         if path.suffix == ".npz":
@@ -86,14 +86,6 @@ def _columns(gait: Gait, arrays: dict[str, Array]) -> tuple[list[str], Array]:
         names += [heading(f"{gain}_{one}_by_{other}", unit) for one in joints for other in joints]
     n = len(arrays["t"])
     return names, np.hstack([np.asarray(each, dtype=float).reshape(n, -1) for each in arrays.values()])
-
-
-def _mcap_writer() -> Any:
-    try:
-        from mcap.writer import Writer
-    except ImportError:
-        raise MissingExtra("mcap", "logs", "a table as .mcap") from None
-    return Writer
 
 
 def _write_mcap(writer: Any, names: list[str], rows: Array) -> None:

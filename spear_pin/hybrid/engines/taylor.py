@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spear_pin.arrays import Array
-from spear_pin.errors import MissingExtra, brief
+from spear_pin.errors import MissingExtra, brief, import_extra
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.domain import Domain, Guard
 from spear_pin.hybrid.dynamics import Operations
@@ -357,10 +357,7 @@ def require() -> Any:
     Raises:
         MissingExtra: heyoka is not installed.
     """
-    try:
-        import heyoka
-    except ImportError:
-        raise MissingExtra("heyoka", "fast", "the Taylor engine") from None
+    heyoka = import_extra("heyoka", "fast", "the Taylor engine")
     _settle(heyoka)
     return heyoka
 

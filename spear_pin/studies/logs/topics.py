@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadFile, MissingExtra, list_names
+from spear_pin.errors import BadFile, import_extra, list_names
 from spear_pin.studies.tables.columns import Table
 from spear_pin.studies.tables.units import TIME
 
+PURPOSE = "a log in an MCAP file"
 LONGEST = 64  # entries of a list, beyond which it is a picture or a shape
 
 
@@ -25,18 +26,13 @@ def read_topics(path: Path, wanted: Sequence[str]) -> list[Table]:
         BadFile: the file cannot be read.
         MissingExtra: the library that reads it is not installed.
     """
-    try:
-        from mcap.reader import make_reader
-        from mcap_protobuf.decoder import DecoderFactory
-    except ImportError as error:
-        package = str(error.name).partition(".")[0].replace("_", "-")
-        raise MissingExtra(package, "logs", "a log in an MCAP file") from None
+    reader, decoder = (import_extra(name, "logs", PURPOSE) for name in ("mcap.reader", "mcap_protobuf.decoder"))
     rows, closed = dict[str, list[tuple[int, dict[str, float]]]](), set[str]()
-    factory: Any = DecoderFactory()
+    factory = decoder.DecoderFactory()
     decoders = dict[int, Callable[[bytes], Any] | None]()
     try:
         with path.open("rb") as file:
-            for schema, channel, message in make_reader(file).iter_messages():
+            for schema, channel, message in reader.make_reader(file).iter_messages():
                 topic = channel.topic
                 if topic in rows and not any(name.startswith(f"{topic}.") for name in wanted):
                     continue

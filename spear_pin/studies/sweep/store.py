@@ -21,7 +21,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 import spear_pin
-from spear_pin.errors import BadFile, MissingExtra, list_names
+from spear_pin.errors import BadFile, import_extra, list_names
 from spear_pin.files import atomic, parse_json, read_bytes, write_text
 from spear_pin.gaits.gait_table import CONVERGED, REASONS
 from spear_pin.hybrid.result import State
@@ -42,13 +42,7 @@ def require() -> Any:
     Raises:
         MissingExtra: xarray or zarr is not installed.
     """
-    for name in ("xarray", "zarr"):
-        try:
-            __import__(name)
-        except ImportError:
-            raise MissingExtra(name, "sweep", "a sweep") from None
-    import xarray
-
+    xarray, _ = (import_extra(name, "sweep", "a sweep") for name in ("xarray", "zarr"))
     return xarray
 
 
