@@ -104,9 +104,10 @@ class LeastSquares:
         """Returns the model's angle for trial j, not smoothed, (n,), in rad."""
         return self._modelled(self.setting(x, j), self.trials[j], ())[0]
 
-    def predicted(self, x: Array, j: int) -> Array:
-        """Returns the model's angle for trial j as it is compared with the data, (n,), in rad."""
-        return self._smoothed(self.angle(x, j), j)
+    def smoothed(self, values: Array, j: int) -> Array:
+        """Returns what the model gives for trial j as it is compared with the data, (n,) or (n, m)."""
+        smoothing = self.trials[j].smoothing if self.smooth_model else None
+        return values if smoothing is None else smoothing(values)
 
     def linearized(self, x: Array) -> tuple[Array, Array]:
         """Returns model minus data, (N,), in rad, and derivatives, (N, unknowns); 0 where they are not compared.
@@ -118,8 +119,8 @@ class LeastSquares:
             block = np.zeros((trial.t.size, len(self.entries)))
             mine = [i for i, entry in enumerate(self.entries) if entry.trial in (None, j)]
             angle, block[:, mine] = self._with_slopes(self.setting(x, j), trial, [self.entries[i].name for i in mine])
-            residuals.append(trial.used * (self._smoothed(angle, j) - trial.angle))
-            blocks.append(trial.used[:, None] * self._smoothed(block, j))
+            residuals.append(trial.used * (self.smoothed(angle, j) - trial.angle))
+            blocks.append(trial.used[:, None] * self.smoothed(block, j))
         return np.concatenate(residuals), np.vstack(blocks)
 
     def _with_slopes(self, setting: Setting, trial: Trial, names: Sequence[str]) -> tuple[Array, Array]:
@@ -151,10 +152,6 @@ class LeastSquares:
             angle[moving], rate[moving], sensitivity[moving] = motion.angle, motion.rate, motion.sensitivity
             self.tally["integrations"] += max(len(wrt), 1)
         return angle, rate, sensitivity
-
-    def _smoothed(self, values: Array, j: int) -> Array:
-        smoothing = self.trials[j].smoothing if self.smooth_model else None
-        return values if smoothing is None else smoothing(values)
 
 
 def pose(

@@ -120,9 +120,9 @@ def _estimate(problem: LeastSquares, solution: Any, loss: str, spread: float) ->
     x, trials = np.asarray(solution.x), problem.trials
     integrations = problem.tally["integrations"]
     ends = np.cumsum([trial.t.size for trial in trials])[:-1]
-    predicted = [problem.predicted(x, j) for j in range(len(trials))]
     settings = [problem.setting(x, j) for j in range(len(trials))]
     angles = [problem.angle(x, j) for j in range(len(trials))]
+    predicted = [problem.smoothed(angle, j) for j, angle in enumerate(angles)]
     unsmoothed = [angle - raw for angle, t in zip(angles, trials, strict=True) if (raw := t.unsmoothed) is not None]
     known = len(unsmoothed) == len(trials)
     roundings = [estimate_rounding(trial.unsmoothed, angle) for trial, angle in zip(trials, angles, strict=True)]

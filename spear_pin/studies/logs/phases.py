@@ -78,9 +78,9 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
         raise BadFile(log.source, f"samples are {step:.3g} s apart; a hop needs {SLOWEST_RATE:g} s or less")
     cuts = np.flatnonzero(np.diff(t) > SPLIT) + 1
     parts = [
-        _Part(log.source, *part)
-        for part in zip(np.split(t, cuts), np.split(heights, cuts), strict=True)
-        if len(part[0]) > FEWEST
+        _Part(log.source, times, each, *smooth_rate(times, each))
+        for times, each in zip(np.split(t, cuts), np.split(heights, cuts), strict=True)
+        if len(times) > FEWEST
     ]
     fastest, slowest = (float(max((way * part.rate).max() for part in parts)) for way in (1.0, -1.0))
     found = [
@@ -98,29 +98,17 @@ def find_phases(robot: Robot, log: Log) -> tuple[LogPhase, ...]:
 
 @dataclass(frozen=True)
 class _Part:
-    """A part of a log without long gaps: its times, (n,), and the height of the centre of mass above the toe."""
+    """A part of a log without long gaps: heights of the centre of mass above the toe, (n,), its rate at even times."""
 
     source: str
     t: Array
     heights: Array
-
-    @cached_property
-    def _smooth(self) -> tuple[Array, Array]:
-        return smooth_rate(self.t, self.heights)
-
-    @property
-    def even(self) -> Array:
-        """Even times, (m,)."""
-        return self._smooth[0]
-
-    @property
-    def rate(self) -> Array:
-        """Rate of the height at them, (m,)."""
-        return self._smooth[1]
+    even: Array
+    rate: Array
 
     @cached_property
     def bend(self) -> Array:
-        """Rate of that, (m,)."""
+        """Rate of the rate, (m,)."""
         return np.asarray(np.gradient(self.rate, self.even))
 
 
