@@ -63,7 +63,6 @@ class Grid:
 
     def neighbours(self, point: Point) -> list[Point]:
         """Returns points one step away; those from which a search likely succeeds come first: softer, slower ones."""
-        found = []
         j = self.speeds.index(point.speed)
         if point.kind == NONE:
             softer = []
@@ -77,6 +76,4 @@ class Grid:
             other = [replace(point, kind=FIXED if point.kind == SWITCHED else SWITCHED)]
         slower = [replace(point, speed=speed) for speed in self.speeds[max(j - 1, 0) : j]]
         faster = [replace(point, speed=speed) for speed in self.speeds[j + 1 : j + 2]]
-        for near in (softer, slower, other, harder, faster):
-            found += near
-        return found
+        return [*softer, *slower, *other, *harder, *faster]

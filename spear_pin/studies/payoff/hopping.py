@@ -293,21 +293,16 @@ def along_of(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
 
 
 def words_for(gaits: Hops, robot: Robot) -> Words:
-    """Returns the words of hops of a robot with a spring along a path, and with numbers that are chosen too."""
-    words, system = words_along(gaits.along), gaits.system(robot)
+    """Returns the words of hops of a robot with a spring at the knee or along a path, and with numbers chosen too."""
+    words, system = WORDS, gaits.system(robot)
+    if gaits.along is not None:
+        name, path = gaits.along
+        said = f"{name}, alone: others of the file are left out. The virtual spring and the damper are at the knee"
+        stiffness = Spring(0.0, path=path).units["stiffness"]
+        words = replace(words, place=f"along {name}", unit=stiffness, rests=(*words.rests, ("the spring", said)))
     units = {name: show_unit(unit(system, name)) for name in gaits.over}
     ends = ", ".join(f"{name} from {low:g} to {high:g} {units[name]}" for name, (low, high) in gaits.over.items())
     return replace(words, units=units, rests=(*words.rests, *[("chosen too", ends.strip())] * bool(ends)))
-
-
-def words_along(along: tuple[str, AnyPath] | None) -> Words:
-    """Returns the words of hops with a spring at the knee, or along a path."""
-    if along is None:
-        return WORDS
-    name, path = along
-    said = f"{name}, alone: others of the file are left out. The virtual spring and the damper are at the knee"
-    unit = Spring(0.0, path=path).units["stiffness"]
-    return replace(WORDS, place=f"along {name}", unit=unit, rests=(*WORDS.rests, ("the spring", said)))
 
 
 def hops(

@@ -355,7 +355,7 @@ class _Work:
         ).point.speed
         best, freely = {}, []
         for kind in KINDS:
-            own = [each for point in grid if (point.kind, point.speed) == (kind, speed) and (each := self.at(point))]
+            own = [each for each in everything if (each.point.kind, each.point.speed) == (kind, speed)]
             own.sort(key=lambda each: each.cost)
             if own:
                 best[kind] = own[0]

@@ -74,7 +74,5 @@ def _crossing(t: Array, force: Array) -> float | None:
     below = np.flatnonzero(force < 0.0)
     if below.size == 0:
         return None
-    i = int(below[0])
-    if i == 0:
-        return float(t[0])
-    return float(t[i - 1] + (t[i] - t[i - 1]) * force[i - 1] / (force[i - 1] - force[i]))
+    near = slice(max(int(below[0]) - 1, 0), int(below[0]) + 1)
+    return float(np.interp(0.0, -force[near], t[near]))

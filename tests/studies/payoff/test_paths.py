@@ -16,7 +16,7 @@ from spear_pin.studies.payoff import Motors, Search, hop_search
 from spear_pin.studies.payoff import hopping as hopping_study
 from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
 from spear_pin.studies.payoff.hop_search import TAUT, Best, descend, lead_hop, problem
-from spear_pin.studies.payoff.hopping import HOPS, Hops, along_of, figures_of, hops, task_of, words_along, words_for
+from spear_pin.studies.payoff.hopping import HOPS, Hops, along_of, figures_of, hops, task_of, words_for
 from spear_pin.studies.payoff.knee import levers, release_springs, tie_springs, with_knee, with_values
 from spear_pin.studies.payoff.motors import PARTS, known
 from spear_pin.studies.payoff.searches import rebuilt, write_gait
@@ -41,9 +41,9 @@ class TestSystem:
         assert along(CABLE).stiffness(robot) == pytest.approx(48.84 / (0.006**2 + 0.03**2))
         assert along(Joints({"knee": 1.0})).stiffness(robot) == HOPS.stiffness(robot) == pytest.approx(48.84)
 
-    def test_it_is_called_by_its_name_and_unit(self):
+    def test_it_is_called_by_its_name_and_unit(self, robot):
         for path, unit in ((CABLE, "N/m"), (Joints({"hip": 1.0}), "N·m/rad")):
-            words = words_along(("cable", path))
+            words = words_for(along(path), robot)
             assert (words.place, words.unit) == ("along cable", unit)
             assert words.of(Point(FIXED, 0.2, 5.0)) == f"a fixed spring of 5 {unit} 0.2 s in the air"
 
