@@ -1,4 +1,4 @@
-"""The vertical crank leg of arXiv 2505.22898 as it is driven there, and synthetic logs of its hops.
+"""The vertical crank leg of arXiv 2505.22898 as it is driven there, and synthetic logs of its hops and SPEAR-II's.
 
 In stance the motor's torque is a cubic since the stance began, and a weak spring toward an angle; in flight it holds
 that angle. An angle switches between the two: touchdown and lift-off come a little before or after.
@@ -115,3 +115,11 @@ def synthetic(system, cycles=3, rate=1000.0, **changed):
     trajectory = simulate(system, system.guess(), cycles, samples=400, progress=False)
     t, angle, torque = sampled(trajectory, system.robot, rate)
     return Log("synthetic", t, {"crank": angle, "crank_torque": torque}, synthetic=True), trajectory
+
+
+def two_joints(run, rate=1000.0, turned=0.0):
+    """A log of SPEAR-II's hip and knee over a run, whose knee's sensor shows too much."""
+    t, first = np.unique(run.t, return_index=True)
+    times = np.arange(0.0, t[-1], 1.0 / rate)
+    named = {"hip": run.q[:, 1], "knee": run.q[:, 2] + turned, "hip_torque": run.u[:, 0], "knee_torque": run.u[:, 1]}
+    return Log("two joints", times, {name: np.interp(times, t, each[first]) for name, each in named.items()})

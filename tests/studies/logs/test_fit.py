@@ -13,7 +13,7 @@ from spear_pin.hybrid.parameters import number
 from spear_pin.studies.logs import Log, identify_motion, replay
 from spear_pin.studies.logs.shooting import Shooter
 from spear_pin.viz.plots.logs import fit_over_log
-from tests.studies.logs.crank_leg import DEGREE, configured, sampled, spring, synthetic
+from tests.studies.logs.crank_leg import DEGREE, configured, sampled, spring, synthetic, two_joints
 
 pytestmark = pytest.mark.extra("heyoka")
 NOISE = 5e-4  # rad
@@ -129,14 +129,6 @@ def test_a_second_sensor_that_is_not_in_the_log_is_named(bare, plain_log):
         identify_motion(bare, plain_log[0], ["boom_z_lag"])
 
 
-def two_joints(run, turned=0.0):
-    """A log of SPEAR-II's hip and knee, whose knee's sensor shows too much."""
-    t, first = np.unique(run.t, return_index=True)
-    times = np.arange(0.0, t[-1], 0.00025)
-    named = {"hip": run.q[:, 1], "knee": run.q[:, 2] + turned, "hip_torque": run.u[:, 0], "knee_torque": run.u[:, 1]}
-    return Log("two joints", times, {name: np.interp(times, t, each[first]) for name, each in named.items()})
-
-
 @pytest.mark.slow
 def test_a_leg_of_two_joints_with_a_switched_spring():
     """SPEAR-II, hip and knee measured; where its spring was latched follows from the log."""
@@ -144,10 +136,10 @@ def test_a_leg_of_two_joints_with_a_switched_spring():
     system = hopping(robot)
     run = simulate(system, system.guess(), 3, samples=2000, progress=False)
     softer = hopping(robot, spring=replace(system.spring, stiffness=40.0))
-    found = identify_motion(softer, two_joints(run), ["stiffness", "damping"])
+    found = identify_motion(softer, two_joints(run, 4000.0), ["stiffness", "damping"])
     assert found["stiffness"].value == pytest.approx(48.84, rel=1e-3)
     assert found["damping"].value == pytest.approx(1.3, rel=5e-3)
-    turned = identify_motion(softer, two_joints(run, DEGREE), ["stiffness", "knee_zero"])
+    turned = identify_motion(softer, two_joints(run, 4000.0, DEGREE), ["stiffness", "knee_zero"])
     assert turned["stiffness"].value == pytest.approx(48.84, rel=2e-3)
     assert turned["knee_zero"].value == pytest.approx(DEGREE, rel=1e-2)
 

@@ -8,6 +8,7 @@ import pytest
 from spear_pin import hopping, load, simulate
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.studies.logs import Log, find_phases
+from tests.studies.logs.crank_leg import two_joints
 
 NEAR = 0.002  # s
 
@@ -27,12 +28,7 @@ def test_a_leg_that_slows_down_before_it_lifts_off():
     robot = load("spear_ii", locked=["boom_x"])
     system = hopping(robot)
     run = simulate(system, system.guess(), 3, samples=400, progress=False)
-    t, first = np.unique(run.t, return_index=True)
-    times = np.arange(0.0, t[-1], 0.001)
-    log = Log(
-        "two joints", times, {name: np.interp(times, t, run.q[first, i]) for i, name in ((1, "hip"), (2, "knee"))}
-    )
-    found = find_phases(robot, log)
+    found = find_phases(robot, two_joints(run))
     events = [event.time for event in run.events if event.name in ("touchdown", "lift_off")]
     assert [phase.name for phase in found] == ["stance", "flight"] * 3
     assert [phase.end for phase in found[:-1]] == pytest.approx(events[:-1], abs=2.5 * NEAR)

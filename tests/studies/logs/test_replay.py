@@ -8,7 +8,8 @@ import pytest
 from spear_pin import hopping, load, simulate
 from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.hybrid.parameters import with_numbers
-from spear_pin.studies.logs import Log, identify_motion, replay
+from spear_pin.studies.logs import identify_motion, replay
+from tests.studies.logs.crank_leg import two_joints
 
 pytestmark = pytest.mark.extra("heyoka")
 
@@ -55,10 +56,7 @@ def test_the_law_makes_the_log_that_it_made():
     robot = load("spear_ii", locked=["boom_x"])
     system = hopping(robot)
     run = simulate(system, system.guess(), 2, samples=2000, progress=False)
-    t, first = np.unique(run.t, return_index=True)
-    times = np.arange(0.0, t[-1], 0.001)
-    named = {"hip": run.q[:, 1], "knee": run.q[:, 2], "hip_torque": run.u[:, 0], "knee_torque": run.u[:, 1]}
-    log = Log("by law", times, {name: np.interp(times, t, each[first]) for name, each in named.items()})
+    log = two_joints(run)
     found = replay(system, log, motors="law")
     lift_offs = [event.time for event in run.events if event.name == "lift_off"]
     assert [hop.lift_off for hop in found.hops] == pytest.approx(lift_offs, abs=2e-3)

@@ -11,6 +11,7 @@ from spear_pin.studies.logs.log import Log
 from spear_pin.studies.logs.measured import find_measured
 from spear_pin.studies.logs.played import make_played
 from spear_pin.studies.logs.residuals import Residuals
+from tests.studies.logs.crank_leg import two_joints
 
 pytestmark = pytest.mark.extra("heyoka")
 SENSORS = {"crank_zero": 0.01, "lag": 0.001, "boom_z_zero": 0.02, "boom_z_lag": 0.002}
@@ -95,10 +96,7 @@ def test_a_spring_is_latched_where_the_joint_is_and_not_where_its_sensor_shows_i
     """A sensor that is turned, with its zero known, makes no difference: SPEAR-II in stance."""
     system = hopping(load("spear_ii", locked=["boom_x"]))
     run = simulate(system, system.guess(), 1, samples=200, progress=False)
-    t, first = np.unique(run.t, return_index=True)
-    times = np.arange(0.0, t[-1], 0.001)
-    shown = {"hip": run.q[:, 1], "knee": run.q[:, 2], "hip_torque": run.u[:, 0], "knee_torque": run.u[:, 1]}
-    plain = Log("plain", times, {name: np.interp(times, t, each[first]) for name, each in shown.items()})
+    plain = two_joints(run)
     turned = replace(plain, values={**plain.values, "knee": plain["knee"] + 0.02})
     joints, found = find_measured(system.robot, plain), []
     for log, zero in ((plain, 0.0), (turned, 0.02)):

@@ -12,19 +12,13 @@ from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number, rebuilt, with_parameters
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.studies.design import points_of
-from spear_pin.studies.payoff import Motors, Point, hop_search
+from spear_pin.studies.payoff import Point, hop_search
 from spear_pin.studies.payoff.grid import FIXED, NONE, SWITCHED
 from spear_pin.studies.payoff.hop_search import CLEAR, TAUT, TREAD, Task, best_hop, descend, lead_hop, limits, starts
 from spear_pin.studies.payoff.hopping import ranges
 from spear_pin.studies.payoff.knee import release_springs, tie_springs, with_knee, with_values
-from spear_pin.studies.payoff.motors import PARTS, known
+from spear_pin.studies.payoff.motors import PARTS
 from tests.studies.payoff.stub import drawn_by
-
-
-@pytest.fixture(scope="module")
-def motors():
-    robot = load("spear_ii", locked=["boom_x"])
-    return Motors(*(known(robot, part)[0] for part in ("knee", "hip")), own=("knee", "hip"))
 
 
 @pytest.fixture(scope="module")

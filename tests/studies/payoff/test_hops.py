@@ -20,12 +20,6 @@ from tests.model.small_leg import small_leg
 from tests.studies.payoff.stub import drawn_by
 
 
-@pytest.fixture(scope="module")
-def motors():
-    robot = load("spear_ii", locked=["boom_x"])
-    return Motors(*(known(robot, part)[0] for part in ("knee", "hip")), own=("knee", "hip"))
-
-
 class TestFigures:
     def test_cost_is_electricity_over_the_work_of_the_rise(self, hop, motors):
         found, flight = figures_of(hop, motors), hop.durations["flight"]

@@ -12,13 +12,12 @@ from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.parameters import rebuilt as of_law
 from spear_pin.model.path import Joints
-from spear_pin.studies.payoff import Motors, Search, hop_search
+from spear_pin.studies.payoff import Search, hop_search
 from spear_pin.studies.payoff import hopping as hopping_study
 from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
 from spear_pin.studies.payoff.hop_search import TAUT, Best, descend, lead_hop, problem
 from spear_pin.studies.payoff.hopping import HOPS, Hops, along_of, figures_of, hops, task_of, words_for
 from spear_pin.studies.payoff.knee import levers, release_springs, tie_springs, with_knee, with_values
-from spear_pin.studies.payoff.motors import PARTS, known
 from spear_pin.studies.payoff.searches import rebuilt, write_gait
 from tests.studies.payoff.stub import drawn_by
 
@@ -28,11 +27,6 @@ CABLE = Joints({"knee": 0.03, "hip": 0.006})  # m
 def along(path, **over):
     """Hops with a cable along a path, of which some numbers are chosen."""
     return Hops({f"cable.{name}": ends for name, ends in over.items()}, ("cable", path))
-
-
-@pytest.fixture(scope="module")
-def motors(robot):
-    return Motors(*(known(robot, part)[0] for part in PARTS), own=PARTS)
 
 
 class TestSystem:
