@@ -15,7 +15,6 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.parameters import with_numbers
 from spear_pin.hybrid.result import State
 from spear_pin.kinds import typed
-from spear_pin.model.legs import Leg as LegOfRobot
 from spear_pin.model.legs import lean
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
@@ -67,12 +66,8 @@ class Leg(Subject):
 
     def system(self, values: Mapping[str, float]) -> HybridSystem:
         """Returns the hop with these numbers."""
-        hip = {} if self.hop.law.hip_touchdown is None else {"hip_touchdown": self._leg.lean(values[KNEE])}
+        hip = {} if self.hop.law.hip_touchdown is None else {"hip_touchdown": self.hop.robot.legs[0].lean(values[KNEE])}
         return with_numbers(self.hop, {**values, **hip})
-
-    @property
-    def _leg(self) -> LegOfRobot:
-        return self.hop.robot.legs[0]
 
     def held(self, kept: bool) -> Mapping[str, str]:
         """Returns that the stance torque keeps the flight time, if it is kept."""
@@ -82,7 +77,8 @@ class Leg(Subject):
         """Returns the parameters that a knob changes; the hip follows the knee where the toe stays below it."""
         if name != KNEE or self.hop.law.hip_touchdown is None:
             return {name: 1.0}
-        _, slope, _ = lean(self._leg.thigh, self._leg.shank, values[KNEE], math)
+        leg = self.hop.robot.legs[0]
+        _, slope, _ = lean(leg.thigh, leg.shank, values[KNEE], math)
         return {KNEE: 1.0, "hip_touchdown": float(slope)}
 
     @cached_property

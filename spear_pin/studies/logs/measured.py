@@ -73,21 +73,16 @@ class Measured:
             near: a configuration nearby; None for any.
         """
         robot, toe = self.robot, self.robot.toes[0]
-        q = self._some if near is None else near.copy()
+        q = robot.closed(np.zeros(robot.nq)) if near is None else near.copy()
         q[self.rows] = positions
         free = [i for i in range(robot.nv) if i not in self.rows]
         for _ in range(STEPS):
-            gap = np.append(robot.loop_gap(q) if robot.loops else [], self._height(q))
+            gap = np.append(robot.loop_gap(q), self._height(q))
             if not free or np.abs(gap).max() < SETTLED:
                 break
-            slope = np.vstack([self._loops(q), robot.toe_jacobian(q, toe)[-1:]])
+            slope = np.vstack([robot.loop_jacobian(q), robot.toe_jacobian(q, toe)[-1:]])
             q[free] -= np.linalg.lstsq(slope[:, free], gap, rcond=None)[0]
         return q
-
-    @property
-    def _some(self) -> Array:
-        robot, still = self.robot, np.zeros(self.robot.nq)
-        return np.asarray(robot.closed(still) if robot.loops else still)
 
     def state(self, name: str, positions: Array, rates: Array, near: Array, base: Array | None = None) -> Array:
         """Returns a state, (2 nv,), from measured positions and the leading rates.
@@ -130,13 +125,10 @@ class Measured:
     def _height(self, q: Array) -> float:
         return float(self.robot.toe_position(q, self.robot.toes[0])[-1])
 
-    def _loops(self, q: Array) -> Array:
-        return self.robot.loop_jacobian(q) if self.robot.loops else np.empty((0, self.robot.nv))
-
     def _rows(self, name: str, q: Array) -> Array:
         """Returns rows of nv that loops and the toe at rest make zero, or, in flight, those of the base."""
         toe = self.robot.toe_jacobian(q, self.robot.toes[0])
-        return np.vstack([self._loops(q), toe if name == STANCE else np.eye(self.robot.nv)[self.base]])
+        return np.vstack([self.robot.loop_jacobian(q), toe if name == STANCE else np.eye(self.robot.nv)[self.base]])
 
 
 def find_measured(robot: Robot, log: Log) -> Measured:
