@@ -13,15 +13,6 @@ from spear_pin.errors import import_extra
 Answer = TypeVar("Answer")
 
 
-def require(purpose: str) -> Any:
-    """Returns the package joblib.
-
-    Raises:
-        MissingExtra: joblib is not installed.
-    """
-    return import_extra("joblib", "sweep", purpose)
-
-
 def each(
     function: Callable[..., Answer], arguments: Iterable[tuple[Any, ...]], n_jobs: int | None, purpose: str
 ) -> Iterator[Answer]:
@@ -39,7 +30,7 @@ def each(
     """
     if n_jobs == 1:
         return (function(*each) for each in arguments)
-    joblib = require(purpose)
+    joblib = import_extra("joblib", "sweep", purpose)
     tasks = (joblib.delayed(function)(*each) for each in arguments)
     # one call a task, so that each answer is there as soon as it can be
     pool = joblib.Parallel(n_jobs=n_jobs, batch_size=1, return_as="generator_unordered", max_nbytes=None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -227,23 +228,18 @@ def different(labels: Sequence[str]) -> list[str]:
 
 
 def make_standing(robot: Robot) -> Any:
-    """Returns the motion of a robot that stands still for a second, so that it can be played."""
+    """Returns the motion of a robot that stands still for a second, so that it can be played; see `TrajectoryLike`."""
     from spear_pin.model.postures import home
 
-    return _Standing(robot, home(robot))
-
-
-class _Standing:
-    """A motion in which nothing moves; see `TrajectoryLike` for the attributes."""
-
-    def __init__(self, robot: Robot, q: Any) -> None:
-        self.t = np.array([0.0, 1.0])
-        self.q = np.array([q, q])
-        self.domain = np.array(["standing", "standing"])
-        self.force = np.zeros((2, len(robot.toes), robot.dimension))
-        self.events: tuple[Any, ...] = ()
-        self.spring_joints: tuple[str, ...] = ()
-        self.engaged = np.zeros((2, 0), dtype=bool)
+    return SimpleNamespace(
+        t=np.array([0.0, 1.0]),
+        q=np.array([home(robot)] * 2),
+        domain=np.array(["standing"] * 2),
+        force=np.zeros((2, len(robot.toes), robot.dimension)),
+        events=(),
+        spring_joints=(),
+        engaged=np.zeros((2, 0), dtype=bool),
+    )
 
 
 def parameters(side: Side) -> dict[str, Any]:

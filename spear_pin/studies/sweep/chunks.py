@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spear_pin.errors import BadValue, NoGait
+from spear_pin.errors import BadValue, NoGait, import_extra
 from spear_pin.gaits.gait_table import REASONS, GaitTable
 from spear_pin.gaits.search import find_gait
 from spear_pin.gaits.targets import measures_of
@@ -80,7 +80,7 @@ def sweep(
     if system.robot.planar and not system.pins:
         batch.require()
     store.require()
-    workers.require(PURPOSE)
+    import_extra("joblib", "sweep", PURPOSE)
     out, target = Path(out), dict(target or {})
     Options(rtol)
     job = check_job(system, points, tuple(vary), target, rtol)
