@@ -14,7 +14,7 @@ from spear_pin.model.pinned import PinnedLeg
 from spear_pin.studies.identification.first_guess import guess
 from spear_pin.studies.identification.quantities import KNEE, NUISANCES, QUANTITIES
 from spear_pin.studies.identification.trials import Trial
-from spear_pin.studies.push_test import PassiveKnee
+from spear_pin.studies.push_test import PassiveKnee, rest_at
 from spear_pin.studies.push_test.motion import move
 
 RTOL = 1e-8
@@ -93,12 +93,11 @@ class LeastSquares:
         """Returns the model's numbers for trial j."""
         value = dict(self.known[j])
         value |= {e.name: float(v) for e, v in zip(self.entries, x, strict=True) if e.trial in (None, j)}
-        zero = value["rest_angle"]
-        if self.static_rest:
-            zero += float(self.leg.gravity(zero)) / value["stiffness"]
-        knee = PassiveKnee(value["stiffness"], value["damping"], value["coulomb"], zero, self.unilateral)
+        rest = value["rest_angle"]
+        knee = PassiveKnee(value["stiffness"], value["damping"], value["coulomb"], rest, self.unilateral)
+        knee = rest_at(self.leg, knee, rest) if self.static_rest else knee
         leg = self.leg.with_rotor(value["rotor_inertia"])
-        return Setting(leg, knee, value["initial_angle"], value["release_time"], value["rest_angle"])
+        return Setting(leg, knee, value["initial_angle"], value["release_time"], rest)
 
     def angle(self, x: Array, j: int) -> Array:
         """Returns the model's angle for trial j, not smoothed, (n,), in rad."""

@@ -101,9 +101,9 @@ def _sentence(study: Study, found: Judgement) -> str:
     }[found.verdict]
     if NONE not in study.best or len(study.best) == 1:
         return opening
-    first, second = sorted((FIXED, SWITCHED), key=lambda kind: _rank(study, kind))
-    bare = study.best[NONE].cost
-    costs = f" ({study.best[first].cost:.3g} against {bare:.3g} without)" if first in study.best else ""
+    cost = {kind: end.cost for kind, end in study.best.items()}
+    first, second = sorted((FIXED, SWITCHED), key=lambda kind: cost.get(kind, np.inf))
+    costs = f" ({cost[first]:.3g} against {cost[NONE]:.3g} without)" if first in cost else ""
     peaks = ", ".join(
         f"{most(best.figures.peak, 'knee'):.3g} {word}"
         for kind, word in PEAKS.items()
@@ -114,11 +114,6 @@ def _sentence(study: Study, found: Judgement) -> str:
         f"{opening}: {pace} {_does(study, first, found)}{costs}, {_does(study, second, found)};"
         f" peak knee torque, in N·m: {peaks}"
     )
-
-
-def _rank(study: Study, kind: str) -> float:
-    """Returns the cost of the best of a kind; infinite where there is none."""
-    return study.best[kind].cost if kind in study.best else float(np.inf)
 
 
 def _does(study: Study, kind: str, found: Judgement) -> str:
