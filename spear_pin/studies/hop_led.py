@@ -20,9 +20,8 @@ from spear_pin.hybrid.contact import Contact
 from spear_pin.hybrid.parameters import parameter, rebuilt, with_parameters
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.kinds import typed
-from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
-from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of
+from spear_pin.studies.hop_of_another import hop_of, usual_flight
 
 TORQUE = "stance_torque"  # what is solved for the flight time
 SECONDS = 15.0  # of a processor, on the way
@@ -81,7 +80,7 @@ def lead_hop(system: HybridSystem, target: Mapping[str, float], seconds: float =
     """
     deadline = time.process_time() + seconds
     usual = usual_hop(system)
-    flight = FLIGHT_TIME * scale_of(system.robot).time
+    flight = usual_flight(system.robot)
     try:
         gait = hop_of(usual, target.get(FLIGHT, flight))
     except NoGait:

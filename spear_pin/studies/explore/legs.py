@@ -23,7 +23,7 @@ from spear_pin.model.settings import refuse_special
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.explore.knobs import Knob, Knobs, Origin, Subject
-from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, scaled_hopping
+from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, scaled_hopping, usual_flight
 
 RATIO, TORQUE, KNEE = "knee_ratio", "stance_torque", "knee_touchdown"
 KNOBS: Mapping[str, Knob] = {
@@ -131,7 +131,7 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
     leant, frequency = robot.legs[0].lean(knee), given["frequency"].default
     law = replace(usual.law, knee_touchdown=knee, hip_touchdown=leant, frequency=frequency)
     spring = replace(usual.spring, stiffness=given["stiffness"].default, damping=given["damping"].default)
-    gait = hop_of(usual.build(robot, law, spring, usual.ground), scale.time * FLIGHT_TIME, within_limits=True)
+    gait = hop_of(usual.build(robot, law, spring, usual.ground), usual_flight(robot), within_limits=True)
     flight, torque = gait.durations["flight"], gait.system.law.stance_torque
     note = f"for {flight:.3g} s of flight"
     given[TORQUE] = _scaled(KNOBS[TORQUE], torque, scale.torque, "solved", note)

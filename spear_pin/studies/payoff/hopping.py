@@ -28,9 +28,9 @@ from spear_pin.hybrid.parameters import number, unit, with_numbers
 from spear_pin.hybrid.simulate import simulate
 from spear_pin.model.path import Path as AnyPath
 from spear_pin.model.robot import Robot
-from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import parameters_of
+from spear_pin.studies.hop_of_another import usual_flight
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
@@ -41,8 +41,7 @@ from spear_pin.studies.payoff.searches import Search, rebuilt
 from spear_pin.studies.payoff.study import Study, study_knees
 from spear_pin.words import show_unit
 
-USUAL = 0.2  # s: flight of SPEAR-II
-SHARES = (0.7, 0.85, 1.0, 1.15)  # of it, by the leg's size
+SHARES = (0.7, 0.85, 1.0, 1.15)  # of SPEAR-II's flight, by the leg's size
 MESH, FINER = 160, 480  # samples of each phase: where a joint turns back, the losses of its gears jump
 TOLERANCES = {MESH: 1e-4, FINER: 1e-5}  # of the search: the relative gain that ends a descent
 COLD, FREELY = {NONE: 1, FIXED: 16, SWITCHED: 1}, 4  # random starts: beside SPEAR-II's law, with a chosen stiffness
@@ -132,7 +131,7 @@ def _begun(system: HybridSystem, asked: Search) -> list[Gait]:
     if start is not None and start.gait is not None:
         return [lead_hop(point, start.point.kind, rebuilt(Hops.kind, robot, start.gait))]
     try:
-        for hop in first_hops(system, sorted({USUAL * scale_of(robot).time, point.speed})):
+        for hop in first_hops(system, sorted({usual_flight(robot), point.speed})):
             try:
                 found.append(lead_hop(point, SWITCHED, hop))
             except NoGait as error:
@@ -200,11 +199,11 @@ class Hops(Gaits):
 
     def speeds(self, robot: Robot) -> tuple[float, ...]:
         """Returns default flight times for the robot's size."""
-        return tuple(float(f"{share * USUAL * scale_of(robot).time:.3g}") for share in SHARES)
+        return tuple(float(f"{share * usual_flight(robot):.3g}") for share in SHARES)
 
     def first(self, robot: Robot, speeds: Sequence[float]) -> Sequence[float]:
         """Returns flight times in the order for a first hop: those near SPEAR-II's for the leg's size first."""
-        usual = USUAL * scale_of(robot).time
+        usual = usual_flight(robot)
         return sorted(speeds, key=lambda flight: abs(math.log(flight / usual)))
 
     def stiffness(self, robot: Robot) -> float:
