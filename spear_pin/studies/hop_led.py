@@ -12,7 +12,7 @@ import numpy as np
 from spear_pin.errors import NoGait
 from spear_pin.gaits.continuation import continue_gait
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.hopping import HoppingLaw
+from spear_pin.gaits.hopping import HoppingLaw, find_commanded
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.targets import FLIGHT
 from spear_pin.hybrid.automaton import HybridSystem
@@ -116,10 +116,10 @@ def _stops(usual: HybridSystem, system: HybridSystem) -> list[tuple[str, float]]
     """Lists numbers with the values that they take on the way, in turn."""
     names = ("stiffness", "damping", "hardening", "preload", "frequency", "friction")
     stops = [(name, parameter(system, name)) for name in names]
-    ends = [(parameter(usual, name), getattr(system.law, name)) for name in ANGLES]
-    ends[1] = ends[1][0], ends[1][1] if ends[1][1] is not None else 0.5 * ends[0][1]
+    begins = [parameter(usual, name) for name in ANGLES]
+    ways = [*zip(ANGLES, begins, reversed(find_commanded(system.law)), strict=True)]
     for share in np.linspace(0.0, 1.0, STAGES + 1)[1:].tolist():
-        stops += [(name, (1.0 - share) * a + share * b) for name, (a, b) in zip(ANGLES, ends, strict=True)]
+        stops += [(name, (1.0 - share) * a + share * b) for name, a, b in ways]
     return stops
 
 
