@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any
 
@@ -147,14 +147,12 @@ def attempt(gaits: Gaits, robot: Robot, motors: Motors, asked: Search) -> Search
     """Runs one search."""
     begun = time.process_time()
     origin = "cold" if asked.start is None else gaits.words.of(asked.start.point)
-    finding = SearchEnd(asked.key, asked.point, origin, asked.meshes, 0.0)
     try:
-        gait, found, solution = gaits.search(robot, motors, asked)
+        gait, figures, solution = gaits.search(robot, motors, asked)
+        found: dict[str, Any] = {"figures": figures, "gait": write_gait(gait), "solution": solution}
     except (Infeasible, NoGait, BadValue) as error:  # the last where a cycle that was found is none
-        return replace(finding, seconds=time.process_time() - begun, reason=str(error))
-    return replace(
-        finding, seconds=time.process_time() - begun, figures=found, gait=write_gait(gait), solution=solution
-    )
+        found = {"reason": str(error)}
+    return SearchEnd(asked.key, asked.point, origin, asked.meshes, time.process_time() - begun, **found)
 
 
 @dataclass(frozen=True)
