@@ -265,10 +265,7 @@ def check_motors(arguments: argparse.Namespace) -> None:
             continue
         if name not in MOTORS:
             raise UnknownName("motor", name, MOTORS)
-        own = motor(name)
-        for quantity in ("torque_constant", "resistance", "rotor_inertia"):
-            own.known(quantity)
-        own.continuous_torque  # noqa: B018 - it says what is not known
+        motor(name).check_known()
     if arguments.efficiency is not None and not any(named.values()):
         raise BadValue("--efficiency", arguments.efficiency, "only with --knee-motor or --hip-motor")
 

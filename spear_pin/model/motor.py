@@ -94,6 +94,12 @@ class Motor:
             return self.known("torque_constant") * self.nominal_current
         return self.known("nominal_torque")
 
+    def check_known(self) -> None:
+        """Checks that what a study of drives takes is known; `known` says what is not."""
+        for quantity in ("torque_constant", "resistance", "rotor_inertia"):
+            self.known(quantity)
+        _ = self.continuous_torque
+
 
 NO_MOTORS: Mapping[str, Motor] = MappingProxyType({})
 """Where no joint has one, by joint."""

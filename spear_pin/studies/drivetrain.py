@@ -34,7 +34,6 @@ from spear_pin.studies.hardware import Rig
 EQUAL_FLIGHT: Mapping[str | MeasureOfRun, float] = MappingProxyType({"flight_time": 0.2})  # s (source)
 TWO_STAGES = gearbox("spear_ii_knee_gear").efficiency
 UNLIMITED = Battery(1e6)  # V, more than anything asks for
-NEEDED = ("torque_constant", "resistance", "rotor_inertia")  # of a motor
 
 
 @dataclass(frozen=True)
@@ -146,9 +145,7 @@ def knee_drives(
     if len(target) != 1:
         raise BadValue("target", dict(target), "one measure, for which the stance torque is solved")
     for motor in motors.values():
-        for quantity in NEEDED:
-            motor.known(quantity)
-        _ = motor.continuous_torque
+        motor.check_known()
     law = law or HoppingLaw()
     drives = [
         (name, Drive(motor, Gearbox(ratio, efficiency), bus, current_limit))

@@ -58,9 +58,7 @@ def of_file(robot: Robot, part: str, bus: float | None = None) -> Drive | None:
         found.append(Drive(own, gearbox, supply_voltage(own, bus)))
     if found.count(found[0]) != len(found):
         raise BadValue(f"motors of the {part}s", [drive.motor.name for drive in found], "the same in all legs")
-    for quantity in ("torque_constant", "resistance", "rotor_inertia"):
-        found[0].motor.known(quantity)
-    found[0].motor.continuous_torque  # noqa: B018 - it says what is not known
+    found[0].motor.check_known()
     return found[0]
 
 
