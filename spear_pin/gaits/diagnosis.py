@@ -122,8 +122,7 @@ def _toe_aside(case: _Case) -> Diagnosis | None:
     """Diagnoses a toe that is not below the hip at touchdown."""
     law, (leg,) = case.system.law, case.system.robot.legs
     own = leg.lean(law.knee_touchdown)
-    hip = 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown
-    aside = hip - own
+    hip, aside = law.hip_commanded, law.hip_commanded - own
     if abs(aside) < ASIDE or "hip_touchdown" in case.vary:
         return None
     where = leg.length(law.knee_touchdown) * math.sin(aside)

@@ -11,9 +11,9 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, list_names, require
-from spear_pin.gaits.inputs import ANGLE, Input
+from spear_pin.gaits.hop_law import HopLaw
 from spear_pin.gaits.proportions import proportions
-from spear_pin.gaits.reaching import angles, drive_motors, find_landing_velocity, pose_leg, show_leg_angles
+from spear_pin.gaits.reaching import angles, drive_motors, pose_leg, set_down, show_leg_angles
 from spear_pin.gaits.springing import springing
 from spear_pin.hybrid.automaton import SHORTEST_FLIGHT, HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
@@ -35,8 +35,8 @@ FLAT = 1e-9  # 1/m: a smaller change of the normal force with the torque counts 
 
 @typed
 @dataclass(frozen=True)
-class HoppingLaw:
-    """Parameters of the hopping controller.
+class HoppingLaw(HopLaw):
+    """Parameters of the hopping controller, besides those of `HopLaw`.
 
     In flight each joint is driven to its touchdown angle, τ = K (θ_des - θ) - K_D θ̇: (4.9)-(4.10)
     with the sign of the proportional term corrected and the printed K_D taken by its magnitude.
@@ -44,14 +44,6 @@ class HoppingLaw:
     that it helps to compress the spring, and extends through the second.
 
     Attributes:
-        knee_touchdown: commanded knee angle in flight, in rad (assumption; the latched one differs).
-        hip_touchdown: commanded hip angle in flight, in rad; None means half of the knee's.
-        stance_torque: τ̄_knee, in N·m (not in the source; solved for).
-        frequency: f of the square wave, in Hz (source).
-        hip_gain: K_hip, in N·m/rad (source).
-        hip_damping: |K_D,hip|, in N·m·s/rad (source).
-        knee_gain: K_knee, in N·m/rad (source).
-        knee_damping: |K_D,knee|, in N·m·s/rad (source).
         hip_stance_torque: τ̄_hip, in N·m (source: negligible).
         virtual_stiffness: stiffness of a spring that the motor imitates in stance, in N·m/rad, latched and slack like
             the real spring.
@@ -63,7 +55,6 @@ class HoppingLaw:
             ẋ_lo being the hip's forward speed latched at lift-off; needs a free boom_x.
         speed: ẋ*, in m/s.
         units: units of these numbers, by name.
-        inputs: numbers that event feedback may adjust, for SPEAR-II.
 
     Example:
         >>> from spear_pin import HoppingLaw
@@ -71,14 +62,6 @@ class HoppingLaw:
         2.56
     """
 
-    knee_touchdown: float = 1.0
-    hip_touchdown: float | None = None
-    stance_torque: float = 8.0
-    frequency: float = 2.56
-    hip_gain: float = 54.77
-    hip_damping: float = 1.37
-    knee_gain: float = 63.25
-    knee_damping: float = 0.52
     hip_stance_torque: float = 0.0
     virtual_stiffness: float = 0.0
     hold_extension: bool = False
@@ -86,29 +69,20 @@ class HoppingLaw:
     foot_placement: float = 0.0
     speed: float = 0.0
     units: ClassVar[Mapping[str, str]] = {
-        **dict.fromkeys(("knee_touchdown", "hip_touchdown"), "rad"),
-        **dict.fromkeys(("stance_torque", "hip_stance_torque"), "N·m"),
-        **dict.fromkeys(("hip_gain", "knee_gain", "virtual_stiffness"), "N·m/rad"),
-        **dict.fromkeys(("hip_damping", "knee_damping"), "N·m·s/rad"),
-        "frequency": "Hz",
+        **HopLaw.units,
+        "hip_stance_torque": "N·m",
+        "virtual_stiffness": "N·m/rad",
         "minimum_force": "N",
         "foot_placement": "rad·s/m",
         "speed": "m/s",
     }
-    inputs: ClassVar[Mapping[str, Input]] = {"stance_torque": Input(2.0, 4.0, True), "hip_touchdown": ANGLE}
 
     def __post_init__(self) -> None:
         """Checks the fields."""
-        gains = ("stance_torque", "hip_gain", "hip_damping", "knee_gain", "knee_damping", "virtual_stiffness")
-        signed = ("hip_stance_torque", "foot_placement", "speed")
-        require("HoppingLaw.frequency", self.frequency, lambda f: f > 0, "a number > 0, in Hz")
-        require("HoppingLaw.knee_touchdown", self.knee_touchdown, lambda a: abs(a) < math.pi, "within ±π rad")
-        for name in gains:
-            require(f"HoppingLaw.{name}", getattr(self, name), lambda gain: gain >= 0, "a number >= 0")
-        for name in signed:
+        super().__post_init__()
+        require("HoppingLaw.virtual_stiffness", self.virtual_stiffness, lambda gain: gain >= 0, "a number >= 0")
+        for name in ("hip_stance_torque", "foot_placement", "speed"):
             require(f"HoppingLaw.{name}", getattr(self, name), lambda number: abs(number) >= 0, "a finite number")
-        if self.hip_touchdown is not None:
-            require("HoppingLaw.hip_touchdown", self.hip_touchdown, lambda angle: abs(angle) < math.pi, "within ±π rad")
         if self.minimum_force is not None:
             require("HoppingLaw.minimum_force", self.minimum_force, lambda force: force >= 0, "a number >= 0, in N")
 
@@ -155,8 +129,7 @@ class HoppingLaw:
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: HoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
     """Returns hip and knee torque in flight, (4.9)-(4.10) with corrected signs, in N·m."""
     hip, knee = -2, -1
-    hip_touchdown = 0.5 * p.knee_touchdown if p.hip_touchdown is None else p.hip_touchdown
-    hip_desired = hip_touchdown + p.foot_placement * (held["speed"] - p.speed)
+    hip_desired = p.hip_commanded + p.foot_placement * (held["speed"] - p.speed)
     return (
         p.hip_gain * (hip_desired - q[hip]) - p.hip_damping * v[hip],
         p.knee_gain * (p.knee_touchdown - q[knee]) - p.knee_damping * v[knee],
@@ -248,7 +221,7 @@ def hopping(
     _check(robot)
     if robot.reach is not None and law.hip_touchdown is None:
         law = replace(law, hip_touchdown=0.0)
-    lands = pose_leg(robot, *find_commanded(law))
+    lands = pose_leg(robot, law.hip_commanded, law.knee_touchdown)
     rise, scale = robot.index("boom_z"), _scale(robot, lands)
     forward = robot.index("boom_x") if "boom_x" in robot.coordinates else None
     if forward is None and law.foot_placement != 0.0:
@@ -307,7 +280,7 @@ def hopping(
         section="touchdown",
         cyclic=() if forward is None else ("boom_x",),
         build=hopping,
-        guess=lambda: _guess(robot, lands, FALLING * scale.speed, as_ground(contact)),
+        guess=lambda: set_down(robot, lands, FALLING * scale.speed, as_ground(contact)),
         measures=_measures(robot),
         phase_limit=LONGEST * scale.time,
         shortest_flight=SHORTEST_FLIGHT * scale.time,
@@ -363,22 +336,9 @@ def _usual(robot: Robot) -> Spring | Mapping[str, Spring]:
     return springs
 
 
-def find_commanded(law: HoppingLaw) -> tuple[Any, Any]:
-    """Returns the commanded angles of hip and knee at touchdown, in rad."""
-    return 0.5 * law.knee_touchdown if law.hip_touchdown is None else law.hip_touchdown, law.knee_touchdown
-
-
 def _scale(robot: Robot, q: Array) -> Scale:
     """Returns a robot's size; with `[reach]` its leg is as long as its toe is deep at touchdown, at q."""
     return scale_of(robot) if robot.reach is None else scale_of(robot, -float(robot.toe_position(q, "toe")[1]))
-
-
-def _guess(robot: Robot, lands: Array, speed: float, ground: Ground) -> tuple[Any, Any]:
-    """Returns a state just after touchdown at the commanded angles, falling as from a few centimetres."""
-    q = lands.copy()
-    x, z = robot.toe_position(q, "toe")
-    q[robot.index("boom_z")] = ground.under(x) - z
-    return q, find_landing_velocity(robot, q, speed)
 
 
 def _measures(robot: Robot) -> Mapping[str, Callable[[Run], float]]:

@@ -10,9 +10,12 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
 from spear_pin.hybrid.dynamics import Dynamics, Operations
+from spear_pin.hybrid.ground import Ground
+from spear_pin.hybrid.result import State
 from spear_pin.model.robot import Robot
 
 TRIES = 12  # configurations from which loops are closed, to find the one that hangs lowest
+YIELDING = ("hip", "knee")
 Law = Callable[..., Sequence[Any]]
 
 
@@ -100,12 +103,27 @@ def count_beyond(robot: Robot, q: Array) -> int:
     return sum(not low <= value <= high for (low, high), value in limits)
 
 
-def find_landing_velocity(robot: Robot, q: Array, fall: float) -> Array:
-    """Returns the velocity, (nv,), of a robot that falls at a speed, in m/s, onto its toe, which is at rest."""
+def set_down(robot: Robot, q: Array, fall: float, ground: Ground, yielding: Sequence[str] = YIELDING) -> State:
+    """Returns the state just after touchdown in a posture, (nv,); see `find_landing_velocity` for the rest."""
+    q = q.copy()
+    x, z = robot.toe_position(q, robot.toes[0])
+    q[robot.index("boom_z")] = ground.under(x) - z
+    return q, find_landing_velocity(robot, q, fall, yielding)
+
+
+def find_landing_velocity(robot: Robot, q: Array, fall: float, yielding: Sequence[str] = YIELDING) -> Array:
+    """Returns the velocity, (nv,), of a robot that falls onto its toe, which is at rest.
+
+    Args:
+        robot: the robot.
+        q: its configuration, (nv,).
+        fall: the speed at which it falls, in m/s.
+        yielding: names of the two joints that turn; with `[reach]` all with motors do.
+    """
     J = robot.toe_jacobian(q, robot.toes[0])
     if robot.reach is None:
         v = np.zeros(robot.nv)
-        v[robot.index("boom_z")], rows = -fall, [robot.index("hip"), robot.index("knee")]
+        v[robot.index("boom_z")], rows = -fall, [robot.index(joint) for joint in yielding]
         v[rows] = np.linalg.lstsq(J[:, rows], -J @ v, rcond=None)[0]
         return v
     names = robot.independent

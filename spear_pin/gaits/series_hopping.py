@@ -8,15 +8,15 @@ rotor.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
-from spear_pin.errors import BadValue, require
-from spear_pin.gaits.inputs import ANGLE, Input
+from spear_pin.errors import BadValue
+from spear_pin.gaits.hop_law import HopLaw
+from spear_pin.gaits.reaching import set_down
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset, Switch
@@ -30,60 +30,23 @@ from spear_pin.model.spring import Spring, refuse_unusual
 
 COORDINATES = ("boom_z", "hip", "knee", "knee_spring")
 SERIES = Spring(unilateral=False)
+FALLING = 0.8  # m/s: how fast it lands in a guess
 
 
 @typed
 @dataclass(frozen=True)
-class SeriesHoppingLaw:
-    """Parameters of the hopping controller of a leg with a series spring; gains of the hip are `HoppingLaw`'s.
+class SeriesHoppingLaw(HopLaw):
+    """Parameters of the hopping controller of a leg with a series spring; the knee's are those of the rotor.
 
     The rotor holds its angle in flight and stance, u = -k δ + K (θ_des - θ_m) - K_D θ̇_m. In stance ±τ̄ drives it like
     the parallel one: it flexes through the first half period of the square wave, where it gives way to the spring, and
     extends through the second, where it winds the spring up.
 
     Attributes:
-        knee_touchdown: commanded angle of the rotor, in rad (assumption).
-        hip_touchdown: commanded hip angle in flight, in rad; None means half of the knee's.
-        stance_torque: τ̄, in N·m (solved for).
-        frequency: f of the square wave, in Hz (source).
-        hip_gain: K_hip, in N·m/rad (source).
-        hip_damping: |K_D,hip|, in N·m·s/rad (source).
-        knee_gain: K of the rotor, in N·m/rad (source's K_knee).
         knee_damping: K_D of the rotor, in N·m·s/rad (assumption: critical).
-        units: units of these numbers, by name.
-        inputs: numbers that event feedback may adjust, for SPEAR-II.
     """
 
-    knee_touchdown: float = 1.0
-    hip_touchdown: float | None = None
-    stance_torque: float = 8.0
-    frequency: float = 2.56
-    hip_gain: float = 54.77
-    hip_damping: float = 1.37
-    knee_gain: float = 63.25
     knee_damping: float = 2.6
-    units: ClassVar[Mapping[str, str]] = {
-        **dict.fromkeys(("knee_touchdown", "hip_touchdown"), "rad"),
-        **dict.fromkeys(("hip_gain", "knee_gain"), "N·m/rad"),
-        **dict.fromkeys(("hip_damping", "knee_damping"), "N·m·s/rad"),
-        "stance_torque": "N·m",
-        "frequency": "Hz",
-    }
-    inputs: ClassVar[Mapping[str, Input]] = {"stance_torque": Input(2.0, 4.0, True), "hip_touchdown": ANGLE}
-
-    def __post_init__(self) -> None:
-        """Checks the fields."""
-        require("SeriesHoppingLaw.frequency", self.frequency, lambda f: f > 0, "a number > 0, in Hz")
-        for name in ("knee_touchdown", "hip_touchdown"):
-            if (angle := getattr(self, name)) is not None:
-                require(f"SeriesHoppingLaw.{name}", angle, lambda a: abs(a) < math.pi, "within ±π rad")
-        for name in ("stance_torque", "hip_gain", "hip_damping", "knee_gain", "knee_damping"):
-            require(f"SeriesHoppingLaw.{name}", getattr(self, name), lambda gain: gain >= 0, "a number >= 0")
-
-    @property
-    def hip_commanded(self) -> float:
-        """Commanded hip angle in flight, in rad."""
-        return 0.5 * self.knee_touchdown if self.hip_touchdown is None else self.hip_touchdown
 
 
 def flight_law(t: Any, q: Any, v: Any, held: Any, p: SeriesHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
@@ -130,6 +93,7 @@ def series_hopping(
     refuse_unusual(spring)
     mount = Mount("knee_spring", spring, rest="rest", taut="taut")
     always: Held = {"rest": 0.0, "taut": 1.0}
+    posture = np.array([0.0, law.hip_commanded, law.knee_touchdown, 0.0])
 
     def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
         return {**always, "flexing": 1.0}
@@ -152,20 +116,9 @@ def series_hopping(
         section="touchdown",
         cyclic=(),
         build=series_hopping,
-        guess=lambda: _guess(robot, law, as_ground(contact)),
+        guess=lambda: set_down(robot, posture, FALLING, as_ground(contact), ("hip", "knee_spring")),
         measures=_MEASURES,
     )
-
-
-def _guess(robot: Robot, law: SeriesHoppingLaw, ground: Ground) -> tuple[Any, Any]:
-    """Returns a state just after touchdown at the commanded angles, falling slowly, with the rotor at rest."""
-    q = np.array([0.0, law.hip_commanded, law.knee_touchdown, 0.0])
-    x, z = robot.toe_position(q, "toe")
-    q[0] = ground.under(x) - z
-    v = np.array([-0.8, 0.0, 0.0, 0.0])
-    jacobian = robot.toe_jacobian(q, "toe")
-    v[[1, 3]] = np.linalg.solve(jacobian[:, [1, 3]], -jacobian @ v)
-    return q, v
 
 
 _MEASURES: Mapping[str, Callable[[Run], float]] = {

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from spear_pin.arrays import Array
-from spear_pin.gaits.hopping import find_commanded
 from spear_pin.gaits.reaching import pose_leg
 from spear_pin.gaits.springing import paths_of
 from spear_pin.hybrid.automaton import HybridSystem
@@ -54,7 +53,7 @@ class AtTouchdown:
             return reset
 
         def landed(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-            at = dict(zip(("hip", "knee"), find_commanded(p), strict=True))
+            at = {"hip": p.hip_commanded, "knee": p.knee_touchdown}
             there = [at.get(name, q[i]) for i, name in enumerate(robot.coordinates)]
             return {**latch(q, v, held, p), **{rest: values_along(path, robot, there) for rest, path in rests.items()}}
 
@@ -109,7 +108,8 @@ def _resting(system: HybridSystem) -> HybridSystem:
 
 def _lands(system: HybridSystem) -> Posture:
     """Returns the posture in which the law lets the leg land."""
-    return mechanism_of(system.robot).posed(pose_leg(system.robot, *find_commanded(system.law)).tolist(), ARRAYS)
+    robot, law = system.robot, system.law
+    return mechanism_of(robot).posed(pose_leg(robot, law.hip_commanded, law.knee_touchdown).tolist(), ARRAYS)
 
 
 def levers(system: HybridSystem) -> Array:
