@@ -129,8 +129,9 @@ class Gait(Shown):
 
         Raises:
             UnknownName: there is no parameter, measure or joint with a motor that has such a name.
-            BadValue: names do not fit together, a parameter is zero and with it part of the equations, a motor's
-                resistance or torque constant is not known, or the gait is in space or has hardware.
+            BadValue: a name is given twice, `keep` and `vary` differ in length, a parameter is zero and with it part
+                of the equations, a motor's resistance or torque constant is not known, the gait has hardware, or in
+                space a number tells left from right or is built into the law.
             NotDifferentiable: the cycle has no derivative; the text says why.
         """
         from spear_pin.gaits.sensitivity.sensitivity import sensitivity  # a late import: it compiles

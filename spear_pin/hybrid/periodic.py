@@ -115,6 +115,17 @@ def eigenvalues(matrices: Array) -> NDArray[np.complex128]:
     return np.take_along_axis(values, by_modulus(values), axis=-1)
 
 
+def measure_exits(multipliers: NDArray[np.complex128]) -> Array:
+    """Returns functions that are positive where all multipliers are in the unit circle, zero where some leave it, (3,).
+
+    They are Π (1 - λ) at +1 (a fold), Π (1 + λ) at -1 (a flip), and Π over pairs of (1 - λ_i λ_j) for a complex pair
+    (Neimark-Sacker).
+    """
+    i, j = np.triu_indices(len(multipliers), 1)
+    parts = 1.0 - multipliers, 1.0 + multipliers, 1.0 - multipliers[i] * multipliers[j]
+    return np.array([np.prod(part).real for part in parts])
+
+
 def by_modulus(values: NDArray[np.complex128]) -> NDArray[np.int64]:
     """Returns the order of multipliers by decreasing modulus, (..., d).
 

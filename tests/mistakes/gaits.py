@@ -21,11 +21,17 @@ MUTATIONS = [
         "gaits/continuation/signs",
         [*CONTINUED, "gaits/continuation/test_kicked_oscillator"],
         {
-            "a flip where a multiplier is 1": ("point.local.multipliers + 1.0", "point.local.multipliers - 1.0"),
-            "pairs with themselves": ("np.triu_indices(len(multipliers), 1)", "np.triu_indices(len(multipliers))"),
             "a saddle taken for a torus": ("TORUS if np.abs(pair.imag).max() > 0.0 else SADDLE", "TORUS"),
             "a fold told twice": ("{CROSSING: (FOLD, every), KINK: (KINK, before)}", "{KINK: (KINK, before)}"),
             "a jump taken for a root": ("jumps = abs(test(point)) >", "jumps = -abs(test(point)) >"),
+        },
+    ),
+    *mistakes_in(
+        "hybrid/periodic",
+        [*CONTINUED, "gaits/continuation/test_kicked_oscillator", "gaits/codesign/test_stability"],
+        {
+            "a flip where a multiplier is 1": ("1.0 + multipliers,", "1.0 - multipliers,"),
+            "pairs with themselves": ("np.triu_indices(len(multipliers), 1)", "np.triu_indices(len(multipliers))"),
         },
     ),
     *mistakes_in(

@@ -119,7 +119,7 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/tangent/stretched",
         ["gaits/sensitivity/test_sensitivity"],
-        {"a stretch at a fixed time": ("arc.end.slopes[:nv, None] * arc.tau)", "0.0)")},
+        {"a stretch at a fixed time": ("stretch.end.slopes[:nv, None] * stretch.tau)", "0.0)")},
     ),
     *mistakes_in(
         "hybrid/path_springs",

@@ -10,22 +10,19 @@ from spear_pin.arrays import Array
 from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.multipliers import step_of
 from spear_pin.gaits.sensitivity.orbit import Orbit, branch
+from spear_pin.hybrid.periodic import eigenvalues, measure_exits
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 STEP = 1e-6  # relative to a parameter; one-sided steps are shorter than central ones
 
 
 def borders(jacobian: Array, radius: float) -> Array:
-    """Returns functions that are positive inside the circle |λ| = radius and zero where a multiplier leaves it, (3,).
+    """Returns `measure_exits` of the circle |λ| = radius: positive inside it, zero where a multiplier leaves it, (3,).
 
-    They are Π (1 - λ/r) at +radius (with radius one: a fold), Π (1 + λ/r) at -radius (a flip), and Π over pairs of (1 -
-    λ_i λ_j / r²) for a complex pair (Neimark-Sacker). They are polynomials in the entries of the return map's Jacobian,
-    and so as smooth as the Jacobian. The modulus of the largest multiplier has a kink where two real multipliers meet.
+    They are polynomials in the entries of the return map's Jacobian, and so as smooth as the Jacobian. The modulus of
+    the largest multiplier has a kink where two real multipliers meet.
     """
-    values = np.linalg.eigvals(jacobian) / radius
-    i, j = np.triu_indices(len(values), 1)
-    parts = 1.0 - values, 1.0 + values, 1.0 - values[i] * values[j]
-    return np.array([np.prod(part).real for part in parts])
+    return measure_exits(eigenvalues(jacobian) / radius)
 
 
 def slopes(orbit: Orbit, keep: Sequence[str], radius: float, on_cycle: Callable[[], object] = lambda: None) -> Array:

@@ -16,20 +16,19 @@ Values = Callable[[Array], tuple[Array, Sequence[str], Sequence[Order]]]
 """Values of functions, (m, r), at points, (m, k), why there is none, "" where there is, and the orders of events."""
 
 
-def differentiate_values(values: Values, x: Array, step: float = STEP) -> tuple[Array, Array, Order]:
+def differentiate_values(values: Values, x: Array) -> tuple[Array, Array, Order]:
     """Returns the values at a point, (r,), their Jacobian there, (r, k), and the order of events.
 
     Args:
         values: the functions to differentiate.
         x: the point, (k,).
-        step: step of the differences, in each unknown.
 
     Raises:
         NoValue: there is no value at the point, or in some direction neither side has a value with the same order of
             events that does not jump.
     """
     k = len(x)
-    found, why, orders = values(x + np.concatenate([np.zeros((1, k)), stencil(k, step)]))
+    found, why, orders = values(x + np.concatenate([np.zeros((1, k)), stencil(k)]))
     if why[0]:
         raise NoValue(why[0], orders[0])
     centre, order = found[0], orders[0]
@@ -37,9 +36,9 @@ def differentiate_values(values: Values, x: Array, step: float = STEP) -> tuple[
     same = np.array([not reason and each == order for reason, each in zip(why, orders, strict=True)])[1:]
     sides = np.stack([same[:k], same[k:]])
     # between two borders neither side is free; values without jump are enough for Newton's method
-    smooth = np.abs(np.stack([ahead, behind])).max(axis=2) < STEEPEST * step  # False where there is no value
+    smooth = np.abs(np.stack([ahead, behind])).max(axis=2) < STEEPEST * STEP  # False where there is no value
     sides |= ~sides.any(axis=0) & smooth
     if not sides.any(axis=0).all():
         raise NoValue(NO_NEIGHBOUR, order)
-    slopes = (np.where(sides[0, :, None], ahead, 0.0) + np.where(sides[1, :, None], behind, 0.0)) / step
+    slopes = (np.where(sides[0, :, None], ahead, 0.0) + np.where(sides[1, :, None], behind, 0.0)) / STEP
     return centre, (slopes / sides.sum(axis=0)[:, None]).T, order

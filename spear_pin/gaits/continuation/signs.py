@@ -9,8 +9,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from spear_pin.arrays import Array
 from spear_pin.gaits.continuation.problem import NoValue, Problem
 from spear_pin.gaits.continuation.stepping import Point, step_along
+from spear_pin.hybrid.periodic import measure_exits
 
 Multipliers = NDArray[np.complex128]
 FOLD, FLIP, TORUS = "fold", "flip", "neimark_sacker"
@@ -42,29 +44,9 @@ class Special:
     critical: Multipliers
 
 
-def _turn(point: Point) -> float:
-    return point.slope
-
-
-def _one(point: Point) -> float:
-    return float(np.prod(point.local.multipliers - 1.0).real)
-
-
-def _minus_one(point: Point) -> float:
-    return float(np.prod(point.local.multipliers + 1.0).real)
-
-
-def _pair(point: Point) -> float:
-    return float(np.prod(_products(point.local.multipliers) - 1.0).real)
-
-
-def _products(multipliers: Multipliers) -> Multipliers:
-    """Returns the products of all pairs of multipliers."""
-    i, j = np.triu_indices(len(multipliers), 1)
-    return np.asarray(multipliers[i] * multipliers[j])
-
-
-TESTS: tuple[Callable[[Point], float], ...] = (_turn, _one, _minus_one, _pair)
+def _signs(point: Point) -> Array:
+    """Returns what changes sign where the parameter turns, a multiplier is 1 or -1, or two have the product 1, (4,)."""
+    return np.append(point.slope, measure_exits(point.local.multipliers))
 
 
 def specials(problem: Problem, base: Point, end: Point, length: float) -> list[Special]:
@@ -77,11 +59,14 @@ def specials(problem: Problem, base: Point, end: Point, length: float) -> list[S
         length: length of the step.
     """
     found: list[tuple[float, Special]] = []
-    for test in TESTS:
-        if test(base) * test(end) < 0.0:
-            at, point = locate_zero(problem, base, end, length, test)
-            jumps = abs(test(point)) > SMALL * max(abs(test(base)), abs(test(end))) or _jumps(problem, point, test)
-            found.append((at, Special(KINK, point, NONE) if jumps else _named(test, point)))
+    for k in np.flatnonzero(_signs(base) * _signs(end) < 0.0).tolist():
+
+        def test(point: Point, k: int = k) -> float:
+            return float(_signs(point)[k])
+
+        at, point = locate_zero(problem, base, end, length, test)
+        jumps = abs(test(point)) > SMALL * max(abs(test(base)), abs(test(end))) or _jumps(problem, point, test)
+        found.append((at, Special(KINK, point, NONE) if jumps else _named(k, point)))
     found.sort(key=lambda each: each[0])
     return [special for i, (at, special) in enumerate(found) if not _said(found[:i], found, at, special, length)]
 
@@ -134,17 +119,13 @@ def locate_zero(
     return root, seen[root]
 
 
-def _named(test: Callable[[Point], float], point: Point) -> Special:
+def _named(k: int, point: Point) -> Special:
+    """Names the special point at which one of `_signs` changes."""
     values = point.local.multipliers
-    if test is _turn or test is _one:
-        return Special(FOLD if test is _turn else CROSSING, point, _nearest(values, 1.0))
-    if test is _minus_one:
-        return Special(FLIP, point, _nearest(values, -1.0))
+    if k < 3:
+        nearest = values[[int(np.argmin(np.abs(values - (-1.0 if k == 2 else 1.0))))]]
+        return Special((FOLD, CROSSING, FLIP)[k], point, nearest)
     i, j = np.triu_indices(len(values), 1)
     k = int(np.argmin(np.abs(values[i] * values[j] - 1.0)))
     pair = values[[i[k], j[k]]]
     return Special(TORUS if np.abs(pair.imag).max() > 0.0 else SADDLE, point, pair)
-
-
-def _nearest(values: Multipliers, to: float) -> Multipliers:
-    return values[[int(np.argmin(np.abs(values - to)))]]

@@ -79,10 +79,6 @@ class Curves:
         """Returns ∫ of the positive part of a signal, (n,)."""
         return self.integral(values, where=values)
 
-    def absolute(self, values: Array) -> float:
-        """Returns ∫ of a signal's modulus, (n,)."""
-        return self.positive(values) + self.positive(-values)
-
     def halves(self, power: Callable[[Array, Array], Array], torque: Array, speed: Array) -> tuple[float, float]:
         """Returns ∫ of the positive and of the negative part of a power, both >= 0, from torque and speed.
 

@@ -187,7 +187,7 @@ class Differentiated(Signals):
         dy = last.dstate + last.end.slopes[:, None] * last.tau
 
         def at(i: int) -> Dual:
-            return Dual(float(last.state[i]), dy[i])
+            return Dual(float(last.arc.after[i]), dy[i])
 
         return {joint: (at(self.robot.index(joint)), at(nv + self.robot.index(joint))) for joint in self.robot.actuated}
 

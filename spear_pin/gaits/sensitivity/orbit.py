@@ -160,7 +160,7 @@ def orbit_of_gait(
 ) -> Orbit:
     """Returns the orbit of a gait with cycle and measures found; its names are `vary`, then `over`.
 
-    See `sensitivity.sensitivity` for the arguments and for what is raised.
+    See `Gait.sensitivity` for the arguments and for what is raised.
     """
     check_equations(system)
     check_gears(system, motors)

@@ -171,23 +171,10 @@ def sensitivity(
     come from differences of exact Jacobians along the branch. If the cycle has no derivative, because a guard grazes or
     two events meet, the function raises an error.
 
-    Args:
-        system: the system whose return map has the state as a fixed point.
-        state: (q, v) on the section.
-        over: parameters, by the names of numbers of law, springs, ground or robot.
-        vary: parameters that are solved for, so that the measures in `keep` keep their values.
-        keep: as many measures as there are names in `vary`.
-        motors: by the name of each joint, a motor or a drive. Motors give the measures `heat_JOINT`, in J a cycle, and
-            `energy`, the net work of all motors and this heat, behind gears that lose nothing. Drives give
-            `electricity_JOINT`, in J a cycle, `electricity` where all joints have one, and `reserve_JOINT`, in N·m.
-            Both give `heating_JOINT`, rms over continuous torque. Gear ratios and sizes of motors are the robot's.
+    See `Gait.sensitivity` for the arguments besides the system and the state (q, v) on its section.
 
     Raises:
-        UnknownName: there is no parameter, measure or joint with a motor that has such a name.
-        BadValue: a name is given twice, `keep` and `vary` differ in length, a parameter is zero and with it part of the
-            equations, the state is not a fixed point, a motor's resistance or torque constant is not known, the
-            system has hardware, or in space a number tells left from right or is built into the law.
-        NotDifferentiable: the cycle has no derivative.
+        BadValue: the state is not a fixed point of the return map; for the rest see there.
     """
     orbit = orbit_of_gait(system, state, over, vary, keep, motors)
     chain = branch(orbit, keep)

@@ -54,11 +54,6 @@ class Stretch:
         """Weights of an integral over the arc, (k,), zero at its ends."""
         return np.append(np.outer(self.carried.lengths, rule().weights), [0.0, 0.0])
 
-    @property
-    def state(self) -> Array:
-        """State at the arc's end, just before the event, (2 nv,)."""
-        return self.arc.after
-
     @cached_property
     def dy(self) -> Array:
         """Derivatives of the states at a fixed clock, (2 nv, k, c)."""

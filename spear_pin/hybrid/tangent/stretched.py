@@ -14,13 +14,13 @@ from spear_pin.hybrid.tangent.derivative import Stretch
 from spear_pin.model.equations import mechanism_of
 
 
-def measure_stretch(system: HybridSystem, mount: Mount, arc: Stretch, numbers: Array, dnumbers: Array) -> Dual:
+def measure_stretch(system: HybridSystem, mount: Mount, stretch: Stretch, numbers: Array, dnumbers: Array) -> Dual:
     """Returns how much longer a spring's path is than at rest at the event that ends an arc, in rad or m.
 
     Args:
         system: the system.
         mount: the spring.
-        arc: the arc, with its derivatives along c directions.
+        stretch: the arc, with its derivatives along c directions.
         numbers: the system's run-time parameters without the held values, (p,).
         dnumbers: their derivatives, (p, c).
     """
@@ -28,7 +28,7 @@ def measure_stretch(system: HybridSystem, mount: Mount, arc: Stretch, numbers: A
     mechanism, scalars, _ = symbols(system, mechanism_of(system.robot), {}, make_varying(numbers, dnumbers))
     spring, path = number_spring(mount, system, scalars.springs)
     posed = partial(mechanism.posed, ops=ARRAYS)
-    q = duals(arc.state[:nv], arc.dstate[:nv] + arc.end.slopes[:nv, None] * arc.tau)
-    rest = rest_length(mount, spring, path, system.robot, arc.held, posed)
-    found = mount.stretch(spring, path.length(posed(q)), rest, arc.held)
+    q = duals(stretch.arc.after[:nv], stretch.dstate[:nv] + stretch.end.slopes[:nv, None] * stretch.tau)
+    rest = rest_length(mount, spring, path, system.robot, stretch.held, posed)
+    found = mount.stretch(spring, path.length(posed(q)), rest, stretch.held)
     return Dual(float(value_of(found)) + 0.0, derivative_of(found))

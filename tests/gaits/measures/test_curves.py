@@ -30,7 +30,7 @@ def test_integrals():
     )
     assert curves.integral(values) == pytest.approx(whole, abs=1e-9)
     assert curves.positive(values) == pytest.approx(positive, abs=1e-9)
-    assert curves.absolute(values) == pytest.approx(2.0 * positive - whole, abs=1e-9)
+    assert curves.positive(-values) == pytest.approx(positive - whole, abs=1e-9)
     assert curves.duration == pytest.approx(2.0)
 
 

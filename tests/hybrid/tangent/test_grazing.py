@@ -72,7 +72,7 @@ def test_a_height_that_is_hardly_reached(hop):
         orbit = gated(hop, ceiling(apex.value - below))
         duration = orbit.cycle.durations["flight"]
         (stretch,) = [each for each in orbit.cycle.stretches if each.arc.event.name == "gate"]
-        speed = float(stretch.state[orbit.system.robot.nv + BOOM_Z])
+        speed = float(stretch.arc.after[orbit.system.robot.nv + BOOM_Z])
         found.append((duration.d * speed, speed))
     # it is reached later by as much as the apex is lower, by the speed there
     off = [np.abs(rate + apex.derivative).max() / np.abs(apex.derivative).max() for rate, _ in found]
@@ -117,7 +117,7 @@ def test_an_event_that_meets_another_has_a_time_of_its_own(hop):
     orbit = Orbit(change_system(hop.system, Meeting(height)), hop.state, ("frequency",))
     plain = gated(hop, ceiling(height), ("frequency",)).cycle.durations["flight"]
     (stretch,) = [each for each in orbit.cycle.stretches if each.arc.event.name == "passed"]
-    speed = stretch.state[orbit.system.robot.nv + BOOM_Z]
+    speed = stretch.arc.after[orbit.system.robot.nv + BOOM_Z]
     later, column = orbit.cycle.durations["flight"].d - plain.d, orbit.dimension
     assert later[:column] == pytest.approx(0.0, abs=1e-9)  # what moves both alike
     assert later[column] == pytest.approx(1.0 / 2.56 / speed, rel=1e-9)
