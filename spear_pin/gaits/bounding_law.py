@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 from spear_pin.errors import BadValue, list_names, require
 from spear_pin.gaits.inputs import ANGLE, Input
 from spear_pin.gaits.legs import AHEAD, Leg
-from spear_pin.gaits.virtual_constraints import Evolution, Outputs, zero_outputs
+from spear_pin.gaits.virtual_constraints import Evolution, Outputs, demand_accelerations
 from spear_pin.hybrid.domain import Law
 from spear_pin.hybrid.dynamics import Dynamics, Operations
 from spear_pin.kinds import typed
@@ -140,12 +140,9 @@ class BoundingLaw:
         valid: Valid = {
             "virtual_stiffness": (lambda k: k >= 0, "a number >= 0, in N·m/rad"),
             "epsilon": (lambda e: e > 0, "a number > 0, in s"),
-            "knee_rest": (lambda a: 0 < a < math.pi, "between 0 and π rad"),
-            "knee_touchdown": (lambda a: 0 < a < math.pi, "between 0 and π rad"),
-            "posterior_stance_span": (lambda span: span < 0, "a number < 0, in rad"),
-            "anterior_stance_span": (lambda span: span < 0, "a number < 0, in rad"),
-            "flight_1_span": (lambda span: span > 0, "a number > 0, in m"),
-            "flight_2_span": (lambda span: span > 0, "a number > 0, in m"),
+            **dict.fromkeys(("knee_rest", "knee_touchdown"), (lambda a: 0 < a < math.pi, "between 0 and π rad")),
+            **dict.fromkeys((f"{leg}_stance_span" for leg in LEGS), (lambda span: span < 0, "a number < 0, in rad")),
+            **dict.fromkeys(("flight_1_span", "flight_2_span"), (lambda span: span > 0, "a number > 0, in m")),
         }
         check_numbers(self, valid, SHAPES)
         if self.nominal != () and not has_shape(self.nominal, (STATES,)):
@@ -288,8 +285,8 @@ def law_of(bearing: Sequence[Leg], outputs: Outputs | None) -> Law:
     def law(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         torques = [torque for leg in bearing for torque in support(leg, q, held, p, dyn)]
         if outputs is not None:
-            swing = zero_outputs(outputs, evolution(held), q, v, p.epsilon, torques, dyn, ops)
-            torques += zip(outputs.motors, swing, strict=True)
+            demand = demand_accelerations(outputs, evolution(held), q, v, p.epsilon, ops)
+            torques += zip(outputs.motors, dyn.imposing(*demand, outputs.motors, torques), strict=True)
         return [torque for _, torque in sorted(torques, key=lambda pair: pair[0])]
 
     return law

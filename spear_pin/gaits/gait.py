@@ -159,7 +159,9 @@ class Gait(Shown):
             "format": FORMAT,
             "kind": self.system.kind,
             "robot": origin(self.system.robot),
-            **_parts(self.system),
+            "law": asdict(self.system.law),
+            **springs_data(self.system),
+            "contact": asdict(self.system.contact),
             "limits": {name: float(limit) for name, limit in limits(self.system).items()},
             "state": {"q": self.state[0].tolist(), "v": self.state[1].tolist()},
             "parameters": dict(self.parameters),
@@ -269,11 +271,6 @@ def _numbers(name: str, values: Any, count: int | None = None) -> NDArray[np.flo
     if not right or count not in (None, len(values)):
         raise BadValue(name, values, "numbers" if count is None else f"{count} numbers")
     return np.array(values, dtype=float)
-
-
-def _parts(system: HybridSystem) -> dict[str, Any]:
-    """Returns law, springs and contact, as a file has them."""
-    return {"law": asdict(system.law), **springs_data(system), "contact": asdict(system.contact)}
 
 
 def springs_data(system: HybridSystem) -> dict[str, Any]:

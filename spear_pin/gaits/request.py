@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from spear_pin.errors import BadValue, UnknownName, require
 from spear_pin.gaits.bounding_law import PAIR, BoundingLaw, legs_of
@@ -28,6 +29,7 @@ OBJECTIVES: dict[str, tuple[str, str]] = {
 }
 """Objectives that can be minimised: name -> unit, meaning."""
 
+Made = TypeVar("Made", bound=Any)
 LONGEST_STRIDE = 1.0  # s: limits of the search for Q-SPEAR's size, also in the next lines
 FASTEST, FARTHEST = 30.0, 4.0  # m/s, m
 HIGHEST = 0.9  # m: of the torso
@@ -154,10 +156,7 @@ class Request(Wishes):
             "friction": SURE * Contact().friction,
             "within_limits": True,
         }
-        unknown = values.keys() - vars(one).keys()
-        if unknown:
-            raise UnknownName("field of a request", min(unknown), vars(one))
-        return replace(one, **(numbers | values))
+        return change_fields(one, numbers, values)
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -213,6 +212,17 @@ class Request(Wishes):
             require("leg_touchdown", bound, lambda angle: abs(angle) <= STEEPEST, expected)
         if least > most:
             raise BadValue("leg_touchdown", self.leg_touchdown, expected)
+
+
+def change_fields(one: Made, numbers: Mapping[str, Any], values: Mapping[str, Any]) -> Made:
+    """Returns a request, or a law in it, with changed numbers and the named values.
+
+    Raises:
+        UnknownName: a name is not a field's.
+    """
+    if unknown := values.keys() - vars(one).keys():
+        raise UnknownName(f"field of {type(one).__name__}", min(unknown), vars(one))
+    return replace(one, **{**numbers, **values})
 
 
 def _straightest(robot: Robot, leg: Leg) -> float:

@@ -16,6 +16,7 @@ import numpy as np
 
 from spear_pin.errors import BadValue, require
 from spear_pin.gaits.inputs import Input
+from spear_pin.gaits.virtual_constraints import bezier
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, PINNED, STICK, Contact
 from spear_pin.hybrid.domain import Domain, Guard, Held, Mount, Reset
@@ -174,16 +175,6 @@ def limb_of(robot: Robot) -> Limb:
     return Limb(leg.thigh, leg.shank, robot.arm)
 
 
-def bezier(coefficients: Sequence[float], s: Any) -> Any:
-    """Returns the value at s, from 0 to 1, of the Bézier polynomial with given coefficients."""
-    n, up, down = len(coefficients) - 1, [1.0], [1.0]
-    for _ in range(n):  # products, since the derivatives of powers are not defined at zero
-        up.append(up[-1] * s)
-        down.append(down[-1] * (1.0 - s))
-    terms = (math.comb(n, k) * c * up[k] * down[n - k] for k, c in enumerate(coefficients) if c)
-    return sum(terms, 0.0 * s)
-
-
 def find_turning_torques(torques: tuple[Any, Any], v: Any, p: RoundHoppingLaw) -> tuple[Any, Any]:
     """Returns hip and knee torques, in N·m, of turning motors, given the torques commanded as at rest."""
     return torques[0] - p.hip_back_emf * v[2], torques[1] - p.knee_back_emf * v[3]
@@ -204,7 +195,7 @@ def laws(limb: Limb) -> tuple[Callable[..., Sequence[Any]], Callable[..., Sequen
 
     def stance(t: Any, q: Any, v: Any, held: Any, p: RoundHoppingLaw, dyn: Dynamics, ops: Operations) -> Sequence[Any]:
         s = 1.0 - ops.maximum(1.0 - t / p.push_time, 0.0)
-        hip, knee = limb.torques(q, (-bezier(p.push_ahead, s), -bezier(p.push_up, s)), ops)
+        hip, knee = limb.torques(q, (-bezier(p.push_ahead, s)[0], -bezier(p.push_up, s)[0]), ops)
         commanded = (
             hip + p.posture_gain * (p.hip_posture - q[2]) - p.posture_damping * v[2],
             knee + p.posture_gain * (p.knee_posture - q[3]) - p.posture_damping * v[3],

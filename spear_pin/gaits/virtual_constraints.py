@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from spear_pin.hybrid.dynamics import Dynamics, Row
+from spear_pin.hybrid.dynamics import Row
 from spear_pin.model.legs import lean
 
 SLOWEST = 1.0  # 1/s: least rate of s; Q-SPEAR's gaits begin their phases faster
@@ -166,7 +166,7 @@ def jet(variable: Variable, q: Sequence[Any], v: Sequence[Any], ops: Any = np) -
 
 
 def bezier(alpha: Sequence[Any], s: Any) -> tuple[Any, Any, Any]:
-    """Returns value, slope and curvature at s of a Bézier polynomial with given coefficients (at least two)."""
+    """Returns value, slope and curvature at s of a Bézier polynomial with given coefficients."""
     return _weighted(alpha, _bases(len(alpha) - 1, s))
 
 
@@ -246,17 +246,10 @@ def accelerations(
     return [dot(row, a) + rest for _, _, row, rest in _outputs(outputs, evolution, q, v, ops)]
 
 
-def zero_outputs(
-    outputs: Outputs,
-    evolution: Evolution,
-    q: Sequence[Any],
-    v: Sequence[Any],
-    epsilon: Any,
-    others: Sequence[tuple[int, Any]],
-    dyn: Dynamics,
-    ops: Any = np,
-) -> Sequence[Any]:
-    """Returns torques of the outputs' motors that give ÿ = -y/ε² - 2ẏ/ε, (5.15) and (5.20) with (5.16).
+def demand_accelerations(
+    outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], epsilon: Any, ops: Any = np
+) -> tuple[list[Row], list[Any]]:
+    """Returns rows and the values of rows times v̇ that give ÿ = -y/ε² - 2ẏ/ε, (5.15) and (5.20) with (5.16).
 
     Args:
         outputs: the controlled outputs.
@@ -264,19 +257,8 @@ def zero_outputs(
         q: configuration.
         v: velocity.
         epsilon: ε, in s: the outputs decay like exp(-t/ε).
-        others: the other motors, as (column, torque).
-        dyn: the dynamics at (q, v), which has `imposing`.
         ops: elementary functions for the type of q and v.
     """
-    rows, wanted = demand_accelerations(outputs, evolution, q, v, epsilon, ops)
-    torques: Sequence[Any] = dyn.imposing(rows, wanted, outputs.motors, others)
-    return torques
-
-
-def demand_accelerations(
-    outputs: Outputs, evolution: Evolution, q: Sequence[Any], v: Sequence[Any], epsilon: Any, ops: Any = np
-) -> tuple[list[Row], list[Any]]:
-    """Returns rows and the values of rows times v̇ that give ÿ = -y/ε² - 2ẏ/ε; see `zero_outputs` for the arguments."""
     rows: list[Row] = []
     wanted = []
     for y, dy, row, rest in _outputs(outputs, evolution, q, v, ops):

@@ -8,7 +8,7 @@ import pytest
 from spear_pin import Contact, Gait, Ground, Spring, continue_gait, find_gait, load, simulate, simulate_many
 from spear_pin.errors import BadFile, BadValue
 from spear_pin.gaits.measures.of_samples import Sampled
-from spear_pin.gaits.round_hopping import RoundHoppingLaw, bezier, limb_of, round_hopping
+from spear_pin.gaits.round_hopping import RoundHoppingLaw, limb_of, round_hopping
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.gaits.singly import find_each
 from spear_pin.hybrid.dynamics import FLOATS
@@ -298,13 +298,6 @@ class TestDerivatives:
 
 
 class TestLaw:
-    def test_bezier(self):
-        s = np.linspace(0.0, 1.0, 11)
-        np.testing.assert_allclose(
-            bezier((0.0, 20.0, 100.0, 0.0, 0.0), s), 80 * s * (1 - s) ** 3 + 600 * (s - s**2) ** 2
-        )
-        assert bezier((3.0,), 0.2) == 3.0 and bezier((0.0, 0.0), 0.2) == 0.0
-
     def test_leg(self, hoppy):
         limb, q = limb_of(hoppy), np.array([0.0, 0.0, 0.7, 1.9])
         (x, z), rows = limb.toe(*q[2:], FLOATS)

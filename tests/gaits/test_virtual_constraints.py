@@ -18,12 +18,12 @@ from spear_pin.gaits.virtual_constraints import (
     Leaning,
     Outputs,
     bezier,
+    demand_accelerations,
     errors,
     evaluate_desired,
     progress,
     resume,
     value,
-    zero_outputs,
 )
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import OPEN, STICK
@@ -70,12 +70,16 @@ def drawn(seed, phase):
     return q, v, Evolution(alpha, origin, span)
 
 
+def torques_of(outputs, evolution, q, v, epsilon, others, dyn):
+    return dyn.imposing(*demand_accelerations(outputs, evolution, q, v, epsilon), outputs.motors, others)
+
+
 def flow_of(phase, evolution):
     """Q-SPEAR with the law under test, the rest of its automaton left out."""
 
     def law(t, q, v, held, p, dyn, ops):
         others = given_torques(phase)
-        torques = zero_outputs(OUTPUTS[phase], evolution, q, v, EPSILON, others, dyn)
+        torques = torques_of(OUTPUTS[phase], evolution, q, v, EPSILON, others, dyn)
         chosen = dict([*others, *zip(OUTPUTS[phase].motors, torques, strict=True)])
         return [chosen[column] for column in range(4)]
 
@@ -98,6 +102,9 @@ class TestBezier:
         polynomial = BPoly(np.array(alpha)[:, None], [0.0, 1.0])
         expected = [float(polynomial(s, nu)) for nu in range(3)]
         np.testing.assert_allclose(bezier(alpha, s), expected, rtol=0, atol=1e-10 * max(1.0, max(map(abs, alpha))))
+
+    def test_a_constant(self):
+        assert bezier((3.0,), 0.2) == (3.0, 0.0, 0.0)
 
     @often
     @given(alpha=coefficients)
@@ -291,7 +298,7 @@ class TestOnSymbols:
         origin, span, past, epsilon, push = sp.symbols("origin span past epsilon push", real=True)
         evolution = Evolution(alpha, origin, span, past)
         dyn = self.dyn((free, gains), lambda a, b: sp.Matrix(a).LUsolve(sp.Matrix(b)))
-        torques = list(zero_outputs(self.OUTPUTS, evolution, q, v, epsilon, [(1, push)], dyn))
+        torques = list(torques_of(self.OUTPUTS, evolution, q, v, epsilon, [(1, push)], dyn))
         assert not any(sp.sympify(torque).has(sp.Piecewise, sp.nan) for torque in torques)
         symbols = [*q, *v, *free, *(g for row in gains for g in row), *alpha[0], *alpha[1]]
         symbols += [origin, span, past, epsilon, push]
@@ -306,7 +313,7 @@ class TestOnSymbols:
             response = at(free), at(gains)
             held = Evolution(at(alpha), x[origin], x[span], x[past])
             dyn = self.dyn(response, np.linalg.solve)
-            expected = zero_outputs(self.OUTPUTS, held, at(q), at(v), x[epsilon], [(1, x[push])], dyn)
+            expected = torques_of(self.OUTPUTS, held, at(q), at(v), x[epsilon], [(1, x[push])], dyn)
             np.testing.assert_allclose(compiled(*x.values()), expected, rtol=1e-9)
 
     def test_resume_and_errors(self):

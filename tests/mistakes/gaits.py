@@ -213,7 +213,7 @@ MUTATIONS = [
         ["gaits/test_round_hopping"],
         {
             "the toe commanded ahead of the wrong side": ("p.placement * (limb.reach", "-p.placement * (limb.reach"),
-            "stance pulls at the ground": ("-bezier(p.push_up, s)", "bezier(p.push_up, s)"),
+            "stance pulls at the ground": ("-bezier(p.push_up, s)[0]", "bezier(p.push_up, s)[0]"),
             "a push that does not end": ("s = 1.0 - ops.maximum(1.0 - t / p.push_time, 0.0)", "s = t"),
             "back-EMF drives": ("torques[0] - p.hip_back_emf", "torques[0] + p.hip_back_emf"),
             "back-EMF of lossless gears": ("return gears.efficiency * gear_constant", "return gear_constant"),
@@ -291,7 +291,6 @@ MUTATIONS = [
                 "- 0.0 * curvature * (rate * rate)",
             ),
             "virtual constraints: damped by half": ("+ 2.0 * dy) / epsilon", "+ dy) / epsilon"),
-            "virtual constraints: other motors forgotten": ("outputs.motors, others)", "outputs.motors, others[:0])"),
             "virtual constraints: slope at the beginning": ("slope / (len(shape) + 1)", "slope / (len(shape) + 2)"),
             "virtual constraints: held beyond the end": ("height + slope * (s - inside)", "height"),
             "virtual constraints: curved beyond the end": ("curvature - evolution.past * curvature", "curvature"),
@@ -306,6 +305,7 @@ MUTATIONS = [
         "gaits/bounding_law",
         ["gaits/test_bounding_law", "gaits/test_bounding_gaits"],
         {
+            "virtual constraints: other motors forgotten": ("outputs.motors, torques)", "outputs.motors, torques[:0])"),
             "bounding: physical spring added to the virtual one": ("total - dyn.spring_torque(leg.joint)", "total"),
             "bounding: virtual spring pulls": (
                 "+ p.leg_stiffness * flexed)",

@@ -132,9 +132,8 @@ def optimize_design(
     def tell(n: int, best: Local[Orbit]) -> None:
         on_iteration(n, best.f * scale, best.violation)
 
-    n = len(over)
-    start = problem.local(orbit, scale, count)
-    end = find_minimum(value, start, np.zeros(n), np.ones(n), tolerance=tolerance, iterations=iterations, on_step=tell)
+    start, box = problem.local(orbit, scale, count), (np.zeros(len(over)), np.ones(len(over)))
+    end = find_minimum(value, start, box, tolerance=tolerance, iterations=iterations, on_step=tell)
     best, reason = end.local.more, end.reason
     if reason == NO_VALUE:
         reason = f"{NO_VALUE}: {why}"

@@ -17,6 +17,7 @@ from spear_pin.arrays import Array
 from spear_pin.gaits.codesign.step import FAILURES, Cut, Local, Step, step_within
 
 T = TypeVar("T")
+Box = tuple[Array, Array]
 FIRST, LARGEST = 0.1, 0.5  # radii, of the box
 GOOD, BAD = 0.75, 0.1  # shares of a predicted gain
 PENALTY = 2.0  # of the largest multiplier, at least
@@ -59,8 +60,7 @@ class Minimum(Generic[T]):
 def find_minimum(
     value: Callable[[Array, Local[T]], Local[T] | None],
     start: Local[T],
-    lower: Array,
-    upper: Array,
+    box: Box,
     *,
     tolerance: float = 1e-6,
     iterations: int = 100,
@@ -71,8 +71,7 @@ def find_minimum(
     Args:
         value: returns the function about a point, given the best point so far; None where there is no value.
         start: the starting point, (n,).
-        lower: lower bounds, (n,).
-        upper: upper bounds, (n,); what varies should be of order one between the bounds.
+        box: lower and upper bounds, (n,) each; what varies should be of order one between them.
         tolerance: tolerance of the predicted gain, of violations, and of the radius.
         iterations: largest number of iterations.
         on_step: called after each step.
@@ -83,7 +82,7 @@ def find_minimum(
     across: list[Local[T]] = []
     for n in range(iterations):
         try:
-            ahead = _ahead(best, hessian, lower, upper, across, radius)
+            ahead = _ahead(best, hessian, box, across, radius)
         except FAILURES:
             if plain:
                 reason = UNSOLVED
@@ -100,7 +99,7 @@ def find_minimum(
             if ahead.on_kink and radius > NEARBY:
                 radius *= 0.3  # points across a kink far away give little information here
                 continue
-            left = _end(best, hessian, lower, upper, across).stationarity
+            left = _end(best, hessian, box, across).stationarity
             if left <= STILL * max(abs(best.f), 1.0) or steep:
                 reason = CONVERGED if best.violation <= tolerance else STUCK
                 break
@@ -109,7 +108,7 @@ def find_minimum(
         there = value(best.x + step, best)
         beyond, gained = there is None, _gain(best, there, penalty)
         if there is not None and gained < BAD * predicted and multipliers.any():
-            bent = _bent(best, there, hessian, lower, upper, across, radius)
+            bent = _bent(best, there, hessian, box, across, radius)
             nearer = None if bent is None else value(best.x + bent, best)
             if bent is not None and _gain(best, nearer, penalty) > gained:
                 there, step, gained = nearer, bent, _gain(best, nearer, penalty)
@@ -133,7 +132,7 @@ def find_minimum(
         if radius < tolerance:
             reason = NO_VALUE if beyond else STUCK
             break
-    return replace(_end(best, hessian, lower, upper, across), path=tuple(path), reason=reason)
+    return replace(_end(best, hessian, box, across), path=tuple(path), reason=reason)
 
 
 def _gain(best: Local[T], there: Local[T] | None, penalty: float) -> float:
@@ -144,13 +143,7 @@ def _gain(best: Local[T], there: Local[T] | None, penalty: float) -> float:
 
 
 def _bent(
-    best: Local[T],
-    there: Local[T],
-    hessian: Array,
-    lower: Array,
-    upper: Array,
-    across: Sequence[Local[T]],
-    radius: float,
+    best: Local[T], there: Local[T], hessian: Array, box: Box, across: Sequence[Local[T]], radius: float
 ) -> Array | None:
     """Returns the step corrected by what a trial says of the constraints' curvature; None where it says nothing.
 
@@ -159,7 +152,7 @@ def _bent(
     step = there.x - best.x
     curved = replace(best, c=there.c - best.A @ step, slopes=lambda: (best.g, best.A))
     try:
-        bent = _ahead(curved, hessian, lower, upper, across, radius).s
+        bent = _ahead(curved, hessian, box, across, radius).s
     except FAILURES:
         return None
     return None if np.allclose(bent, step, rtol=1e-3, atol=0.0) else bent
@@ -182,24 +175,22 @@ def _known(local: Local[T]) -> bool:
         return False
 
 
-def _ahead(
-    local: Local[T], hessian: Array, lower: Array, upper: Array, across: Sequence[Local[T]], radius: float
-) -> Step[T]:
+def _ahead(local: Local[T], hessian: Array, box: Box, across: Sequence[Local[T]], radius: float) -> Step[T]:
     """Returns the step of the model within a radius and the bounds, by what points near enough are across kinks."""
-    low, high = np.maximum(lower - local.x, -radius), np.minimum(upper - local.x, radius)
+    low, high = np.maximum(box[0] - local.x, -radius), np.minimum(box[1] - local.x, radius)
     near = [each for each in across if np.abs(each.x - local.x).max() <= REMEMBERED * radius]
     return step_within(local, hessian, low, high, near)
 
 
-def _end(local: Local[T], hessian: Array, lower: Array, upper: Array, across: Sequence[Local[T]]) -> Minimum[T]:
+def _end(local: Local[T], hessian: Array, box: Box, across: Sequence[Local[T]]) -> Minimum[T]:
     """Returns a point with what holds it: constraints, bounds and kinks, and the gradient that they do not balance."""
     try:
-        end = _ahead(local, hessian, lower, upper, across, NEARBY)
+        end = _ahead(local, hessian, box, across, NEARBY)
     except FAILURES:
         return Minimum(local, np.zeros(len(local.c)), np.zeros((2, len(local.x))), np.inf, ())
     found = np.where(local.c >= -NEARBY, end.multipliers, 0.0)  # what is missed has no price
     prices = np.where(local.c >= -NEARBY, end.prices, 0.0)
-    at_bounds = np.where([lower - local.x > -NEARBY, upper - local.x < NEARBY], end.at_bounds, 0.0)
+    at_bounds = np.where([box[0] - local.x > -NEARBY, box[1] - local.x < NEARBY], end.at_bounds, 0.0)
     left = local.g - local.A.T @ found - at_bounds[0] + at_bounds[1]
     for price, cut in end.kinks:
         left = left - price * cut.row

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 
-from spear_pin.errors import BadValue, UnknownName, require
+from spear_pin.errors import BadValue, require
 from spear_pin.gaits.footfalls.sequence import FOOTFALLS, LEGS, PAIRS, Footfalls
-from spear_pin.gaits.request import Wishes
+from spear_pin.gaits.request import Wishes, change_fields
 from spear_pin.kinds import typed
 from spear_pin.model.robot import Robot
 from spear_pin.model.scale import scale_in_space
@@ -18,7 +17,6 @@ from spear_pin.model.spring import PAIR_STIFFNESS, Spring, refuse_unusual
 SPRING = Spring(PAIR_STIFFNESS / 2.0, damping=0.0)
 """Of one knee of Q-SPEAR (source: Table 5.1)."""
 SHARPEST = 1.0  # rad a stride
-Made = TypeVar("Made", "StanceLaw", "SwingLaw", "FootfallRequest")
 
 
 @typed
@@ -70,7 +68,7 @@ class StanceLaw:
             "adduction_damping": one.adduction_damping * scale.torque * scale.time,
             "most": one.most * scale.torque,
         }
-        return _changed(one, numbers, values)
+        return change_fields(one, numbers, values)
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -104,7 +102,7 @@ class SwingLaw:
     def scaled(cls, robot: Robot, **values: float) -> SwingLaw:
         """Scales Q-SPEAR's law to another robot: times by √(l/g); see `StanceLaw.scaled` for the arguments."""
         one, scale = cls(), scale_in_space(robot)
-        return _changed(one, {name: time * scale.time for name, time in vars(one).items()}, values)
+        return change_fields(one, {name: time * scale.time for name, time in vars(one).items()}, values)
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -172,7 +170,7 @@ class FootfallRequest(Wishes):
             "longest_stride": one.longest_stride * scale.time,
             "spring": replace(SPRING, stiffness=SPRING.stiffness * scale.torque),
         }
-        return _changed(one, numbers, values)
+        return change_fields(one, numbers, values)
 
     def __post_init__(self) -> None:
         """Checks the fields."""
@@ -193,14 +191,3 @@ class FootfallRequest(Wishes):
             refuse_unusual(self.spring)
             if self.spring.rest is not None:
                 raise BadValue("spring.rest", self.spring.rest, "None: these springs are latched at touchdown")
-
-
-def _changed(one: Made, numbers: Mapping[str, Any], values: Mapping[str, Any]) -> Made:
-    """Returns a request, or a law in it, with changed numbers and the named values.
-
-    Raises:
-        UnknownName: a name is not a field's.
-    """
-    if unknown := values.keys() - vars(one).keys():
-        raise UnknownName(f"field of {type(one).__name__}", min(unknown), vars(one))
-    return replace(one, **{**numbers, **values})

@@ -67,24 +67,16 @@ def pairs_of(robot: Robot) -> Groups:
     return posterior, anterior
 
 
-def diagonals_of(robot: Robot) -> Groups:
-    """Returns the pairs of the posterior right and of the posterior left leg, each with the opposite anterior leg.
+def sides_of(robot: Robot, *, across: bool) -> Groups:
+    """Returns the posterior right and the posterior left leg, each with the anterior leg of its side, or of the other.
 
     Raises:
         BadValue: the robot is not such a quadruped; see `pairs_of`.
     """
-    (left, right), (across, other) = pairs_of(robot)
-    return Group("diagonal_right", (right, across), FLIGHTS[0]), Group("diagonal_left", (left, other), FLIGHTS[1])
-
-
-def laterals_of(robot: Robot) -> Groups:
-    """Returns the pair of the right legs and the pair of the left legs.
-
-    Raises:
-        BadValue: the robot is not such a quadruped; see `pairs_of`.
-    """
-    (left, right), (fore_left, fore_right) = pairs_of(robot)
-    return Group("lateral_right", (right, fore_right), FLIGHTS[0]), Group("lateral_left", (left, fore_left), FLIGHTS[1])
+    (left, right), fore = pairs_of(robot)
+    with_left, with_right = reversed(fore.legs) if across else fore.legs
+    name = "diagonal" if across else "lateral"
+    return Group(f"{name}_right", (right, with_right), FLIGHTS[0]), Group(f"{name}_left", (left, with_left), FLIGHTS[1])
 
 
 def together(robot: Robot) -> Groups:

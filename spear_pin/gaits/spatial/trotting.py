@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from spear_pin.gaits.spatial.automaton import Automaton, in_groups
-from spear_pin.gaits.spatial.legs import Groups, diagonals_of, laterals_of
+from spear_pin.gaits.spatial.legs import Groups, sides_of
 from spear_pin.gaits.spatial.trot_law import TrotLaw
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
@@ -46,7 +46,7 @@ def trotting(
         >>> trotting(trot.robot, trot.law).section
         'diagonal_touchdown'
     """
-    automaton = _in_halves(robot, law, diagonals_of(robot), SECTION)
+    automaton = _in_halves(robot, law, sides_of(robot, across=True), SECTION)
     return in_groups("trotting", automaton, law, spring, contact, ground, build=trotting)
 
 
@@ -70,7 +70,7 @@ def pacing(
         >>> pacing(pace.robot, pace.law).section
         'lateral_touchdown'
     """
-    automaton = _in_halves(robot, law, laterals_of(robot), LATERAL)
+    automaton = _in_halves(robot, law, sides_of(robot, across=False), LATERAL)
     return in_groups("pacing", automaton, law, spring, contact, ground, build=pacing)
 
 

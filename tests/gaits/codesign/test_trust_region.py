@@ -23,7 +23,7 @@ def rosenbrock(**more):
 
 
 def found(value, start, lower=(-2.0, -2.0), upper=(2.0, 2.0), **options):
-    return find_minimum(value, value(np.array(start)), np.array(lower), np.array(upper), tolerance=1e-9, **options)
+    return find_minimum(value, value(np.array(start)), (np.array(lower), np.array(upper)), tolerance=1e-9, **options)
 
 
 def test_rosenbrock_without_constraints():

@@ -9,7 +9,7 @@ from spear_pin import SpatialLaw, load, sagittal
 from spear_pin.errors import BadValue
 from spear_pin.gaits.orbits.embedding import embed, whole
 from spear_pin.gaits.spatial.automaton import Automaton
-from spear_pin.gaits.spatial.legs import Group, diagonals_of, move_in_space, pairs_of, place_in_space, together
+from spear_pin.gaits.spatial.legs import Group, move_in_space, pairs_of, place_in_space, sides_of, together
 from spear_pin.gaits.virtual_constraints import jet, value
 from spear_pin.hybrid.periodic import return_map
 from spear_pin.hybrid.symmetry import asymmetry, mirror_of
@@ -168,7 +168,7 @@ class TestGroups:
 
 class TestPairs:
     def test_diagonals(self):
-        first, second = diagonals_of(load("q_spear_full", base="chain"))
+        first, second = sides_of(load("q_spear_full", base="chain"), across=True)
         assert [leg.name for leg in first] == ["posterior_right", "anterior_left"]
         assert [leg.name for leg in second] == ["posterior_left", "anterior_right"]
 
