@@ -20,7 +20,7 @@ from spear_pin.hybrid.periodic import one_by_one, return_map
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.shooting import Cycle, Cycles
 from spear_pin.hybrid.tangent.record import Recorder, many
-from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.resets import attempt
 from spear_pin.hybrid.tangent.seeds import Seeds, seeds
 
 KEPT = 16  # systems with other robots: three are asked for again and again
@@ -81,10 +81,9 @@ class Family:
 
     def _recorded(self, q: Array, v: Array, values: Array) -> Cycles:
         """Runs a cycle as those with derivatives are run, or by the reference engine where it does not close so."""
-        try:
-            with LOCK:
-                lap = self.recorder(values).lap(np.concatenate([q, v]))
-        except REFUSALS:
+        with LOCK:
+            lap = attempt(lambda: self.recorder(values).lap(np.concatenate([q, v])))
+        if lap is None:
             return self.by_reference(np.arange(1), q[None], v[None], values[None])
         durations = {phase: np.array([lap.spent.get(phase, 0.0)]) for phase in self.system.phases}
         after, nothing, reason = lap.y[None], np.empty((1, 0)), np.array([""], dtype=object)

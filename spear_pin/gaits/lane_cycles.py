@@ -21,7 +21,7 @@ from spear_pin.hybrid.parameters import parameter, with_parameters
 from spear_pin.hybrid.periodic import eigenvalues
 from spear_pin.hybrid.result import State
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycles, Slopes
-from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.resets import attempt
 from spear_pin.hybrid.tangent.section import exact_jacobian
 
 Lanes = NDArray[np.int64]
@@ -97,10 +97,8 @@ class LaneCycles:
 
     def jacobian(self, lane: int, state: State, values: Array) -> Array | float:
         """Returns the exact Jacobian of one lane's return map; NaN if it is not sooner, or there is none."""
-        try:
-            return exact_jacobian(self.of_lane(lane, values), state) if self.slopes else np.nan
-        except REFUSALS:
-            return np.nan
+        found = attempt(lambda: exact_jacobian(self.of_lane(lane, values), state)) if self.slopes else None
+        return np.nan if found is None else found
 
     def alone(self, lane: int, state: State, values: Array) -> NDArray[np.complex128] | None:
         """Returns multipliers of one lane's fixed point by its cycle alone; None if there are none."""

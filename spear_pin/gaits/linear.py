@@ -22,7 +22,7 @@ from spear_pin.hybrid.periodic import chart, one_by_one, return_map
 from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.shooting import Shooting
 from spear_pin.hybrid.symmetry import YAW, asymmetry
-from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.resets import attempt
 from spear_pin.hybrid.tangent.section import exact_map
 from spear_pin.hybrid.tangent.seeds import seeds
 from spear_pin.kinds import typed
@@ -135,11 +135,9 @@ def linearize(gait: Gait, inputs: Sequence[str], rtol: float = 1e-10) -> tuple[A
     nominal, n = np.array([parameter(system, name) for name in inputs]), local.dimension
 
     if end is None and may_vary(system, ()):
-        try:
-            found = exact_map(system, gait.state, seeds(system, inputs).numbers)
-            return found[:, :n], found[:, n:]
-        except REFUSALS:
-            pass
+        exact = attempt(lambda: exact_map(system, gait.state, seeds(system, inputs).numbers))
+        if exact is not None:
+            return exact[:, :n], exact[:, n:]
 
     def cycle(begun: State, values: Array) -> Run:
         run = return_map(with_parameters(system, dict(zip(inputs, values.tolist(), strict=True))), begun, rtol)

@@ -86,8 +86,7 @@ def _slope(length: Callable[[float], float], angle: float) -> float:
 def _inertia(robot: Robot, q: Array) -> Array:
     """Returns the inertias of a leg with `[reach]` at its hip and its knee, (2,), with the body at rest."""
     assert robot.reach is not None
-    names, reach = robot.independent, robot.reach
-    rows = [[dict(weights).get(motor, 0.0) for motor in robot.actuated] for weights in (reach.hip, reach.knee)]
+    names = robot.independent
     own = [names.index(motor) for motor in robot.actuated]
-    turns = np.linalg.pinv(np.array(rows))  # the motors' angles for one of hip, and of knee
+    turns = np.linalg.pinv(robot.reach.rows(robot.actuated))  # the motors' angles for one of hip, and of knee
     return np.diag(turns.T @ robot.reduced(q, np.zeros(len(names))).mass_matrix[np.ix_(own, own)] @ turns)

@@ -78,10 +78,8 @@ def pose_leg(robot: Robot, hip: float, knee: float) -> Array:
     if reach is None:
         q[robot.index("hip")], q[robot.index("knee")] = hip, knee
         return q
-    rows = np.array(
-        [[dict(weights).get(motor, 0.0) for motor in robot.actuated] for weights in (reach.hip, reach.knee)]
-    )
-    q[[robot.index(motor) for motor in robot.actuated]] = np.linalg.lstsq(rows, [hip, knee], rcond=None)[0]
+    found = np.linalg.lstsq(reach.rows(robot.actuated), [hip, knee], rcond=None)[0]
+    q[[robot.index(motor) for motor in robot.actuated]] = found
     tied = [i for i, name in enumerate(robot.coordinates) if name not in robot.independent]
     turning, closed = [i for i in tied if robot.units[i] == "rad"], []
     for start in np.random.default_rng(0).uniform(-2.0, 2.0, (TRIES, len(tied))):

@@ -95,15 +95,12 @@ def series_hopping(
     always: Held = {"rest": 0.0, "taut": 1.0}
     posture = np.array([0.0, law.hip_commanded, law.knee_touchdown, 0.0])
 
-    def latch_touchdown(q: Sequence[float], v: Sequence[float], held: Held, p: Any) -> Held:
-        return {**always, "flexing": 1.0}
-
     lift_off = Reset(latch=lambda q, v, held, p: always, phase="flight")
     flip = Reset(latch=lambda q, v, held, p: {"flexing": -held["flexing"]})
     fallen = fall(["hip", "knee"])
     switch = Switch("torque_switch", lambda n, p: 0.5 * n / p.frequency, flip)
     stance = Domain("stance", "stance", (STICK,), stance_law, mounts=(mount,), guards=fallen, switch=switch)
-    struck = Reset(impact=("toe",), latch=latch_touchdown, phase="stance")
+    struck = Reset(impact=("toe",), latch=lambda q, v, held, p: {**always, "flexing": 1.0}, phase="stance")
     guards = (touchdown("toe", struck), *fallen, Guard("apex", rate(0)))
     flight = Domain("flight", "flight", (OPEN,), flight_law, mounts=(mount,), guards=guards)
     return HybridSystem(

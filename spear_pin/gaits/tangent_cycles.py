@@ -23,7 +23,7 @@ from spear_pin.hybrid.tangent.collocation import ENDS, INSIDE
 from spear_pin.hybrid.tangent.cycle import differentiate_cycle
 from spear_pin.hybrid.tangent.derivative import Derivative
 from spear_pin.hybrid.tangent.record import Recorder, many
-from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.resets import attempt
 
 SAME = 1e-14  # relative: states that differ only by rounding, as from charts, have one cycle
 
@@ -100,21 +100,15 @@ class TangentCycles:
 
         Returns None where the cycle does not close or has no derivative.
         """
-        try:
-            with LOCK:
-                lap = self._recorder(values).motion(moment.phase, np.concatenate([moment.q, moment.v]), moment.held)
-        except REFUSALS:
-            return None
-        nq = len(moment.q)
+        nq, y = len(moment.q), np.concatenate([moment.q, moment.v])
+        with LOCK:
+            lap = attempt(lambda: self._recorder(values).motion(moment.phase, y, moment.held))
         return None if lap is None else Moment(lap.y[:nq], lap.y[nq:], lap.phase, lap.held)
 
     def record(self, q: Array, v: Array, values: Array) -> Record | None:
         """Returns the record of the cycle of one lane, or None where it does not close plainly."""
-        try:
-            with LOCK:
-                return self._recorder(values).lap(np.concatenate([q, v]))
-        except REFUSALS:
-            return None
+        with LOCK:
+            return attempt(lambda: self._recorder(values).lap(np.concatenate([q, v])))
 
     def _recorder(self, values: Array) -> Recorder:
         """Returns the recorder of cycles with values of the numbers, (k,)."""
@@ -156,7 +150,7 @@ class TangentCycles:
         y = np.concatenate([q, v])
         place = np.concatenate([y, values])
         if not (np.abs(place - self._found.place) <= SAME * np.maximum(1.0, np.abs(place))).all():
-            self._found.place, self._found.cycle = place, self._differentiated(y, values)
+            self._found.place, self._found.cycle = place, attempt(lambda: self._differentiated(y, values))
             self._found.count += 1
         return self._found.cycle
 
@@ -164,12 +158,9 @@ class TangentCycles:
         if not (np.isfinite(y).all() and np.isfinite(values).all()):
             return None
         along = np.eye(len(y), len(y) + len(values))
-        try:
-            with_parameters(self.system, dict(zip(self.vary, values.tolist(), strict=True)))  # it says what is valid
-            still = np.zeros(along.shape[1])  # none of the numbers changes the weight
-            return differentiate_measured(self._recorder(values), y, along, self.seeds, still, self.measures)
-        except REFUSALS:
-            return None
+        with_parameters(self.system, dict(zip(self.vary, values.tolist(), strict=True)))  # it says what is valid
+        still = np.zeros(along.shape[1])  # none of the numbers changes the weight
+        return differentiate_measured(self._recorder(values), y, along, self.seeds, still, self.measures)
 
     @cached_property
     def seeds(self) -> Array:

@@ -19,7 +19,7 @@ from spear_pin.hybrid.run import run
 from spear_pin.hybrid.section import chart as chart
 from spear_pin.hybrid.section import section
 from spear_pin.hybrid.shooting import NOT_FINITE, Cycle, Cycles, Shooting
-from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.resets import attempt
 from spear_pin.hybrid.tangent.section import exact_jacobian
 
 
@@ -101,12 +101,8 @@ def multipliers(system: HybridSystem, state: State, rtol: float = 1e-10) -> NDAr
     Raises:
         NoGait: a perturbed cycle does not close.
     """
-    if may_vary(system, ()):
-        try:
-            return eigenvalues(exact_jacobian(system, state))
-        except REFUSALS:
-            pass
-    return eigenvalues(differentiate_return_map(system, state, rtol))
+    exact = attempt(lambda: eigenvalues(exact_jacobian(system, state))) if may_vary(system, ()) else None
+    return eigenvalues(differentiate_return_map(system, state, rtol)) if exact is None else exact
 
 
 def eigenvalues(matrices: Array) -> NDArray[np.complex128]:

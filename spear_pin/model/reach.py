@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from spear_pin.arrays import Array
 from spear_pin.errors import BadValue, UnknownName
 
 Weights = tuple[tuple[str, float], ...]
@@ -35,9 +36,12 @@ class Reach:
         for joint, _ in (*self.knee, *self.hip):
             if joint not in motors:
                 raise UnknownName("motor in [reach]", joint, motors)
-        rows = [[dict(weights).get(motor, 0.0) for motor in motors] for weights in (self.knee, self.hip) if weights]
-        if np.linalg.matrix_rank(rows) < len(rows):
+        if np.linalg.matrix_rank(self.rows(motors)) < 1 + bool(self.hip):
             raise BadValue("reach", self, "a hip whose angle is no multiple of the knee's")
+
+    def rows(self, motors: Sequence[str]) -> Array:
+        """Returns the weights of motors in the angles of hip and knee, (2, n)."""
+        return np.array([[dict(weights).get(motor, 0.0) for motor in motors] for weights in (self.hip, self.knee)])
 
     def angles(self, values: Sequence[Any], coordinates: Sequence[str]) -> tuple[Any, Any]:
         """Returns the angles of hip and knee, or their rates, from those of all coordinates."""

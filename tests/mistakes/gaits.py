@@ -135,23 +135,17 @@ MUTATIONS = [
         },
     ),
     *mistakes_in(
-        "gaits/sensitivity/margins",
-        ["gaits/sensitivity/test_margins"],
-        {
-            "derivatives: a margin whose place stays": (
-                "piece.derivatives[BEGIN] + piece.rates[BEGIN] * piece.stretch.since",
-                "piece.derivatives[BEGIN]",
-            ),
-        },
-    ),
-    *mistakes_in(
         "gaits/sensitivity/signals",
         ["gaits/sensitivity/test_margins"],
         {
+            "derivatives: a margin whose place stays": (
+                "piece.derivatives[BEGIN] + piece.rates[BEGIN] * stretch.since",
+                "piece.derivatives[BEGIN]",
+            ),
             "derivatives: ends of panels are margins": (
                 "hulls[1:, 0] < 0.0",
                 "hulls[1:, 0] < np.inf",
-            )
+            ),
         },
     ),
     *mistakes_in(

@@ -11,7 +11,6 @@ from spear_pin.errors import SpearError
 from spear_pin.gaits.sensitivity.multipliers import step_of
 from spear_pin.gaits.sensitivity.orbit import Orbit, branch
 from spear_pin.hybrid.periodic import eigenvalues, measure_exits
-from spear_pin.hybrid.tangent.resets import NotDifferentiable
 
 STEP = 1e-6  # relative to a parameter; one-sided steps are shorter than central ones
 
@@ -50,6 +49,6 @@ def slopes(orbit: Orbit, keep: Sequence[str], radius: float, on_cycle: Callable[
                 if there.cycle.order == orbit.cycle.order:
                     found[:, j] = (borders(there.jacobian, radius) - here) / step
                     break
-            except (NotDifferentiable, SpearError):
+            except SpearError:
                 continue
     return found

@@ -26,7 +26,7 @@ from spear_pin.hybrid.result import Run, State
 from spear_pin.hybrid.rules.cycles import RETOUCH
 from spear_pin.hybrid.symmetry import YAW
 from spear_pin.hybrid.tangent.collocation import ENDS
-from spear_pin.hybrid.tangent.resets import REFUSALS
+from spear_pin.hybrid.tangent.resets import attempt
 from spear_pin.hybrid.tangent.section import cycle_on_section
 
 DIFFERENCE = 1e-5  # of the unknowns
@@ -169,10 +169,7 @@ class Strides:
         Raises:
             NoGait: a stride beside does not close, or a foot does not land.
         """
-        try:
-            exact = self._exact(x)
-        except REFUSALS:
-            exact = None
+        exact = attempt(lambda: self._exact(x))
         if exact is not None and np.isfinite(exact).all():
             return exact
         steps = DIFFERENCE * np.eye(self.unknowns)

@@ -58,7 +58,8 @@ def of_motion(motion: Sequence[Stretch]) -> Iterator[tuple[str, float, Array]]:
         for g, guard in enumerate(domain.guards):
             if guard is event:  # a guard at zero may also belong to an event that does not happen at once
                 left = evaluate_guard(at_once, g) if at_once.late else evaluate_guard(at_once, g).times(-1.0)
-                yield guard.name, *_begin(left)
+                _, value, derivative = next(extremes(left))
+                yield guard.name, value, derivative
         return
     for g, guard in enumerate(domain.guards):
         if guard.observes:
@@ -85,7 +86,3 @@ def extremes_of(pieces: Sequence[Pieces]) -> Iterator[tuple[float, Array]]:
             turns = place == 1.0 and i + 1 < len(pieces) and piece.rates[END] * pieces[i + 1].rates[BEGIN] < 0.0
             if 0.0 < place < 1.0 or turns or (place == 0.0 and i == 0) or (place == 1.0 and i + 1 == len(pieces)):
                 yield value, derivative
-
-
-def _begin(piece: Pieces) -> tuple[float, Array]:
-    return float(piece.values[BEGIN]), piece.derivatives[BEGIN] + piece.rates[BEGIN] * piece.stretch.since

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from typing import Any
 
@@ -20,7 +20,7 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, overload
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.legs import Leg
-from spear_pin.gaits.spatial.latches import bears, find_landing_legs, lands, swings, trails, waits
+from spear_pin.gaits.spatial.latches import bears, find_landing_legs, flies, swings, waits
 from spear_pin.gaits.spatial.legs import YAW, Group, Groups
 from spear_pin.gaits.spatial.torques import LegLaw, law_of, nominal_start
 from spear_pin.gaits.springing import Springing, springing_in_space
@@ -246,7 +246,7 @@ class Automaton:
         supported = bool(set(left) & set(others))
         last = not set(left) & set(own)
         aloft = [other for other in others if other not in left]
-        leaves = lands if follows is own else trails
+        leaves = partial(flies, lands=follows is own)
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
             latched = swings(leg, follows, q, v, held, p) if supported else leaves(leg, own, others, q, v, p)
@@ -254,7 +254,7 @@ class Automaton:
                 if other != leg and other not in left and f"{other.name}_alpha" not in held:  # where a run begins
                     latched |= leaves(other, own, others, q, v, p)
             for other in find_landing_legs(aloft, held) if last else ():
-                latched |= lands(other, own, own.legs, q, v, p)
+                latched |= flies(other, own, own.legs, q, v, p, lands=True)
             return latched
 
         phase = self.phase(left) if left else own.flight

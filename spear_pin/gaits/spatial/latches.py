@@ -54,9 +54,13 @@ def bears(leg: Leg, own: Group, q: Numbers, v: Numbers, p: LegLaw, anew: bool) -
     return {f"{leg.name}_{name}": each for name, each in latched.items()} | of_group
 
 
-def trails(leg: Leg, own: Group, others: Legs, q: Numbers, v: Numbers, p: LegLaw) -> dict[str, Any]:
-    """Starts a leg's trailing, over the travel along its present heading."""
-    return _begins(leg, others, _along(q), p.trailing(leg), q, v, p.span_of_flight(own), p, 0.0)
+def flies(leg: Leg, last: Group, others: Legs, q: Numbers, v: Numbers, p: LegLaw, *, lands: bool) -> dict[str, Any]:
+    """Starts a leg's motion in a flight, over the travel along its present heading.
+
+    It trails, or moves to its touchdown angles after the group that was last on the ground has lifted off.
+    """
+    shapes = p.landing(leg) if lands else p.trailing(leg)
+    return _begins(leg, others, _along(q), shapes, q, v, p.span_of_flight(last), p, float(lands))
 
 
 def swings(leg: Leg, bearing: Group, q: Numbers, v: Numbers, held: Held, p: LegLaw) -> dict[str, Any]:
@@ -66,11 +70,6 @@ def swings(leg: Leg, bearing: Group, q: Numbers, v: Numbers, held: Held, p: LegL
     left = 1.0 - (angle - held.get(f"{bearing.name}_leg", angle)) / whole
     span = whole * np.maximum(left, SHORTEST_SPAN)
     return _begins(leg, bearing.legs, (0.0, 0.0, 1.0 / len(bearing.legs)), p.swing(leg), q, v, span, p, 1.0)
-
-
-def lands(leg: Leg, last: Group, others: Legs, q: Numbers, v: Numbers, p: LegLaw) -> dict[str, Any]:
-    """Brings a leg to its touchdown angles after the group that was last on the ground has lifted off."""
-    return _begins(leg, others, _along(q), p.landing(leg), q, v, p.span_of_flight(last), p, 1.0)
 
 
 def waits(leg: Leg, last: Group, others: Legs, q: Numbers, p: LegLaw) -> dict[str, Any]:

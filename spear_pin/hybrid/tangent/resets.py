@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from spear_pin.hybrid.rules.spatial_impact import find_impulses
 from spear_pin.hybrid.tangent.fields import ToeNumbers
 from spear_pin.model.scalars import dot
 
+T = TypeVar("T")
 DEGENERATE = 1e-9  # relative to the largest speed or impulse: an active set this close to another is degenerate
 BORDER = "an impact of several toes is on the border between two outcomes"
 SINGULAR = 1e12  # condition number of J D⁻¹ Jᵀ above which toes depend on each other
@@ -32,6 +33,14 @@ class NotDifferentiable(SpearError):
 
 REFUSALS = SpearError, TypeError, ArithmeticError, np.linalg.LinAlgError
 """What stands for no derivative: a cycle that has none, a latch that branches on a value, an overflow."""
+
+
+def attempt(of: Callable[[], T]) -> T | None:
+    """Returns what a function returns; None where it has no derivative, and raises one of `REFUSALS`."""
+    try:
+        return of()
+    except REFUSALS:
+        return None
 
 
 def differentiate_strike(
