@@ -11,9 +11,10 @@ from spear_pin.gaits.series_hopping import series_hopping
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.clutch import Clock, after_edges, from_now_on
 from spear_pin.hybrid.domain import ACTS, KEEPS, LEAVES, TOUCHES, Edge
-from spear_pin.hybrid.parameters import number, unit, with_numbers
+from spear_pin.hybrid.parameters import unit, with_numbers
 from spear_pin.model.clutch import Clutch
 from spear_pin.model.path import Joints
+from tests.gaits import found_again
 from tests.slow import slow_but
 
 LEG = load("spear_ii", locked=["boom_x"])
@@ -201,18 +202,10 @@ def test_derivative_is_that_of_hops_found_again(over):
     if over == "slip":
         spring = Spring(clutch=Clutch(play=0.001, slip=35.9))
     gait = found(spring, guess=found(Spring()).state if over == "slip" else None, rtol=1e-12)
-    table, given = gait.sensitivity([over], ["stance_torque"], ["flight_time"]), number(gait.system, over)
-
-    def again(share):
-        other = with_numbers(gait.system, {over: given * (1 + share)})
-        near = find_gait(other, ["stance_torque"], {"flight_time": 0.2}, guess=gait.state, rtol=1e-12)
-        return np.array([near.parameters["stance_torque"], *near.state[0], *near.state[1]])
-
-    step = 1e-4 if over == "slip" else 1e-3  # the path grows on as a root of what is missing
-    coarse, fine = ((again(h) - again(-h)) / (2 * h * given) for h in (step, step / 2))
-    exact = np.array([*table.solved["stance_torque"], *table.state[:, 0]])
+    # the path grows on as a root of what is missing
+    exact, expected = found_again.hops(gait, over, 1e-4 if over == "slip" else 1e-3)
     assert np.abs(exact).max() > 1e-4
-    np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=1e-8 * np.abs(exact).max())
+    np.testing.assert_allclose(exact, expected, atol=1e-8 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize(

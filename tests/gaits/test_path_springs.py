@@ -18,6 +18,7 @@ from spear_pin.model.equations import mechanism_of
 from spear_pin.model.path import Joints
 from spear_pin.studies.comparison import Side, differences
 from spear_pin.viz.compare.words import parameters
+from tests.gaits import found_again
 from tests.slow import slow_but
 
 LEG = load("spear_ii", locked=["boom_x"])
@@ -176,18 +177,8 @@ def test_two_halves_of_a_spring_are_the_spring(hops):
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "over"), [(name, over) for name, names in OVER.items() for over in names])
 def test_derivative_is_that_of_hops_found_again(name, over):
-    gait = hop(name, rtol=1e-12)
-    table = gait.sensitivity([over], ["stance_torque"], ["flight_time"])
-    given = number(gait.system, over)
-
-    def found(share):
-        other = with_numbers(gait.system, {over: given * (1 + share)})
-        again = find_gait(other, ["stance_torque"], {"flight_time": 0.2}, guess=gait.state, rtol=1e-12)
-        return np.array([again.parameters["stance_torque"], *again.state[0], *again.state[1]])
-
-    coarse, fine = ((found(h) - found(-h)) / (2 * h * given) for h in (1e-3, 5e-4))
-    exact = np.array([*table.solved["stance_torque"], *table.state[:, 0]])
-    np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=2e-9 * np.abs(exact).max())
+    exact, expected = found_again.hops(hop(name, rtol=1e-12), over, 1e-3)
+    np.testing.assert_allclose(exact, expected, atol=2e-9 * np.abs(exact).max())
 
 
 @pytest.mark.slow

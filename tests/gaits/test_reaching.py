@@ -10,7 +10,7 @@ from spear_pin.errors import BadFile, BadValue, UnknownName
 from spear_pin.gaits.many import find_many
 from spear_pin.gaits.reaching import find_landing_velocity, pose_leg
 from spear_pin.hybrid.dry_friction import with_dry_friction
-from spear_pin.hybrid.parameters import number, with_numbers, with_parameters
+from spear_pin.hybrid.parameters import with_parameters
 from spear_pin.hybrid.periodic import differentiate_return_map, eigenvalues
 from spear_pin.hybrid.result import Options
 from spear_pin.hybrid.run import run
@@ -18,6 +18,7 @@ from spear_pin.hybrid.section import chart
 from spear_pin.model.path import Joints
 from spear_pin.studies.hop import summarize
 from spear_pin.viz.plots import hop_summary
+from tests.gaits import found_again
 from tests.model.looped import CRANK_LEG, CRANK_LOOP, FIVE_BAR, FIVE_BAR_LOOP, UPPER, crank_leg, five_bar, joint, write
 from tests.slow import slow_but
 
@@ -111,19 +112,9 @@ OVER = {
 @pytest.mark.extra("heyoka")
 @pytest.mark.parametrize(("name", "over"), [(name, over) for name, names in OVER.items() for over in names])
 def test_derivative_is_that_of_hops_found_again(systems, name, over):
-    options = {"vary": ["stance_torque"], "target": {"flight_time": 0.15}, "rtol": 1e-12}
-    gait = find_gait(systems[name], **options)
-    table = gait.sensitivity([over], ["stance_torque"], ["flight_time"])
-    given = number(gait.system, over)
-
-    def found(share):
-        other = with_numbers(gait.system, {over: given * (1 + share)})
-        again = find_gait(other, **options, guess=nearest(other, gait.state))
-        return np.array([again.parameters["stance_torque"], *again.state[0], *again.state[1]])
-
-    coarse, fine = ((found(h) - found(-h)) / (2 * h * given) for h in (1e-3, 5e-4))
-    exact = np.array([*table.solved["stance_torque"], *table.state[:, 0]])
-    np.testing.assert_allclose(exact, (4 * fine - coarse) / 3, atol=1e-7 * np.abs(exact).max())
+    gait = find_gait(systems[name], ["stance_torque"], {"flight_time": 0.15}, rtol=1e-12)
+    exact, expected = found_again.hops(gait, over, 1e-3, nearest)
+    np.testing.assert_allclose(exact, expected, atol=1e-7 * np.abs(exact).max())
 
 
 def nearest(system, state):

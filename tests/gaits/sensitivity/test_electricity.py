@@ -10,7 +10,6 @@ from spear_pin import Gait, find_gait, hopping, simulate
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.measures.catalogue import Measure
 from spear_pin.gaits.measures.of_samples import Sampled
-from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.sensitivity.measures import Measures
 from spear_pin.gaits.sensitivity.orbit import Orbit
 from spear_pin.hybrid.parameters import number, with_numbers
@@ -19,6 +18,7 @@ from spear_pin.model.catalogue import motor
 from spear_pin.model.motor import Drive, Gearbox
 from spear_pin.model.variants import vary
 from spear_pin.studies.design import against, points_of
+from tests.gaits import found_again
 
 OVER = ("stiffness", "knee_ratio", "friction", "hip_to_knee", "knee_motor_size", "hip_motor_size", "knee_motor_mass")
 DRIVES = {
@@ -88,14 +88,8 @@ def test_a_current_limit_bounds_the_reserve(hop, table):
 @pytest.mark.parametrize("name", OVER)
 def test_derivatives_against_gaits_found_again(hop, table, name):
     value, j = number(hop.system, name), OVER.index(name)
-    h, ends = 2e-4 * value, []
-    for k in (1, -1, 2, -2):
-        system = with_numbers(hop.system, {name: value + k * h})
-        state = gait_beside(system, hop.state, [], {}, 1e-12).state
-        ends.append(Orbit(system, state, (), DRIVES).measures)
-    for output in OUTPUTS:
-        a, b, c, d = (each[output].value for each in ends)
-        expected = (8.0 * (a - b) - (c - d)) / (12.0 * h)  # of fourth order
+    found = found_again.measures(hop, name, lambda orbit: [orbit.measures[each].value for each in OUTPUTS], DRIVES)
+    for output, expected in zip(OUTPUTS, found, strict=True):
         scale = 1e-8 * np.abs(table.derivatives[output] * table.given).max()
         assert table.derivatives[output][j] * value == pytest.approx(expected * value, rel=1e-8, abs=scale)
 
