@@ -135,14 +135,9 @@ def _toe_aside(case: _Case) -> Diagnosis | None:
 def _off_scale(case: _Case) -> Diagnosis | None:
     """Diagnoses a number that is far from SPEAR-II's, scaled."""
     law, spring, friction = case.system.law, case.system.spring, case.system.contact.friction
-    pairs = {
-        "friction": (friction, Contact().friction, ""),
-        "stance_torque": (law.stance_torque, case.law.stance_torque, "N·m"),
-        "frequency": (law.frequency, case.law.frequency, "Hz"),
-        "knee_touchdown": (law.knee_touchdown, case.law.knee_touchdown, "rad"),
-        "hip_gain": (law.hip_gain, case.law.hip_gain, "N·m/rad"),
-        "knee_gain": (law.knee_gain, case.law.knee_gain, "N·m/rad"),
-    }
+    pairs = {"friction": (friction, Contact().friction, "")}
+    for name in ("stance_torque", "frequency", "knee_touchdown", "hip_gain", "knee_gain"):
+        pairs[name] = getattr(law, name), getattr(case.law, name), law.units[name]
     if spring.path is None:
         pairs[DAMPING] = spring.damping, case.spring.damping, "N·m·s/rad"
     if case.reached is None and FLIGHT in case.target:

@@ -135,11 +135,10 @@ class Family:
         return Cycles(found.q[back], found.v[back], found.measured[back], durations, reason, reference, orders)
 
     def _few(self, q: Array, v: Array, values: Array) -> Cycles:
-        names, system = self.names, self.system
+        system = self.system
         if self.of_robot:
-            names, own = names[:-1], [*map(float, (*self.values()[:-1], values[0, -1]))]
-            system, values = self.member(own), values[:, :-1]
-        run = LaneCycles(system, {}, names, [str(name) for name in self.measures], self.rtol)
+            system, values = self._with_robot(float(values[0, -1])), values[:, :-1]
+        run = LaneCycles(system, {}, self._own, [str(name) for name in self.measures], self.rtol)
         return run(np.arange(len(q)), q, v, values)
 
     @cached_property
