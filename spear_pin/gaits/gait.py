@@ -216,20 +216,16 @@ class Gait(Shown):
             raise BadFile(path, f"is not a saved gait ({error}); expected a file that Gait.save wrote") from None
 
 
-def is_built_by_name(system: HybridSystem) -> bool:
-    """Tells whether the builder of a system's kind, which is known by its name, made the system."""
-    return system.kind not in KINDS or system.made["builder"] is KINDS[system.kind][0]
-
-
 def _unsaid(system: HybridSystem) -> list[str]:
     """Lists properties of a system that a file does not describe, in words."""
+    builder, _ = KINDS.get(system.kind, (system.made["builder"], None))  # known by the kind's name
     has = {
         "hardware": system.hardware is not None,
         "brakes": bool(system.brakes),
         "dry friction of joints": has_dry_friction(system),
         "ground that is no plane": type(system.contact) not in (Contact, Ground),
         **dict.fromkeys(unsaid(system.robot), True),
-        "another builder than others of its kind": not is_built_by_name(system),
+        "another builder than others of its kind": system.made["builder"] is not builder,
         "a change of its own": any(
             not isinstance(change, (Braking, DryFriction, EventFeedback, Fitted)) for change in system.changes
         ),

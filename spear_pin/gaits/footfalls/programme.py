@@ -98,11 +98,6 @@ def impulse_name(phase: str, leg: str) -> str:
     return f"impulse of {leg} into {phase}"
 
 
-def in_words(phase: str) -> str:
-    """Returns the name of a phase in words."""
-    return phase.replace("_", " ")
-
-
 class _Writer:
     """Writer of the programme; holds what its parts share while they are written."""
 
@@ -110,7 +105,7 @@ class _Writer:
         self.room, self.request, self.scale, self.limbs, self.start = room, room.request, room.scale, room.limbs, start
         self.programme = programme = Programme(start)
         self.mechanics = Mechanics(room.mechanism, room.limbs)
-        self.footfalls, self.labels = room.footfalls, [in_words(name) for name in room.names]
+        self.footfalls, self.labels = room.footfalls, [name.replace("_", " ") for name in room.names]
         self.unit, self.force = room.units
         self.landed: dict[str, Node] = {}
         self.support = support = room.support

@@ -217,7 +217,8 @@ class Automaton:
 
     def _closing(self, group: Group, phase: str) -> list[Guard]:
         """Returns the event just before a group's touchdown; from there on all depends on (q, v) alone."""
-        last, others, halfway = self._previous(group), self._others(group), group is not self.closing[0]
+        last = self.groups[self.groups.index(group) - 1]
+        others, halfway = self._others(group), group is not self.closing[0]
 
         def latch(q: Sequence[float], v: Sequence[float], held: Held, p: LegLaw) -> Held:
             return {name: each for leg in group for name, each in waits(leg, last, others, q, p).items()}
@@ -270,9 +271,6 @@ class Automaton:
     def _next(self, group: Group) -> Group:
         """Returns the group that lands after a group; a single group follows itself."""
         return self.groups[(self.groups.index(group) + 1) % len(self.groups)]
-
-    def _previous(self, group: Group) -> Group:
-        return self.groups[self.groups.index(group) - 1]
 
     def _others(self, group: Group) -> tuple[Leg, ...]:
         """Returns the legs that are not in a group."""
