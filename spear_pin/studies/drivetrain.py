@@ -16,7 +16,7 @@ import numpy as np
 from spear_pin.errors import BadValue, NoGait, require
 from spear_pin.gaits.attempts import MeasureOfRun
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.hopping import HoppingLaw, find_commanded, hopping
+from spear_pin.gaits.hopping import HoppingLaw, hopping
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.reaching import pose_leg
 from spear_pin.gaits.search import find_gait
@@ -183,7 +183,7 @@ def knee_drives(
 @typed
 def knee_inertia(robot: Robot, law: HoppingLaw) -> float:
     """Returns the inertia that a torque on the knee alone accelerates in the air, at the touchdown angles, in kg·m²."""
-    q, knee = pose_leg(robot, *find_commanded(law)), robot.index("knee")
+    q, knee = pose_leg(robot, law.hip_commanded, law.knee_touchdown), robot.index("knee")
     return float(1.0 / np.linalg.inv(robot.mass_matrix(q))[knee, knee])
 
 

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import UnknownName
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.hopping import find_commanded
 from spear_pin.gaits.measures.curves import Curves
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.reaching import angles
@@ -48,7 +47,7 @@ def summarize(gait: Gait, trajectory: Trajectory) -> dict[str, Any]:
     stance = sampled.curves.among(trajectory.phase == "stance")
     return {
         "stance_torque": law.stance_torque,
-        "hip_touchdown": find_commanded(law)[0],
+        "hip_touchdown": law.hip_commanded,
         "knee_touchdown": law.knee_touchdown,
         "frequency": law.frequency,
         "stiffness": gait.system.spring.stiffness,

@@ -12,7 +12,7 @@ import numpy as np
 from spear_pin.errors import NoGait
 from spear_pin.gaits.continuation import continue_gait
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.hopping import HoppingLaw, find_commanded
+from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.targets import FLIGHT
 from spear_pin.hybrid.automaton import HybridSystem
@@ -117,7 +117,7 @@ def _stops(usual: HybridSystem, system: HybridSystem) -> list[tuple[str, float]]
     names = ("stiffness", "damping", "hardening", "preload", "frequency", "friction")
     stops = [(name, parameter(system, name)) for name in names]
     begins = [parameter(usual, name) for name in ANGLES]
-    ways = [*zip(ANGLES, begins, reversed(find_commanded(system.law)), strict=True)]
+    ways = [*zip(ANGLES, begins, (system.law.knee_touchdown, system.law.hip_commanded), strict=True)]
     for share in np.linspace(0.0, 1.0, STAGES + 1)[1:].tolist():
         stops += [(name, (1.0 - share) * a + share * b) for name, a, b in ways]
     return stops

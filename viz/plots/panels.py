@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spear_pin.errors import BadValue, UnknownName
 from spear_pin.gaits.gait import Gait
-from spear_pin.gaits.hopping import HoppingLaw, find_commanded
+from spear_pin.gaits.hopping import HoppingLaw
 from spear_pin.hybrid.column_names import PAIR, of_a_pair
 from spear_pin.hybrid.ground import Ground
 from spear_pin.hybrid.trajectory import Trajectory
@@ -195,7 +195,7 @@ def _commanded(trajectory: Trajectory, joint: str, gait: Gait) -> list[tuple[Spa
     law = gait.system.law
     if not isinstance(law, HoppingLaw) or joint not in ("hip", "knee"):
         return []
-    hip, knee = find_commanded(law)
+    hip, knee = law.hip_commanded, law.knee_touchdown
     levels = []
     for first, last in _runs(trajectory, ~_bears(trajectory)):
         speed = trajectory.v[first, trajectory.coordinates.index("boom_x")] if law.foot_placement else 0.0
