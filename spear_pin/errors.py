@@ -150,13 +150,14 @@ def import_extra(module: str, extra: str, purpose: str) -> Any:
         purpose: what needs it, in words.
 
     Raises:
-        MissingExtra: it, or a package that it needs, is not installed.
+        MissingExtra: it, or a package that it needs, is not installed, or does not fit the others.
     """
     try:
         return import_module(module)
     except ImportError as error:
-        package = (error.name or module).partition(".")[0].replace("_", "-")
-        raise MissingExtra(package, extra, purpose) from None
+        missing = (error.name if isinstance(error, ModuleNotFoundError) else None) or module
+        package = missing.partition(".")[0].strip("_").replace("_", "-")
+        raise MissingExtra(package, extra, purpose) from error
 
 
 class MissingProgram(SpearError):

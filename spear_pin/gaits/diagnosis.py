@@ -137,7 +137,7 @@ def _off_scale(case: _Case) -> Diagnosis | None:
     law, spring, friction = case.system.law, case.system.spring, case.system.contact.friction
     pairs = {"friction": (friction, Contact().friction, "")}
     for name in ("stance_torque", "frequency", "knee_touchdown", "hip_gain", "knee_gain"):
-        pairs[name] = getattr(law, name), getattr(case.law, name), law.units[name]
+        pairs[name] = getattr(law, name), getattr(case.law, name), case.law.units[name]
     if spring.path is None:
         pairs[DAMPING] = spring.damping, case.spring.damping, "N·m·s/rad"
     if case.reached is None and FLIGHT in case.target:

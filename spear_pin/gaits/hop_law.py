@@ -15,17 +15,9 @@ from spear_pin.kinds import typed
 @typed
 @dataclass(frozen=True)
 class HopLaw:
-    """Parameters of the controller of a leg that hops in place.
+    """Parameters of the controller of a leg that hops in place, which `HoppingLaw` describes.
 
     Attributes:
-        knee_touchdown: commanded knee angle in flight, in rad (assumption; the latched one differs).
-        hip_touchdown: commanded hip angle in flight, in rad; None means half of the knee's.
-        stance_torque: τ̄_knee, in N·m (not in the source; solved for).
-        frequency: f of the square wave, in Hz (source).
-        hip_gain: K_hip, in N·m/rad (source).
-        hip_damping: |K_D,hip|, in N·m·s/rad (source).
-        knee_gain: K_knee, in N·m/rad (source).
-        knee_damping: |K_D,knee|, in N·m·s/rad (source).
         units: units of these numbers, by name.
         inputs: numbers that event feedback may adjust, for SPEAR-II.
     """

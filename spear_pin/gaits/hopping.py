@@ -36,7 +36,7 @@ FLAT = 1e-9  # 1/m: a smaller change of the normal force with the torque counts 
 @typed
 @dataclass(frozen=True)
 class HoppingLaw(HopLaw):
-    """Parameters of the hopping controller, besides those of `HopLaw`.
+    """Parameters of the hopping controller.
 
     In flight each joint is driven to its touchdown angle, τ = K (θ_des - θ) - K_D θ̇: (4.9)-(4.10)
     with the sign of the proportional term corrected and the printed K_D taken by its magnitude.
@@ -44,6 +44,14 @@ class HoppingLaw(HopLaw):
     that it helps to compress the spring, and extends through the second.
 
     Attributes:
+        knee_touchdown: commanded knee angle in flight, in rad (assumption; the latched one differs).
+        hip_touchdown: commanded hip angle in flight, in rad; None means half of the knee's.
+        stance_torque: τ̄_knee, in N·m (not in the source; solved for).
+        frequency: f of the square wave, in Hz (source).
+        hip_gain: K_hip, in N·m/rad (source).
+        hip_damping: |K_D,hip|, in N·m·s/rad (source).
+        knee_gain: K_knee, in N·m/rad (source).
+        knee_damping: |K_D,knee|, in N·m·s/rad (source).
         hip_stance_torque: τ̄_hip, in N·m (source: negligible).
         virtual_stiffness: stiffness of a spring that the motor imitates in stance, in N·m/rad, latched and slack like
             the real spring.
@@ -80,11 +88,12 @@ class HoppingLaw(HopLaw):
     def __post_init__(self) -> None:
         """Checks the fields."""
         super().__post_init__()
-        require("HoppingLaw.virtual_stiffness", self.virtual_stiffness, lambda gain: gain >= 0, "a number >= 0")
+        of = type(self).__name__
+        require(f"{of}.virtual_stiffness", self.virtual_stiffness, lambda gain: gain >= 0, "a number >= 0")
         for name in ("hip_stance_torque", "foot_placement", "speed"):
-            require(f"HoppingLaw.{name}", getattr(self, name), lambda number: abs(number) >= 0, "a finite number")
+            require(f"{of}.{name}", getattr(self, name), lambda number: abs(number) >= 0, "a finite number")
         if self.minimum_force is not None:
-            require("HoppingLaw.minimum_force", self.minimum_force, lambda force: force >= 0, "a number >= 0, in N")
+            require(f"{of}.minimum_force", self.minimum_force, lambda force: force >= 0, "a number >= 0, in N")
 
     @classmethod
     @typed

@@ -102,7 +102,10 @@ def count_beyond(robot: Robot, q: Array) -> int:
 
 
 def set_down(robot: Robot, q: Array, fall: float, ground: Ground, yielding: Sequence[str] = YIELDING) -> State:
-    """Returns the state just after touchdown in a posture, (nv,); see `find_landing_velocity` for the rest."""
+    """Returns the state (q, v) just after touchdown in a posture q, moved up or down so that its toe is on the ground.
+
+    See `find_landing_velocity` for the arguments.
+    """
     q = q.copy()
     x, z = robot.toe_position(q, robot.toes[0])
     q[robot.index("boom_z")] = ground.under(x) - z

@@ -170,7 +170,7 @@ class HybridSystem:
         return {phase: tuple(each for each in self.domains if each.phase == phase) for phase in self.phases}
 
     def reset_into(self, phase: str) -> Reset:
-        """Returns the reset that leads into a phase, the first if there are several."""
+        """Returns the reset of a guard that leads into a phase, the first if there are several."""
         if phase not in self._into:
             raise UnknownName("phase", phase, self.phases)
         return self._into[phase]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -32,7 +32,6 @@ from spear_pin.hybrid.rules.footing import (
 from spear_pin.hybrid.rules.guards import ON_GROUND
 from spear_pin.hybrid.rules.latching import latch_values, standing
 from spear_pin.hybrid.rules.start import STATE_AT_REST, below_ground, is_aloft, rests, start
-from spear_pin.model.robot import Robot
 from spear_pin.model.robot_posture import lever_along
 from spear_pin.model.round_feet import parts_of
 
@@ -62,14 +61,14 @@ def in_place(system: HybridSystem, domain: Domain, y: Array) -> bool:
     return True
 
 
-def find_suiting(robot: Robot, domains: Iterable[Domain], heights: Array, velocities: Array) -> Iterator[Domain]:
-    """Returns the domains that suit the motion of the toes, in order; the forces may not suit them.
+def find_suiting(toes: Sequence[str], domains: Iterable[Domain], heights: Array, velocities: Array) -> Iterator[Domain]:
+    """Yields the domains that suit the motion of the toes, in order; the forces may not suit them.
 
     Bouncing toes in the air are open in them. Of toes on the ground, those that move along it slip, others rest.
     Domains in which a bouncing toe on the ground is open suit, too; they come last.
 
     Args:
-        robot: the robot.
+        toes: names of the toes.
         domains: the domains.
         heights: distances of the toes from the ground, in m, (toes,).
         velocities: their velocities along the ground and normal to it, in m/s, (toes, 2 or 3).
@@ -77,7 +76,7 @@ def find_suiting(robot: Robot, domains: Iterable[Domain], heights: Array, veloci
     up = [is_aloft(height, rate) for height, rate in zip(heights.tolist(), velocities[:, -1].tolist(), strict=True)]
     moving = [not still(math.hypot(*along)) for along in velocities[:, :-1].tolist()]
     for domain in domains:
-        modes = zip(robot.toes, domain.contacts, up, moving, strict=True)
+        modes = zip(toes, domain.contacts, up, moving, strict=True)
         if all(
             mode == OPEN or (not (toe in domain.bouncing and above) and (mode == PINNED or moves == (mode in SLIPS)))
             for toe, mode, above, moves in modes

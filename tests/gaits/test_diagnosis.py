@@ -1,6 +1,6 @@
 """Failure that teaches: the cause of a hop that is not found, one thing to try, and what it costs to be told."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import pytest
 
@@ -126,3 +126,16 @@ def test_a_first_cycle_that_breaks_off_says_why(leg):
     domains = tuple(idle if domain is stance else domain for domain in system.domains)
     with pytest.raises(NoGait, match=r"does not close at the starting point: .*"):
         find_gait(replace(system, domains=domains, phase_limit=1.0))
+
+
+def test_a_law_that_names_only_its_own_units(leg):
+    """As one may that adds numbers to the law."""
+
+    @dataclass(frozen=True)
+    class Named(HoppingLaw):
+        units = {"extra": "N"}
+        extra: float = 1.0
+
+    law = Named(**{**vars(HoppingLaw.scaled(leg)), "frequency": 8.0})
+    found = diagnosis(hopping(leg, law, Spring.scaled(leg)), ["stance_torque"], FLIGHT)
+    assert found.cause.startswith("the frequency of 8 Hz is 2.5 times")

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from spear_pin import Gait, Ground
+from spear_pin import Gait, Ground, simulate_many
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.lanes.numbers import Numbers
+from tests.walkers import example
 
 pytestmark = pytest.mark.extra("heyoka")
 
@@ -29,3 +30,13 @@ def test_is_pinocchios(gait, slope):
         np.testing.assert_allclose(velocities[..., lane], [rows @ y[nv:, lane] for _, rows in feet], atol=1e-12)
         for one, many in zip(numbers.compilation.feet(y[:, lane], parameters), (heights, velocities), strict=True):
             np.testing.assert_allclose(one, many[..., lane], atol=1e-13)
+
+
+@pytest.mark.parametrize("n", [0, 3])
+def test_of_a_robot_without_toes(n):
+    """They are none, and lanes run nevertheless."""
+    system = example().simplest_walker()
+    heights, velocities = Numbers(system, {}, Code(1e-12)).compilation.feet(np.zeros((4, n)), np.zeros((9, n)))
+    assert heights.shape == (0, n) and velocities.shape == (0, 2, n)
+    q, v = (np.tile(part, (n, 1)) for part in system.guess())
+    assert simulate_many(system, q, v).reason.tolist() == n * ["complete"]

@@ -52,6 +52,17 @@ class Hole(Ground):
         return -ops.maximum(-(z + self.depth), -ops.maximum(z, x - self.at))
 
 
+RISE = 0.0
+
+
+@dataclass(frozen=True)
+class Raised(Ground):
+    """As high as a number of the module says."""
+
+    def above(self, x, z, ops=FLOATS):
+        return z - RISE
+
+
 @pytest.fixture(scope="module", params=slow_but([Step(), Hole()], Step()), ids=["up", "down"])
 def uneven(request):
     """The biped that runs over a step, and where it then is."""
@@ -94,6 +105,14 @@ class TestStep:
         assert run(system, hop.state, 1, Options()).cycles == 1
         with pytest.raises(NotSymbolic, match="ground does not take symbols"):
             simulate_many(system, hop.state[0][None], hop.state[1][None])
+
+    @pytest.mark.extra("heyoka")
+    def test_that_was_changed_is_compiled_anew(self, hop, monkeypatch):
+        """Also for the system that ran on it before."""
+        system = hopping(hop.system.robot, hop.system.law, ground=Raised())
+        for rise, reason in ((0.0, "complete"), (0.1, "below_ground")):
+            monkeypatch.setattr("tests.hybrid.test_ground.RISE", rise)
+            assert simulate_many(system, hop.state[0][None], hop.state[1][None]).reason.tolist() == [reason]
 
     @pytest.mark.slow
     def test_of_another_shape_is_compiled_anew(self, uneven):

@@ -11,6 +11,7 @@ import numpy as np
 from spear_pin.arrays import Array
 from spear_pin.hybrid.engines.structure import Structure, symbols
 from spear_pin.hybrid.engines.taylor import MOST, operations, require
+from spear_pin.hybrid.own import FOR_SYMBOLS, not_symbolic
 from spear_pin.model.mechanism import Feet
 from spear_pin.model.scalars import dot
 
@@ -21,6 +22,9 @@ class CompiledFeet:
     Args:
         structure: structure of the system.
         level: level of LLVM's optimisation.
+
+    Raises:
+        NotSymbolic: the ground does not take symbols.
     """
 
     def __init__(self, structure: Structure, level: int) -> None:
@@ -28,7 +32,11 @@ class CompiledFeet:
         state = hy.make_vars(*[f"{kind}_{name}" for kind in "qv" for name in robot.coordinates])
         mechanism, numbers, _ = symbols(structure.system, structure.mechanism, {}, hy.par)
         q, v = state[: robot.nv], state[robot.nv :]
-        feet = numbers.ground.seen(mechanism.feet(q, v, ops), ops)
+        feet = mechanism.feet(q, v, ops)
+        try:
+            feet = numbers.ground.seen(feet, ops)
+        except FOR_SYMBOLS as error:
+            raise not_symbolic("the ground", numbers.ground.above, error) from error
         outputs = [hy.expression(0.0) + value for toe in robot.toes for value in self._of_toe(feet, toe, v)]
         self._shape = len(robot.toes), 1 + robot.dimension
         self._function = hy.cfunc(outputs, state, opt_level=level) if outputs else None

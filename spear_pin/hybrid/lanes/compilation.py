@@ -14,7 +14,6 @@ from spear_pin.hybrid.engines.identity import Reader
 from spear_pin.hybrid.engines.taylor import Code, Ready
 from spear_pin.hybrid.engines.taylor_single import CompiledImpact, Single, impact
 from spear_pin.hybrid.lanes.groups import Held
-from spear_pin.hybrid.own import FOR_SYMBOLS, not_symbolic
 from spear_pin.model.equations import mechanism_of
 
 KEPT = 16  # number of systems whose compiled parts are kept
@@ -37,6 +36,8 @@ class Compilation:
         self._singles: dict[Any, Single] = {}
         self._impacts: dict[str, CompiledImpact] = {}
         self._reader = Reader()
+        for function in () if system.ground.plane else (type(system.ground).above, type(system.ground).axes):
+            self._reader.identity(function)
 
     def current(self) -> bool:
         """Tells whether the functions of the compiled domains are unchanged since they were compiled."""
@@ -80,10 +81,7 @@ class Compilation:
         Raises:
             NotSymbolic: the ground does not take symbols.
         """
-        try:
-            return compile_feet(self._whole, self._code.level)
-        except FOR_SYMBOLS as error:
-            raise not_symbolic("the ground", self.system.ground.above, error) from error
+        return compile_feet(self._whole, self._code.level)
 
     @cached_property
     def _whole(self) -> structure.Structure:

@@ -160,7 +160,7 @@ class LoneRunner:
     def _begin(self, phase: str, y: Array, held: Held, ago: list[float]) -> _Now:
         grounded, spent = [-seconds for seconds in ago], dict.fromkeys(self._system.phases, 0.0)
         overlap = Overlap(self._system.overlap)
-        if self._in_space and min(ago) < overlap.window:
+        if self._in_space and min(ago, default=math.inf) < overlap.window:
             raise _Unclear("an impact of the cycle before is not over")
         return _Now(phase, self._system.of_phase(phase), y, held, *self._given(held), grounded, spent, overlap)
 
@@ -368,7 +368,7 @@ class LoneRunner:
         Each of the many others would have to be compiled.
         """
         feet = self._compiled.feet(now.y, now.parameters)
-        domain = next(find_suiting(self._system.robot, now.domains, *feet), None)
+        domain = next(find_suiting(self._system.robot.toes, now.domains, *feet), None)
         if domain is None:
             return None
         ready = now.singles.get(id(domain))

@@ -74,6 +74,8 @@ def answer_alone(lane: Requests[T], longest: float = math.inf, *, keep: bool = F
 def answer_together(lanes: Iterable[Requests[None]], longest: float) -> None:
     """Runs many lanes to their ends, and integrates those that wait in the same domain side by side.
 
+    What a lane does between its requests holds up the others; a mistake in its functions ends them all.
+
     Args:
         lanes: the lanes.
         longest: longest step, in s.

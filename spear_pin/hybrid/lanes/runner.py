@@ -45,7 +45,7 @@ from spear_pin.hybrid.rules.impact import find_struck_toes
 from spear_pin.hybrid.rules.start import start
 from spear_pin.hybrid.run import run
 
-FEW = 16  # most lanes for which running one by one is faster
+FEW = 16  # most lanes of the plane for which it is faster if each meets its events by itself
 PATIENCE = 3  # cycles that a lane's lone runner may refuse before it is no longer tried
 CROWD = 10  # events in an instant after which the reference engine takes over, as it may be a Zeno point
 
@@ -137,7 +137,7 @@ class Lanes:
     def go_on(self, phase: str, group: Group, came: Came | None) -> None:
         """Starts the next cycle of lanes.
 
-        Lanes run one by one if they are few, if a phase begins, and if running alone has not failed too often.
+        Each meets its events by itself if they are few, if a phase begins, and if that has not failed too often.
         """
         lanes = group.lanes
         single = bool(self._lone) & self.on_section[lanes] & (self.refused[lanes] < PATIENCE) & (group.t == 0.0)
@@ -146,7 +146,7 @@ class Lanes:
             self.put(phase, group.take(~single), came)
 
     def go_rounds(self) -> None:
-        """Runs the cycles of lanes that run one by one, or side by side where code for that compiles quickly."""
+        """Runs cycles of lanes that meet their events by themselves; side by side if code for that compiles quickly."""
         rounds = [self.go_round(*each) for each in self._alone]
         self._alone = []
         if len(self._lone) > 1 and not self._unrolled:

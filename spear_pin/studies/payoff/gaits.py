@@ -149,9 +149,10 @@ def attempt(gaits: Gaits, robot: Robot, motors: Motors, asked: Search) -> Search
     origin = "cold" if asked.start is None else gaits.words.of(asked.start.point)
     try:
         gait, figures, solution = gaits.search(robot, motors, asked)
-        found: dict[str, Any] = {"figures": figures, "gait": write_gait(gait), "solution": solution}
     except (Infeasible, NoGait, BadValue) as error:  # the last where a cycle that was found is none
-        found = {"reason": str(error)}
+        found: dict[str, Any] = {"reason": str(error)}
+    else:
+        found = {"figures": figures, "gait": write_gait(gait), "solution": solution}
     return SearchEnd(asked.key, asked.point, origin, asked.meshes, time.process_time() - begun, **found)
 
 
