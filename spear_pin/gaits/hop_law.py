@@ -15,7 +15,7 @@ from spear_pin.kinds import typed
 @typed
 @dataclass(frozen=True)
 class HopLaw:
-    """Parameters of the controller of a leg that hops in place, which `HoppingLaw` describes.
+    """Parameters of the controller of a leg that hops in place, which its subclasses describe.
 
     Attributes:
         units: units of these numbers, by name.

@@ -36,14 +36,23 @@ FALLING = 0.8  # m/s: how fast it lands in a guess
 @typed
 @dataclass(frozen=True)
 class SeriesHoppingLaw(HopLaw):
-    """Parameters of the hopping controller of a leg with a series spring; the knee's are those of the rotor.
+    """Parameters of the hopping controller of a leg with a series spring; gains of the hip are `HoppingLaw`'s.
 
     The rotor holds its angle in flight and stance, u = -k δ + K (θ_des - θ_m) - K_D θ̇_m. In stance ±τ̄ drives it like
     the parallel one: it flexes through the first half period of the square wave, where it gives way to the spring, and
     extends through the second, where it winds the spring up.
 
     Attributes:
+        knee_touchdown: commanded angle of the rotor, in rad (assumption).
+        hip_touchdown: commanded hip angle in flight, in rad; None means half of the knee's.
+        stance_torque: τ̄, in N·m (solved for).
+        frequency: f of the square wave, in Hz (source).
+        hip_gain: K_hip, in N·m/rad (source).
+        hip_damping: |K_D,hip|, in N·m·s/rad (source).
+        knee_gain: K of the rotor, in N·m/rad (source's K_knee).
         knee_damping: K_D of the rotor, in N·m·s/rad (assumption: critical).
+        units: units of these numbers, by name.
+        inputs: numbers that event feedback may adjust, for SPEAR-II.
     """
 
     knee_damping: float = 2.6
