@@ -30,8 +30,8 @@ def knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
 def overload(most: float = OVERLOAD) -> Guard:
     """Returns the guard that ends a run at torques beyond `most` in N·m: the decoupling matrix is nearly singular.
 
-    Its value is the share of `most`² that is left, of order one: a guard of far greater values would bound the Taylor
-    engine's errors by its own.
+    Its value is the share that is left of the square of `most`, of order one. A guard of far greater values would
+    make the Taylor engine's errors as much greater.
     """
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:

@@ -29,7 +29,7 @@ OBJECTIVES: dict[str, tuple[str, str]] = {
 }
 """Objectives that can be minimised: name -> unit, meaning."""
 
-Made = TypeVar("Made", bound=Any)
+R = TypeVar("R", bound=Any)
 LONGEST_STRIDE = 1.0  # s: limits of the search for Q-SPEAR's size, also in the next lines
 FASTEST, FARTHEST = 30.0, 4.0  # m/s, m
 HIGHEST = 0.9  # m: of the torso
@@ -214,7 +214,7 @@ class Request(Wishes):
             raise BadValue("leg_touchdown", self.leg_touchdown, expected)
 
 
-def change_fields(one: Made, numbers: Mapping[str, Any], values: Mapping[str, Any]) -> Made:
+def change_fields(one: R, numbers: Mapping[str, Any], values: Mapping[str, Any]) -> R:
     """Returns a request, or a law in it, with changed numbers and the named values.
 
     Raises:
