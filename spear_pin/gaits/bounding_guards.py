@@ -27,14 +27,16 @@ def knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
     return Guard(name, flexes, flexed), Guard(f"{leg.name}_lift_off", returns, reset)
 
 
-def overload(most: float = OVERLOAD) -> Guard:
+def overload(most: float = OVERLOAD, unit: float = 1.0) -> Guard:
     """Returns the guard that ends a run at torques beyond `most` in N·m: the decoupling matrix is nearly singular.
 
-    Its value is the share that is left of the square of `most`, of order one. A guard of far greater values would
-    make the Taylor engine's errors as much greater.
+    Args:
+        most: the torque, in N·m.
+        unit: torque in which the guard is expressed, in N·m. The Taylor engine is only as exact as its greatest
+            guard needs: in a small unit its steps are longer, and less exact.
     """
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
-        return 1.0 - sum(torque * torque for torque in dyn.u) / most**2
+        return (most**2 - sum(torque * torque for torque in dyn.u)) / unit**2
 
     return Guard("overload", value, ends="overload")

@@ -32,7 +32,7 @@ class CompiledMotion:
 
     Args:
         system: the system.
-        rtol: relative tolerance of the run; compiled code integrates a hundred times finer.
+        rtol: relative tolerance of the run; compiled code integrates a thousand times finer.
 
     Raises:
         BadValue: the system has no equations that can be compiled.

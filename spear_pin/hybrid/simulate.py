@@ -57,8 +57,8 @@ def simulate(
             they are. The law reads what events latch at its next sample. None for a continuous law.
         latency: time from a sample until its torques act, in s.
         progress: whether to show a progress bar on long runs, if stderr is a terminal.
-        engine: "reference" integrates by SciPy. "compiled" integrates by heyoka's Taylor series, with a tolerance
-            a hundred times finer than `rtol`, without `atol`; it takes half the time, once some seconds were spent to
+        engine: "reference" integrates by SciPy. "compiled" integrates by heyoka's Taylor series, with a tolerance a
+            thousand times finer than `rtol`, without `atol`; it takes half the time, once some seconds were spent to
             compile. What is rare, such as chatter, it leaves to the reference. None: "reference".
 
     Raises:

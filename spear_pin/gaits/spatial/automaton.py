@@ -263,7 +263,8 @@ class Automaton:
 
     @cached_property
     def _overload(self) -> Guard:
-        return overload(OVERLOAD * scale_in_space(self.robot).torque)
+        most = OVERLOAD * scale_in_space(self.robot).torque
+        return overload(most, unit=most)
 
     def _own(self, leg: Leg) -> Group:
         return next(group for group in self.groups if leg in group)
