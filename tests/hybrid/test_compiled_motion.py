@@ -43,7 +43,7 @@ def pushed(name, rate):
     return gait.system, (q, v + rate * np.eye(len(v))[2])
 
 
-IN_AN_INSTANT = {"loop": "slip", "pushed bound": "spring_switch"}
+IN_AN_INSTANT = {"loop": "slip"}
 """Events that happen in the instant of another, or not, by rounding."""
 
 

@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from spear_pin import Gait
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.domain import Guard, Reset, Switch
-from spear_pin.hybrid.engines.taylor import Code
-from spear_pin.hybrid.engines.taylor_single import UNCLEAR
+from spear_pin.hybrid.engines.taylor import Code, Ready
+from spear_pin.hybrid.engines.taylor_single import UNCLEAR, Single
 from spear_pin.hybrid.fields import flatten
 from spear_pin.hybrid.lanes import runner
 from spear_pin.hybrid.lanes.lone_runner import LoneRunner
@@ -209,3 +210,19 @@ def given_up(finish):
         finish(self, lanes, reason, detail)
 
     return changed
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_steps_are_as_short_as_asked_for(monkeypatch, n):
+    """One alone, and several side by side."""
+    gait, seen = Gait.load("long_stride"), []
+    for kind in (Single, Ready):
+        integrate = kind.run
+
+        def noted(self, *given, integrate=integrate, **options):
+            seen.append(given[4])
+            return integrate(self, *given, **options)
+
+        monkeypatch.setattr(kind, "run", noted)
+    simulate_many(gait.system, *(np.tile(part, (n, 1)) for part in gait.state), max_step=1e-3)
+    assert seen and set(seen) == {1e-3}
