@@ -7,7 +7,7 @@ import pytest
 
 from spear_pin import Gait, simulate
 from spear_pin.hybrid.contact import SETTING_OUT, SLOW
-from spear_pin.hybrid.engines.sliding import Grounded, Sliding
+from spear_pin.hybrid.engines.sliding import AIM, GLANCE, Grounded, Sliding
 
 TOE = "toe"
 
@@ -52,22 +52,30 @@ def test_it_does_so_until_it_arrives_at_a_speed(sliding):
 
 
 @pytest.mark.parametrize(
-    ("speed", "gain", "left"),
+    ("speed", "gain", "jerk", "left"),
     [
-        (0.0, 50.0, SETTING_OUT / 50.0),
-        (0.75 * SETTING_OUT, 50.0, 0.25 * SETTING_OUT / 50.0),
-        (0.999 * SETTING_OUT, 50.0, 0.05 * SETTING_OUT / 50.0),  # a last step that is not tiny
-        (0.0, 1e-3, 1e-5),  # it may gain more soon
-        (SLOW, -1.0, 1e-5),
-        (2.0 * SETTING_OUT, 50.0, math.inf),
+        (0.0, 50.0, 0.0, AIM / 50.0),
+        (0.75 * SETTING_OUT, 50.0, 0.0, (AIM - 0.75 * SETTING_OUT) / 50.0),
+        (SETTING_OUT, 50.0, 0.0, (AIM - SETTING_OUT) / 50.0),
+        (0.0, 0.0, 1e6, math.sqrt(2.0 * AIM / 1e6)),
+        (0.0, 50.0, -1e6, AIM / 50.0),  # it may slow down less soon
+        (0.0, 1e-3, 0.0, 1e-4),  # it may gain more soon
+        (SLOW, -1.0, 0.0, 1e-4),
+        (2.0 * SETTING_OUT, 50.0, 0.0, math.inf),
     ],
 )
-def test_the_longest_step_ends_near_the_speed_at_which_it_has_set_out(sliding, speed, gain, left):
+def test_the_longest_step_ends_near_the_speed_at_which_it_has_set_out(sliding, speed, gain, jerk, left):
     ways = sliding(grounded((30.0, 40.0)), at(0.0, 0.0))
     sliding.arrive({TOE: speed}, {TOE: gain}, ways)
+    sliding.look_ahead({TOE: speed}, {TOE: gain}, {TOE: gain + jerk * GLANCE})
     assert sliding.left == pytest.approx(left)
-    sliding.arrive({TOE: speed}, {TOE: gain}, ways)
-    assert sliding.left == pytest.approx(2.0 * left if left == 1e-5 else left)
+
+
+def test_one_reaches_that_speed_under_gain_and_jerk_together(sliding):
+    ways = sliding(grounded((30.0, 40.0)), at(0.0, 0.0))
+    sliding.arrive({TOE: 0.0}, {TOE: 1.0}, ways)
+    sliding.look_ahead({TOE: 0.0}, {TOE: 1.0}, {TOE: 1.0 + 5e4 * GLANCE})
+    assert 1.0 * sliding.left + 0.5 * 5e4 * sliding.left**2 == pytest.approx(AIM)
 
 
 def test_one_that_slows_down_sets_out_no_more(sliding):

@@ -84,7 +84,12 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/contact",
         ["hybrid/tangent/test_in_space"],
-        {"a toe sets out for too long": ("SETTING_OUT = 1e-5", "SETTING_OUT = 1e-4")},
+        {"a toe sets out for too long": ("SETTING_OUT = 1e-4", "SETTING_OUT = 1e-3")},
+    ),
+    *mistakes_in(
+        "hybrid/tangent/onset",
+        ["hybrid/tangent/test_in_space"],
+        {"a slow toe slides the way it is pushed": ("each.across - each.squares * rates", "each.across")},
     ),
     *mistakes_in(
         "gaits/targets",

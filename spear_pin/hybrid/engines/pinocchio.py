@@ -20,7 +20,7 @@ from spear_pin.hybrid.domain import Domain, Guard, Held
 from spear_pin.hybrid.dynamics import FLOATS, Row
 from spear_pin.hybrid.engines.binding import Binding
 from spear_pin.hybrid.engines.own_functions import OwnFunctions
-from spear_pin.hybrid.engines.sliding import Grounded, Sliding, Ways
+from spear_pin.hybrid.engines.sliding import GLANCE, Grounded, Sliding, Ways
 from spear_pin.hybrid.engines.sprung import Sprung
 from spear_pin.hybrid.fields import adjust_law
 from spear_pin.hybrid.flow_names import DAMPING, by_spring, flow_names, flow_of_mount, gives
@@ -141,12 +141,19 @@ class Flow:
         self.own.fault = None
         if not self.sets_out:
             return
-        self.visit(t, y)
+        slope, (speeds, gains) = self(t, y), self._along_ways()
         if not self._ways:
             return  # no value at this state
-        speeds = {toe: along(self._ways[toe], self.toe_velocity(toe)[:-1]) for toe, _ in self._slips}
-        rates = {toe: along(self._ways[toe], self.toe_acceleration(toe)[:-1]) for toe, _ in self._slips}
-        self._sliding.arrive(speeds, rates, self._ways)
+        self._sliding.arrive(speeds, gains, self._ways)
+        if self.sets_out:
+            self(t + GLANCE, y + GLANCE * slope)
+            self._sliding.look_ahead(speeds, gains, self._along_ways()[1])
+
+    def _along_ways(self) -> tuple[dict[str, float], dict[str, float]]:
+        """Returns the speeds of sliding toes along their directions, in m/s, and their accelerations, in m/s²."""
+        pairs = [(toe, self._ways[toe]) for toe, _ in self._slips if toe in self._ways]
+        speeds = {toe: along(way, self.toe_velocity(toe)[:-1]) for toe, way in pairs}
+        return speeds, {toe: along(way, self.toe_acceleration(toe)[:-1]) for toe, way in pairs}
 
     def _derivative(self, t: float, y: Array) -> Array:
         nv = self._nv

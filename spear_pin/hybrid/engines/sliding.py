@@ -21,8 +21,8 @@ from spear_pin.hybrid.rules.footing import AT_REST, STARTS_TO_SLIDE, along
 
 Ways = Mapping[str, tuple[float, ...]]
 """Of toes that slide, the unit vectors along the ground in which they do."""
-FIRST = 1e-5  # s: longest first step of toes that set out; each later one may be twice as long
-BEYOND = 0.05  # share of `SETTING_OUT` that the last of these steps may add
+LONGEST, GLANCE = 1e-4, 1e-6  # s: longest step of toes that set out, and a short time to see how much faster they get
+AIM = 1.05 * SETTING_OUT  # m/s: speed that the last of these steps is to reach
 SWEEPS, SETTLED = 100, 1e-12  # iterations and tolerance for the directions in which several toes begin to slide
 
 
@@ -108,7 +108,7 @@ class Sliding:
         self._fixed = {toe: (SIGN[mode],) for toe, mode in modes.items() if mode in SIGN}
         self._free = [toe for toe in modes if toe not in self._fixed]
         self._begun: dict[str, tuple[float, ...]] | None = None
-        self.left, self._step = math.inf, FIRST
+        self.left = math.inf
 
     def __call__(self, grounded: Grounded, velocity: Callable[[str], tuple[float, ...]]) -> Ways:
         """Returns the directions at a state.
@@ -142,10 +142,20 @@ class Sliding:
         going = (toe for toe in self._begun or () if abs(speeds[toe]) <= SETTING_OUT)
         keeps = (toe for toe in going if accelerations[toe] >= -STARTS_TO_SLIDE or speeds[toe] <= SLOW)
         self._begun = {toe: ways[toe] for toe in keeps}
-        gaining = [toe for toe in self._begun if accelerations[toe] > 0.0]
-        times = (max(SETTING_OUT - speeds[toe], BEYOND * SETTING_OUT) / accelerations[toe] for toe in gaining)
-        self.left = min([self._step, *times]) if self._begun else math.inf
-        self._step *= 2.0
+        self.left = LONGEST if self._begun else math.inf
+
+    def look_ahead(self, speeds: Mapping[str, float], now: Mapping[str, float], soon: Mapping[str, float]) -> None:
+        """Shortens the next step so that no toe that sets out gets much faster than `SETTING_OUT` in it.
+
+        Args:
+            speeds: speed of each toe along its direction, in m/s.
+            now: acceleration of each toe along its direction, in m/s².
+            soon: the accelerations after `GLANCE`.
+        """
+        for toe in self._begun or ():
+            more, gain, jerk = AIM - speeds[toe], max(now[toe], 0.0), max((soon[toe] - now[toe]) / GLANCE, 0.0)
+            if gain + jerk > 0.0:  # more = gain * left + 0.5 * jerk * left ** 2
+                self.left = min(self.left, 2.0 * more / (gain + math.sqrt(gain**2 + 2.0 * jerk * more)))
 
     @property
     def sets_out(self) -> bool:

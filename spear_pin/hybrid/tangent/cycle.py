@@ -139,7 +139,7 @@ class _Whole:
         values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
         if SLIP in arc.domain.contacts and (toes := find_setting_out(self.system, arc)):
             seen = values.slopes[nv:, :-2], slopes.slopes[nv:, :-2, nv:n]
-            states[:, :-2] = turn_velocities(self.system, arc, toes, y, *seen)
+            states[:, :-2] = turn_velocities(self.system, arc, toes, t, y, *seen)
             values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
             for rows in (values.rows[..., None], slopes.rows):
                 rows[:, BEGIN] = of_the_inside(rows, BEGIN)
