@@ -87,11 +87,6 @@ MUTATIONS = [
         {"a toe sets out for too long": ("SETTING_OUT = 1e-4", "SETTING_OUT = 1e-3")},
     ),
     *mistakes_in(
-        "hybrid/tangent/onset",
-        ["hybrid/tangent/test_in_space"],
-        {"a slow toe slides the way it is pushed": ("each.across - each.squares * rates", "each.across")},
-    ),
-    *mistakes_in(
         "gaits/targets",
         ["gaits/measures/test_own_measures"],
         {"half a stride is measured alone": ("range(1, 2 + bool(other.mirrored_toes))", "range(1, 2)")},

@@ -41,7 +41,10 @@ MUTATIONS = [
                 "return math.inf if toe in self._begun",
                 "return SLOW if toe in self._begun",
             ),
-            "a toe that sets out takes long steps": ("min([self._step, *times])", "max([self._step, *times])"),
+            "a toe that sets out takes long steps": (
+                "self.left = min(self.left, 2.0",
+                "self.left = max(self.left, 2.0",
+            ),
         },
     ),
     *mistakes_in(

@@ -73,7 +73,10 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/tangent/onset",
         ["hybrid/tangent/test_in_space"],
-        {"a toe that sets out lags behind its direction": ("found[len(v) :, i] -= ", "found[len(v) :, i] -= 0.0 * ")},
+        {
+            "a toe that sets out keeps its velocity": ("i] -= each.turning", "i] -= 0.0 * each.turning"),
+            "a toe that sets out does not lag behind": ("each.across - each.squares * rates", "each.across"),
+        },
     ),
     *mistakes_in(
         "hybrid/tangent/section",
