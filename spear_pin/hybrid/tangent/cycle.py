@@ -137,7 +137,7 @@ class _Whole:
         clocks[:-2], clocks[BEGIN], clocks[END] = t, arc.t, arc.end
         states[:, :-2], states[:, BEGIN], states[:, END] = y, arc.y, arc.after
         values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
-        if SLIP in arc.domain.contacts and (toes := find_setting_out(self.system, arc)):
+        if SLIP in arc.domain.contacts and (toes := find_setting_out(self.system, arc, y)):
             seen = values.slopes[nv:, :-2], slopes.slopes[nv:, :-2, nv:n]
             states[:, :-2] = turn_velocities(self.system, arc, toes, t, y, *seen)
             values, slopes = domain.at(clocks, states, raw, directions[n], directions[:n, None], every)
@@ -162,7 +162,7 @@ class _Whole:
         """Returns how much later the event that ends an arc happens, per unit of each direction, (c,)."""
         arc = stretch.arc
         if arc.event is None:
-            return np.zeros(self.c)
+            return stretch.lag if arc.smooth else np.zeros(self.c)
         if isinstance(arc.event, Switch):
             due = arc.event.time(arc.switches, adjust_law(self.law, stretch.held))
             return due.d + np.zeros(self.c) if isinstance(due, Dual) else np.zeros(self.c)
@@ -184,6 +184,8 @@ class _Whole:
         """Applies an event to the derivatives, and records the duration of a phase that it ends."""
         arc, tau = stretch.arc, stretch.tau
         now.dy, now.tau, now.behind, now.after = stretch.dstate, tau, False, None
+        if arc.smooth:  # the time since the event before it stays fixed
+            now.dy, now.behind = stretch.last, True
         if arc.event is None or arc.event.reset is None:
             return  # the same motion continues
         reset = arc.event.reset

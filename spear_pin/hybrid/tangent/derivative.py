@@ -58,7 +58,7 @@ class Stretch:
     def dy(self) -> Array:
         """Derivatives of the states at a fixed clock, (2 nv, k, c)."""
         begins = self.carried.begins
-        moving = np.concatenate([self.carried.inside(), begins[0][:, None], self._last[:, None]], axis=1)
+        moving = np.concatenate([self.carried.inside(), begins[0][:, None], self.last[:, None]], axis=1)
         return moving - self.said.slopes[..., None] * self.lag
 
     @property
@@ -67,7 +67,7 @@ class Stretch:
         return self._dy_at(END)
 
     @property
-    def _last(self) -> Array:
+    def last(self) -> Array:
         """Derivatives of the state at the arc's end, at a fixed time since the event before it, (2 nv, c)."""
         return self.carried.begins[0] if self.at_once else self.carried.end
 
@@ -95,7 +95,7 @@ class Stretch:
 
     def _dy_at(self, place: int) -> Array:
         """Returns the derivatives of the state at the beginning or the end, (2 nv, c)."""
-        moving = self.carried.begins[0] if place == BEGIN else self._last
+        moving = self.carried.begins[0] if place == BEGIN else self.last
         found: Array = moving - self.said.slopes[:, place, None] * self.lag
         return found
 

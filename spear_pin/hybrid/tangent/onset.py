@@ -16,16 +16,15 @@ from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import SETTING_OUT, SLIP
-from spear_pin.hybrid.rules.footing import closed_toes, still
+from spear_pin.hybrid.rules.footing import closed_toes
 
 SLOW = 2.0 * SETTING_OUT  # m/s: a faster toe has turned
 
 
-def find_setting_out(system: HybridSystem, arc: Arc) -> list[str]:
-    """Returns the toes in space that begin to slide as an arc begins, where they have no direction."""
-    q, v = np.split(arc.y, 2)
+def find_setting_out(system: HybridSystem, arc: Arc, y: Array) -> list[str]:
+    """Returns the toes in space that slide slowly as an arc begins, and faster at the first of states y in it."""
     slips = [toe for toe, mode in zip(system.robot.toes, arc.domain.contacts, strict=True) if mode == SLIP]
-    return [toe for toe in slips if still(float(np.linalg.norm(_jacobian(system, q, toe)[:2] @ v)))]
+    return [toe for toe in slips if _speed(system, arc.y, toe) <= min(SLOW, _speed(system, y[:, 0], toe))]
 
 
 def turn_velocities(
@@ -47,7 +46,7 @@ def turn_velocities(
     """
     found, slow = y.copy(), list[_Slow]()
     for i, state in enumerate(y.T):
-        toes = [toe for toe in toes if np.linalg.norm(_velocity(system, state, toe)) <= SLOW]
+        toes = [toe for toe in toes if _speed(system, state, toe) <= SLOW]
         if not toes:
             break
         slow.append(_Slow.find(system, arc, toes, state, a[:, i], slopes[:, i]))
@@ -102,9 +101,9 @@ def _rate(t: Array, angles: Sequence[float]) -> float:
     return float(Polynomial.fit(t[: len(angles)], np.unwrap(angles), 1).convert().coef[1])
 
 
-def _velocity(system: HybridSystem, state: Array, toe: str) -> Array:
+def _speed(system: HybridSystem, state: Array, toe: str) -> float:
     q, v = np.split(state, 2)
-    return np.asarray(_jacobian(system, q, toe)[:2] @ v)
+    return float(np.linalg.norm(_jacobian(system, q, toe)[:2] @ v))
 
 
 def _jacobian(system: HybridSystem, q: Array, toe: str) -> Array:
