@@ -58,7 +58,7 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/tangent/cycle",
         ["hybrid/tangent/test_in_space"],
-        {"derivatives: a smooth end of an arc is an event": ("        if arc.smooth:  # the", "        if False:  # the")},
+        {"derivatives: a smooth end is an event": ("        if arc.smooth:  # the", "        if False:  # the")},
     ),
     *mistakes_in(
         "hybrid/tangent/resets",
