@@ -75,7 +75,7 @@ def _legs() -> Iterator[Problem]:
 
     crank = load("crank_hopper")
     words = "A leg with a closed loop, whose crank pushes its foot down, hops; a cable pulls always when it is taut."
-    springs = {} if crank.settings is None else crank.settings.springs
+    springs = crank.settings.springs
     held, push = {"crank": Torque((), 15.0, 0.6, 0.3)}, {"crank": Torque((0.0, -40.0, -200.0))}
     q = crank.closed([0.45, 0.6, 0.0, 0.0]).tolist()
     yield Problem("crank_hops", words, crank, q, [0] * 4, held, push, {"toe": springs}, landings=2)

@@ -243,7 +243,6 @@ def _helped(failure: NoGait) -> SpearError:
 def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
     """Hardware that drives the joints, if it was asked for: SPEAR-II's, or what is known of another robot's."""
     from spear_pin.hybrid.hardware import Sensing
-    from spear_pin.model.settings import Settings
     from spear_pin.studies.hardware import Rig
 
     if not arguments.hardware:
@@ -251,7 +250,7 @@ def _rig(arguments: argparse.Namespace, other: Robot | None) -> Rig | None:
         return None
     options = given(arguments, *RIG)
     if other is not None:
-        known = other.settings or Settings("")
+        known = other.settings
         if missing := [joint for joint in other.actuated if joint not in known.motors]:
             expected = (
                 f"a robot with known motors: name that of its {missing[0]} in a TOML file next to the robot's file"

@@ -321,7 +321,7 @@ def rests_on(robot: Robot) -> list[tuple[str, str]]:
     if robot.cut is None:
         return []
     lines = [line.strip() for line in str(robot.cut).splitlines()]
-    if robot.settings is not None:
+    if robot.settings.path:
         lines.append(f"{robot.settings.path} says: {_said(robot.settings)}")
     if not robot.model.armature.any():
         lines.append("rotors without inertia: the file names none")

@@ -339,7 +339,7 @@ def _usual(robot: Robot) -> Spring | Mapping[str, Spring]:
     """Returns SPEAR-II's knee spring; for a leg with loops the springs of its file."""
     if robot.reach is None:
         return Spring()
-    springs: Mapping[str, Spring] = {} if robot.settings is None else robot.settings.springs
+    springs: Mapping[str, Spring] = robot.settings.springs
     if not springs:
         raise BadValue("spring", None, "springs on paths by name, as a leg with loops has no knee")
     return springs

@@ -129,7 +129,7 @@ class RoundHoppingLaw:
 def _back_emf(robot: Robot, joint: str) -> float:
     """Returns the torque that a motor at a given voltage loses per rate of its joint, in N·m·s/rad."""
     known = robot.settings
-    if known is None or joint not in known.motors:
+    if joint not in known.motors:
         return 0.0
     motor, gears = known.motors[joint], Gearbox(robot.gear_ratio(joint), known.efficiencies[joint])
     return gears.efficiency * gear_constant(motor, gears) ** 2 / motor.known("resistance")
@@ -235,7 +235,7 @@ def round_hopping(
     """
     limb, contact = limb_of(robot), choose_ground(contact, ground)
     law = law or RoundHoppingLaw.driven(robot)
-    own = None if robot.settings is None else robot.settings.springs.get(KNEE)
+    own = robot.settings.springs.get(KNEE)
     spring = spring or own or Spring(0.0, damping=0.0, rest=0.0, unilateral=False)
     if spring.rest is None or spring.unilateral:
         raise BadValue(

@@ -24,7 +24,7 @@ from spear_pin.model.named_legs import NamedLeg, leg_of
 from spear_pin.model.path_data import keys_of, path_of
 from spear_pin.model.reach import Reach
 from spear_pin.model.robot import Robot
-from spear_pin.model.settings import Settings
+from spear_pin.model.settings import NONE_GIVEN, Settings
 from spear_pin.model.sidecar import JOINTS, ROLES, Sidecar, blame_file
 from spear_pin.model.spring import Spring
 from spear_pin.model.tree import Tree
@@ -34,7 +34,7 @@ SAME = 1e-6  # relative difference up to which two numbers agree
 
 def check_equipment(
     said: Sidecar, model: pin.Model, known: Mapping[str, Gear], name: str, toes: Sequence[str]
-) -> tuple[Settings | None, Any, Mapping[str, Gear]]:
+) -> tuple[Settings, Any, Mapping[str, Gear]]:
     """Checks the contents of a TOML file against the robot.
 
     Args:
@@ -45,14 +45,14 @@ def check_equipment(
         toes: toes of the robot, whatever the arguments are.
 
     Returns:
-        the settings, None without a file or loops; the joints with motors: names, "all", or None if the file has none;
+        the settings, empty without a file or loops; the joints with motors: names, "all", or None if the file has none;
         and ratios and rotors from both files.
 
     Raises:
         BadFile: there is no such joint, frame or leg, or the model contradicts the file.
     """
     if said.path is None and not said.loops:
-        return None, None, known
+        return NONE_GIVEN, None, known
     path = said.path or Path(str(said.source))
     loops = _loops(said, path, model)
     with blame_file(path, "locked"):

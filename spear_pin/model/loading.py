@@ -233,7 +233,7 @@ def _made(draft: Draft, said: Sidecar, asked: _Asked) -> tuple[Robot, list[str]]
         },
         settings=settings,
     )
-    if robot.closure is not None and settings is not None and not settings.independent:  # whatever motors are asked for
+    if robot.closure is not None and not settings.independent:  # whatever motors are asked for
         known = draft.motors if driven is None else () if driven == "all" else driven
         known = known if {*known} & {*robot.closure.tied} or asked.motors in (None, "all") else asked.motors
         own = tuple(name for name in robot.closure.tied if name in known)

@@ -105,7 +105,7 @@ def check_loops(robot: Robot) -> None:
         )
         raise BadValue("loops", names, expected)
     tied = closure.tied
-    said = () if robot.settings is None else robot.settings.independent
+    said = robot.settings.independent
     for name in said:
         if name not in tied:
             raise UnknownName("independent joint in a loop", name, tied)

@@ -32,7 +32,7 @@ UNDAMPED = "its damper, which acts in stance only, is left out"
 def springs_of(robot: Robot) -> dict[str, Spring]:
     """Returns the springs that a robot's file gives it, each with its path: a knee's grows with its flexion."""
     legs, found = {leg.knee: leg for leg in robot.legs}, {}
-    for name, spring in ({} if robot.settings is None else robot.settings.springs).items():
+    for name, spring in robot.settings.springs.items():
         if spring.path is None and name in legs:
             side, zero = float(legs[name].side), legs[name].knee_zero
             rest = None if spring.rest is None else spring.rest + side * zero

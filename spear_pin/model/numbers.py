@@ -111,7 +111,7 @@ def change_bodies(robot: Robot, values: Mapping[str, float]) -> Robot:
             _set(model, int(model.getJointId(joint)), what, value, known[name].value)
         else:
             _stretch(robot, model, name, value / known[name].value)
-    return robot.with_model(model, settings=robot.settings and replace(robot.settings, radii=radii))
+    return robot.with_model(model, settings=replace(robot.settings, radii=radii))
 
 
 def _unit(what: str, turns: bool) -> str:

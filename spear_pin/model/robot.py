@@ -25,7 +25,7 @@ from spear_pin.model.limits import Limits, limits_of
 from spear_pin.model.loops import TOGGLE, Closure, Loop, Reduced
 from spear_pin.model.named_legs import leg_of
 from spear_pin.model.round_feet import round_feet
-from spear_pin.model.settings import Settings
+from spear_pin.model.settings import NONE_GIVEN, Settings
 from spear_pin.printable import printable
 from spear_pin.showing import Shown
 
@@ -69,7 +69,7 @@ class Robot(Shown):
         base: the model before numbers of bodies were changed, which is `model` if none were.
         added: inertia in addition to the model's, if there is any (see `spear_pin.model.boom`).
         cut: the robot out of which it was cut, if any (see `spear_pin.model.cut`).
-        settings: settings from the TOML file in its folder, if any (see `spear_pin.model.settings`).
+        settings: settings from the TOML file in its folder (see `spear_pin.model.settings`).
 
     Example:
         >>> from spear_pin import load
@@ -94,7 +94,7 @@ class Robot(Shown):
         base: pin.Model | None = None,
         added: Added | None = None,
         cut: Cut | None = None,
-        settings: Settings | None = None,
+        settings: Settings = NONE_GIVEN,
     ) -> None:
         self.added, self.cut, self.settings = added, cut, settings
         self.name, self.model, self.source = name, model, source or name
@@ -108,14 +108,14 @@ class Robot(Shown):
         self.configuration = tuple(each for name, joint in joints for each in parts_of(name, joint.nq, CONFIGURATION))
         self._data = pin.Data(model)
         self._toe_ids = {toe: frame_id(model, toe) for toe in self.toes}
-        self.post = post = None if settings is None else settings.post
+        self.post = post = settings.post
         self.planar = post is None and is_planar(model, self._data)
         self._rows = np.array([0, 2]) if self.planar else np.array([0, 1, 2])
-        self.loops: tuple[Loop, ...] = () if settings is None else settings.loops
-        self.reach = None if settings is None else settings.reach
+        self.loops: tuple[Loop, ...] = settings.loops
+        self.reach = settings.reach
         flat = self.planar and self.nq == self.nv  # no joint has a cosine and a sine
         self.closure = Closure(model, self.coordinates, self.loops) if self.loops and flat else None
-        radii, ends = ({}, {}) if settings is None else (settings.radii, settings.arcs)
+        radii, ends = settings.radii, settings.arcs
         self.radii = {toe: radii[toe] for toe in self.toes if toe in radii}
         feet = round_feet(model, self._toe_ids, self.radii, ends)
         self.arcs = {toe: foot.arc for toe, foot in feet.items() if foot.arc is not None}
@@ -167,12 +167,11 @@ class Robot(Shown):
         """
         if self.loops:  # a leg is a chain of hip and knee
             return ()
-        joints, given = set(self.model.names), () if self.settings is None else self.settings.legs
+        joints, given = set(self.model.names), self.settings.legs
         if legs := [each for each in given if each.toe in self.toes and {each.hip, each.knee} <= joints]:
             there = [each if each.abduction in joints else each._replace(abduction=None) for each in legs]
             return tuple(leg_of(self.model, each) for each in there)
-        said = self.cut or self.settings
-        sides = {} if said is None else said.sides
+        sides = (self.cut or self.settings).sides
         return tuple(replace(leg, side=sides.get(leg.name, leg.side)) for leg in find_legs(self))
 
     @cached_property
@@ -340,7 +339,7 @@ class Robot(Shown):
         """
         if self.closure is None:
             return self.coordinates
-        own = () if self.settings is None else self.settings.independent
+        own = self.settings.independent
         return tuple(name for name in self.coordinates if name not in self.closure.tied or name in own)
 
     def closed(self, q: ArrayLike) -> Array:

@@ -70,7 +70,7 @@ def sagittal(robot: Robot, pairs: Sequence[Sequence[str | Leg]] | None = None) -
         toes=[f"{end}_toe" for end in ENDS],
         actuated=[name for name, turns in angles.items() if _driven(robot, turns)],
         source=f"sagittal({robot.source!r})",
-        settings=None if robot.settings is None else robot.settings.of_cut(angles),
+        settings=robot.settings.of_cut(angles),
         cut=Cut(
             kind="sagittal",
             of=robot.name,
@@ -131,7 +131,7 @@ def leg_pairs(robot: Robot) -> tuple[tuple[Leg, Leg], tuple[Leg, Leg]]:
 
 
 def _pairs(source: Source, pairs: Sequence[Sequence[str | Leg]] | None) -> list[Pair]:
-    if pairs is None and source.robot.settings is not None:
+    if pairs is None:
         pairs = source.robot.settings.pairs or None
     return _found(source) if pairs is None else _given(source, pairs)
 

@@ -20,7 +20,7 @@ class Settings:
     """Settings of a robot, by its own joints.
 
     Attributes:
-        path: path of the file that has the settings.
+        path: path of the file that has the settings; "" without a file.
         sides: +1 or -1 for each leg by its name, by the side to which its knee flexes, see `Leg`; 0 if not known.
         legs: the legs, if they are given joint by joint.
         pairs: names of the left and the right leg of each pair, if they are given.
@@ -37,7 +37,7 @@ class Settings:
         arcs: pitches, in rad, between which round feet roll whose arcs have ends, by their toes.
     """
 
-    path: str
+    path: str = ""
     sides: Mapping[str, int] = field(default_factory=dict)
     legs: tuple[NamedLeg, ...] = ()
     pairs: tuple[tuple[str, ...], ...] = ()
@@ -67,6 +67,9 @@ class Settings:
         return Settings(self.path, springs=springs, motors=motors, efficiencies=efficiencies, gears=gears)
 
 
+NONE_GIVEN = Settings()
+
+
 def refuse_special(robot: Any, what: str) -> None:
     """Refuses a robot whose file gives it springs on paths, with hysteresis, or with switches that are not ideal.
 
@@ -77,8 +80,8 @@ def refuse_special(robot: Any, what: str) -> None:
     Raises:
         BadValue: it has such a spring.
     """
-    springs = {} if robot.settings is None else robot.settings.springs
-    unusual = {name: spring.path or spring.clutch or spring.hysteresis for name, spring in springs.items()}
+    springs = robot.settings.springs.items()
+    unusual = {name: spring.path or spring.clutch or spring.hysteresis for name, spring in springs}
     special = [name for name, reason in unusual.items() if reason]
     if special:
         expected = f"only springs at knees that switch at once, without hysteresis, which {what}"

@@ -40,7 +40,7 @@ def scaled_hopping(robot: Robot) -> HybridSystem:
     Args:
         robot: a leg, as `spear_pin.monopod` cuts it, or one with `[reach]`.
     """
-    own = {} if robot.settings is None else robot.settings.springs
+    own = robot.settings.springs
     paths = {name: spring for name, spring in own.items() if spring.path is not None}
     lacks = paths or robot.reach is not None
     knee = {"knee": own["knee"]} if "knee" in own else {} if lacks else {"knee": Spring.scaled(robot)}

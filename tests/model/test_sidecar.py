@@ -12,6 +12,7 @@ from spear_pin.model.legs import find_legs
 from spear_pin.model.loading import ROBOTS
 from spear_pin.model.origin import origin, robot_of, unsaid
 from spear_pin.model.path import Joints
+from spear_pin.model.settings import Settings
 from spear_pin.studies.hop_of_another import scaled_hopping
 from tests.model.legged import quadruped
 from tests.model.queries import refusal
@@ -178,7 +179,7 @@ class TestSays:
     def test_nothing(self, made):
         robot = load(made(""), base="free")
         assert robot.settings.springs == {} and robot.model == load(made(), base="free").model
-        assert load("spear_ii").settings is None
+        assert load("spear_ii").settings == Settings()
 
 
 class TestArgumentsGoOver:
@@ -397,8 +398,5 @@ class TestRefused:
 
 def test_shipped_robots_with_such_a_file_are_those_of_others():
     with_file = {name for name, shipped in ROBOTS.items() if shipped.path.with_suffix(".toml").exists()}
-    assert (
-        with_file
-        == {"hoppy", "hoppy_leg", "mups_v2", "crank_hopper", "minitaur_leg"}
-        == {name for name in ROBOTS if load(name).settings is not None}
-    )
+    said = {name for name in ROBOTS if load(name).settings.path}
+    assert with_file == said == {"hoppy", "hoppy_leg", "mups_v2", "crank_hopper", "minitaur_leg"}

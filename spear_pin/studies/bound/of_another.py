@@ -63,7 +63,7 @@ def bound_of(
 
 def springs_of(robot: Robot) -> dict[str, object]:
     """Returns what the robot's own file says about its springs, where both pairs have the same."""
-    springs = {} if robot.settings is None else robot.settings.springs
+    springs = robot.settings.springs
     refuse_special(robot, "a search for bounds takes")
     own, *others = springs.values() if len(springs) == 2 else [None]
     if own is None or others != [own]:

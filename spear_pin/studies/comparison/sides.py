@@ -250,9 +250,8 @@ def parameters(side: Side) -> dict[str, Any]:
         "robot: locked joints": ", ".join(robot.locked) or "none",
         **{f"robot: {name}": value for name, value in robot.varied.items()},
     }
-    if robot.settings is not None:
-        for joint, spring in robot.settings.springs.items():
-            found |= {f"robot: {joint} spring: {name}": value for name, value in _of_spring(spring).items()}
+    for joint, spring in robot.settings.springs.items():
+        found |= {f"robot: {joint} spring: {name}": value for name, value in _of_spring(spring).items()}
     if side.gait is None:
         ground = None if side.run is None else side.run.ground
         return found | ({} if ground is None else {f"ground: {name}": x for name, x in _fields(ground).items()})

@@ -120,7 +120,7 @@ def hop_of_leg(robot: Robot, title: str) -> Leg:
     refuse_special(robot, "knobs move")
     scale = scale_of(robot)
     usual = scaled_hopping(robot)
-    own = robot.settings is not None and "knee" in robot.settings.springs
+    own = "knee" in robot.settings.springs
     by_file: tuple[Origin, str] = ("own", "of its file") if own else ("scaled", "from SPEAR-II's")
     given = {
         "stiffness": _scaled(KNOBS["stiffness"], usual.spring.stiffness, scale.torque, *by_file),

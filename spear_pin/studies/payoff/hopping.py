@@ -213,7 +213,7 @@ class Hops(Gaits):
     def system(self, robot: Robot) -> HybridSystem:
         """Returns the hop of a robot by SPEAR-II's scaled law, with its spring; one that is not the knee's is slack."""
         law, usual = HoppingLaw.scaled(robot), Spring.scaled(robot)
-        knee = _own(robot).get(KNEE, usual)
+        knee = robot.settings.springs.get(KNEE, usual)
         if self.along is None:
             return hopping(robot, law, knee)
         name, path = self.along
@@ -266,11 +266,6 @@ class Hops(Gaits):
 HOPS = Hops()
 
 
-def _own(robot: Robot) -> Mapping[str, Spring]:
-    """Returns the springs of a robot's file."""
-    return {} if robot.settings is None else robot.settings.springs
-
-
 def along_of(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
     """Returns name and path of a robot's spring; None for the knee's.
 
@@ -278,7 +273,7 @@ def along_of(robot: Robot, name: str | None) -> tuple[str, AnyPath] | None:
         UnknownName: its file has no such spring.
         BadValue: its file has several, and none is named, or the spring has a switch of its own.
     """
-    own = _own(robot)
+    own = robot.settings.springs
     paths = {each: spring.path for each, spring in own.items() if spring.path is not None}
     known = [*paths, *[KNEE] * (not paths or (KNEE in own and own[KNEE].pulls))]
     if name is None and len(known) > 1:

@@ -47,8 +47,6 @@ def of_file(robot: Robot, part: str, bus: float | None = None) -> Drive | None:
         part: "knee" or "hip".
         bus: voltage of the supply, in V; by default the motor's nominal voltage.
     """
-    if robot.settings is None:
-        return None
     found = []
     for joint in joints_of(robot, part):
         own = robot.settings.motors.get(joint)
@@ -77,7 +75,7 @@ def known(robot: Robot, part: str, bus: float | None = None) -> tuple[Drive, str
     """Returns the robot's own drive of a part, and its origin in words: its TOML file, or the source for SPEAR-II."""
     drive = of_file(robot, part, bus)
     if drive is not None:
-        return drive, f"by {robot.settings.path if robot.settings else ''}"
+        return drive, f"by {robot.settings.path}"
     if robot.cut is not None or robot.source != SOURCE:
         return None
     rig = Rig()
