@@ -196,8 +196,9 @@ def _found(
     """Find the hop, and say how, in words and in Python."""
     from spear_pin import find_gait
     from spear_pin.cli.hop_led import continue_hop
+    from spear_pin.gaits.proportions import FLIGHT_TIME, usual_flight
     from spear_pin.studies.hop_led import lead_hop
-    from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, usual_flight
+    from spear_pin.studies.hop_of_another import hop_of
 
     notes: list[tuple[str, str]] = []
     try:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
 from spear_pin.errors import NoGait, SpearError
+from spear_pin.gaits.proportions import usual_flight
 from spear_pin.gaits.targets import FLIGHT
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
@@ -21,7 +22,6 @@ HOPPING = "spear_pin.gaits.hopping"  # where their laws stand
 ASIDE = 0.35  # rad: between the line from hip to toe at touchdown and straight down
 OFF = 2.0  # factor between a number and SPEAR-II's scaled one
 SWITCHED = 1e-6  # share of a period: the square wave ends a stance that ends so near to its end
-USUAL = 0.2  # s: flight of SPEAR-II
 DAMPING = "damping of the spring"
 HARMLESS = {"friction": 1, DAMPING: -1}  # to which side a number may be far off
 LONGER, FARTHER = 1.25, 1.5  # factors over the wanted flight time, and over the last one found
@@ -141,7 +141,7 @@ def _off_scale(case: _Case) -> Diagnosis | None:
     if spring.path is None:
         pairs[DAMPING] = spring.damping, case.spring.damping, "N·m·s/rad"
     if case.reached is None and FLIGHT in case.target:
-        pairs["flight_time"] = case.target[FLIGHT], USUAL * scale_of(case.system.robot).time, "s"
+        pairs["flight_time"] = case.target[FLIGHT], usual_flight(case.system.robot), "s"
     if not spring.table and spring.path is None:
         pairs["stiffness"] = spring.stiffness + law.virtual_stiffness, case.spring.stiffness, "N·m/rad"
     ratios = {
@@ -153,7 +153,7 @@ def _off_scale(case: _Case) -> Diagnosis | None:
     if 1.0 / OFF < ratios[worst] < OFF:
         return None
     own, usual, unit = pairs[worst]
-    own_size = scale_of(case.system.robot) == Scale(1.0, 1.0, 1.0)
+    own_size = case.system.robot.reach is None and scale_of(case.system.robot) == Scale(1.0, 1.0, 1.0)
     scaled = "SPEAR-II's" if own_size else "SPEAR-II's, scaled to this leg"
     times = f"{ratios[worst]:.2g} times" if own else "far from"
     name, key = worst.replace("_", " "), worst.partition(" ")[0]

@@ -17,6 +17,7 @@ from spear_pin.model.scale import Scale, load_shipped, only_leg, scale_of, touch
 
 TRIED = np.linspace(-math.pi, math.pi, 61).tolist()  # rad: angles of the knee among which the leg is longest
 STEP = 1e-4  # rad: of the difference that gives the lever
+FLIGHT_TIME = 0.2  # s, of SPEAR-II's hop; of another leg's by the root of its length
 
 
 class Proportions(NamedTuple):
@@ -35,6 +36,12 @@ class Proportions(NamedTuple):
     scale: Scale
     torque: float
     inertia: Array
+
+
+def usual_flight(robot: Robot) -> float:
+    """Returns the flight time of a leg's hop that is like SPEAR-II's, in s."""
+    depth = None if robot.reach is None else max(_depths(robot).values())
+    return FLIGHT_TIME * scale_of(robot, depth).time
 
 
 def proportions(robot: Robot, knee: float) -> Proportions:
@@ -57,16 +64,23 @@ def proportions(robot: Robot, knee: float) -> Proportions:
         scale = scale_of(robot)
         return Proportions(only_leg(robot).lean(knee), knee, scale, scale.torque, touchdown_inertia(robot, knee))
     like = only_leg(load_shipped("spear_ii"))
-    share, depth = like.length(knee) / (like.thigh + like.shank), partial(_depth, robot)
-    depths = {angle: found for angle in TRIED if not math.isnan(found := depth(angle))}
-    stretched = max(depths, key=depths.__getitem__, default=0.0)
-    wanted = share * depths.get(stretched, 0.0)
+    share, depth, depths = like.length(knee) / (like.thigh + like.shank), partial(_depth, robot), _depths(robot)
+    stretched = max(depths, key=depths.__getitem__)
+    wanted = share * depths[stretched]
     folded = next((angle for angle, found in depths.items() if angle > stretched and found <= wanted), None)
     if folded is None:
         raise BadValue("[reach]", robot.reach, f"a knee that folds the leg to {share:.2g} of its length as it grows")
     lands = float(brentq(lambda angle: depth(angle) - wanted, stretched, folded))
     scale, inertia = scale_of(robot, depths[stretched]), _inertia(robot, pose_leg(robot, 0.0, lands))
     return Proportions(0.0, lands, scale, scale.force * _slope(depth, lands) / _slope(like.length, knee), inertia)
+
+
+def _depths(robot: Robot) -> dict[float, float]:
+    """Returns how deep the toe is, in m, by the angle of the knee, in rad, where its loops close within its limits."""
+    found = {knee: depth for knee in TRIED if not math.isnan(depth := _depth(robot, knee))}
+    if not found:
+        raise BadValue("[reach]", robot.reach, "angles of hip and knee at which the loops close within their limits")
+    return found
 
 
 def _depth(robot: Robot, knee: float) -> float:

@@ -13,6 +13,7 @@ from spear_pin.errors import NoGait
 from spear_pin.gaits.continuation import continue_gait
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw
+from spear_pin.gaits.proportions import usual_flight
 from spear_pin.gaits.search import gait_beside
 from spear_pin.gaits.targets import FLIGHT
 from spear_pin.hybrid.automaton import HybridSystem
@@ -21,7 +22,7 @@ from spear_pin.hybrid.parameters import parameter, rebuilt, with_parameters
 from spear_pin.hybrid.tangent.resets import REFUSALS
 from spear_pin.kinds import typed
 from spear_pin.model.spring import Spring
-from spear_pin.studies.hop_of_another import hop_of, usual_flight
+from spear_pin.studies.hop_of_another import hop_of
 
 TORQUE = "stance_torque"  # what is solved for the flight time
 SECONDS = 15.0  # of a processor, on the way

@@ -13,7 +13,6 @@ from spear_pin.errors import BadValue, NoGait, SpearError
 from spear_pin.gaits.diagnosis import Reached, explain_failure
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
-from spear_pin.gaits.proportions import proportions
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid.automaton import HybridSystem
@@ -25,7 +24,6 @@ from spear_pin.model.spring import Spring
 from spear_pin.model.variants import vary
 from spear_pin.studies.joint_limits import list_exceeded
 
-FLIGHT_TIME = 0.2  # s, of SPEAR-II; of another leg by the root of its length
 LONGER = (1.0, 1.15, 1.3)  # in turn: flights that end as the square wave turns back leave a gap before the next
 SHORTER = (0.9, 0.8, 0.65, 0.5)  # in turn, of a leg whose joints may not turn as fast
 TORQUES = (1.0, 0.9, 1.1, 0.8, 1.25, 1.6)  # of the stance torque, in turn, until with one there is a hop
@@ -45,11 +43,6 @@ def scaled_hopping(robot: Robot) -> HybridSystem:
     lacks = paths or robot.reach is not None
     knee = {"knee": own["knee"]} if "knee" in own else {} if lacks else {"knee": Spring.scaled(robot)}
     return hopping(robot, HoppingLaw.scaled(robot), {**knee, **paths} or None)
-
-
-def usual_flight(robot: Robot) -> float:
-    """Returns the flight time of a leg's hop that is like SPEAR-II's, in s."""
-    return FLIGHT_TIME * proportions(robot, HoppingLaw().knee_touchdown).scale.time
 
 
 @typed

@@ -10,9 +10,9 @@ import pytest
 
 from spear_pin import Gait, HoppingLaw, Spring, Trajectory, hopping, load, monopod, simulate
 from spear_pin.cli import main
+from spear_pin.gaits.proportions import usual_flight
 from spear_pin.hybrid.periodic import residual
 from spear_pin.model.origin import robot_of
-from spear_pin.studies.hop_of_another import usual_flight
 from tests.cli.calls import printed, refused, run, words
 
 

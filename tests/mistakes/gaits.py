@@ -243,7 +243,7 @@ MUTATIONS = [
         "gaits/proportions",
         ["gaits/test_proportions"],
         {
-            "a leg with loops lands stretched": ("share * depths.get", "depths.get"),
+            "a leg with loops lands stretched": ("share * depths[", "depths["),
             "its torques do not know its lever": ("scale.force * _slope(depth, lands) /", "scale.force /"),
         },
     ),

@@ -14,6 +14,7 @@ from spear_pin.errors import BadFile, BadValue, NoGait, SpearError, UnknownName,
 from spear_pin.gaits import library
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import hopping
+from spear_pin.gaits.proportions import FLIGHT_TIME, usual_flight
 from spear_pin.gaits.search import find_gait
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.parameters import rebuilt
@@ -24,9 +25,8 @@ from spear_pin.hybrid.trajectory_parts import gaps
 from spear_pin.kinds import typed
 from spear_pin.model.loading import load
 from spear_pin.model.robot import Robot
-from spear_pin.model.scale import scale_of
 from spear_pin.model.spring import Spring
-from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, scaled_hopping
+from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 from spear_pin.words import number, show_unit
 
 MOST = 6  # sides
@@ -189,7 +189,7 @@ def usual_hop(leg: Robot | None = None, flight_time: float | None = None) -> Gai
     system = scaled_hopping(leg)
     if flight_time is not None:
         return hop_of(system, flight_time)
-    return hop_of(system, scale_of(leg).time * FLIGHT_TIME, within_limits=True)
+    return hop_of(system, usual_flight(leg), within_limits=True)
 
 
 def _solved(system: HybridSystem, flight: float, guess: State | None = None) -> Gait:

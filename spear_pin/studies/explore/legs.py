@@ -9,6 +9,7 @@ from functools import cache, cached_property
 
 from spear_pin.errors import BadValue, NoGait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.gaits.proportions import FLIGHT_TIME, usual_flight
 from spear_pin.gaits.search import find_gait, gait_beside
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.contact import Contact
@@ -23,7 +24,7 @@ from spear_pin.model.settings import refuse_special
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import PARAMETERS
 from spear_pin.studies.explore.knobs import Knob, Knobs, Origin, Subject
-from spear_pin.studies.hop_of_another import FLIGHT_TIME, hop_of, scaled_hopping, usual_flight
+from spear_pin.studies.hop_of_another import hop_of, scaled_hopping
 
 RATIO, TORQUE, KNEE = "knee_ratio", "stance_torque", "knee_touchdown"
 KNOBS: Mapping[str, Knob] = {

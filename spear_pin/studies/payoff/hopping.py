@@ -20,6 +20,7 @@ from spear_pin.errors import BadValue, NoGait, UnknownName, list_names
 from spear_pin.gaits.codesign import design as codesign
 from spear_pin.gaits.gait import Gait
 from spear_pin.gaits.hopping import HoppingLaw, hopping
+from spear_pin.gaits.proportions import usual_flight
 from spear_pin.gaits.springing import KNEE
 from spear_pin.gaits.targets import check_wanted
 from spear_pin.hybrid import batch
@@ -30,7 +31,6 @@ from spear_pin.model.path import Path as AnyPath
 from spear_pin.model.robot import Robot
 from spear_pin.model.spring import Spring
 from spear_pin.model.variants import parameters_of
-from spear_pin.studies.hop_of_another import usual_flight
 from spear_pin.studies.payoff.figures import Figures, figures
 from spear_pin.studies.payoff.gaits import Found, Gaits, Words
 from spear_pin.studies.payoff.grid import FIXED, KINDS, NONE, SWITCHED, Point
