@@ -1,7 +1,7 @@
 """The ground: a step in it, what it refuses, and that it is kept."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -53,6 +53,16 @@ class Hole(Ground):
 
 
 RISE = 0.0
+
+
+@dataclass(frozen=True)
+class Listed(Ground):
+    """Level ground, as high as a list says."""
+
+    rises: list[float] = field(default_factory=lambda: [0.0])
+
+    def above(self, x, z, ops=FLOATS):
+        return z - self.rises[0]
 
 
 @dataclass(frozen=True)
@@ -112,6 +122,14 @@ class TestStep:
         system = hopping(hop.system.robot, hop.system.law, ground=Raised())
         for rise, reason in ((0.0, "complete"), (0.1, "below_ground")):
             monkeypatch.setattr("tests.hybrid.test_ground.RISE", rise)
+            assert simulate_many(system, hop.state[0][None], hop.state[1][None]).reason.tolist() == [reason]
+
+    @pytest.mark.extra("heyoka")
+    def test_whose_list_was_changed_is_compiled_anew(self, hop):
+        ground = Listed()
+        system = hopping(hop.system.robot, hop.system.law, ground=ground)
+        for rise, reason in ((0.0, "complete"), (0.1, "below_ground")):
+            ground.rises[0] = rise
             assert simulate_many(system, hop.state[0][None], hop.state[1][None]).reason.tolist() == [reason]
 
     @pytest.mark.slow

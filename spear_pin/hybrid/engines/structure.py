@@ -166,7 +166,8 @@ def _shape_of_ground(ground: Ground) -> Any:
     if type(ground) is Ground:
         return None
     own = tuple(getattr(ground, field.name) for field in fields(ground) if field.name not in ("friction", *PLACE))
-    return type(ground), own, Reader().identity(type(ground).above), Reader().identity(type(ground).axes)
+    functions = type(ground).above, type(ground).axes
+    return type(ground), *(Reader().identity(each) for each in (own, *functions))
 
 
 def shape_of(held: Values) -> Any:

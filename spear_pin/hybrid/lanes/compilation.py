@@ -36,7 +36,7 @@ class Compilation:
         self._singles: dict[Any, Single] = {}
         self._impacts: dict[str, CompiledImpact] = {}
         self._reader = Reader()
-        for function in () if system.ground.plane else (type(system.ground).above, type(system.ground).axes):
+        for function in () if system.ground.plane else (system.ground.above, system.ground.axes):
             self._reader.identity(function)
 
     def current(self) -> bool:
