@@ -1,7 +1,8 @@
 """Many lanes at once by the Taylor engine, each against the reference engine."""
 
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,13 @@ from spear_pin.hybrid.run import run
 from spear_pin.model.boom import on_rotary_boom
 from spear_pin.studies.hardware import Rig
 from tests.hybrid.lanes import around, assert_agree, compiles
+
+
+@dataclass(frozen=True)
+class Listing(HoppingLaw):
+    """A law with a field of any kind."""
+
+    gains: Any = ()
 
 
 @compiles
@@ -154,6 +162,13 @@ class TestBadInput:
         for system in (*others, hopping(on_rotary_boom(robot))):
             with pytest.raises(BadValue, match="^(system|robot) is "):
                 simulate_many(system, *np.zeros((2, 1, 3)))
+
+    @compiles
+    @pytest.mark.parametrize("value", [[1.0, 2.0], {"a": 1.0}, (1.0, [2.0])], ids=str)
+    def test_a_law_that_keeps_lists(self, robot, value):
+        system = hopping(robot, Listing(hip_touchdown=0.5, stance_torque=8.0, gains=value))
+        with pytest.raises(BadValue, match="Listing.gains is .* a tuple or a dataclass of numbers"):
+            simulate_many(system, *(part[None] for part in system.guess()))
 
     def test_without_the_extra(self, hop, monkeypatch):
         monkeypatch.setitem(sys.modules, "heyoka", None)

@@ -6,11 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import count
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from spear_pin.arrays import Array
+from spear_pin.errors import BadValue
 from spear_pin.hybrid.automaton import HybridSystem
 from spear_pin.hybrid.brake import Brakes, brakes_with, numbers_of_brakes
 from spear_pin.hybrid.domain import Domain, Mount
@@ -168,6 +170,19 @@ def _shape_of_ground(ground: Ground) -> Any:
     own = tuple(getattr(ground, field.name) for field in fields(ground) if field.name not in ("friction", *PLACE))
     functions = type(ground).above, type(ground).axes
     return type(ground), *(Reader().identity(each) for each in (own, *functions))
+
+
+def check_law(law: Any) -> None:
+    """Checks that the fields of a law can be compiled: as run-time parameters, or as words and switches.
+
+    Raises:
+        BadValue: a field has another value, such as a list.
+    """
+    for name in field_names(law) or ():
+        value = getattr(law, name)
+        if not all(isinstance(each, Real) for each in flatten((value,))):
+            where = f"{type(law).__name__}.{name}"
+            raise BadValue(where, value, "a number, or a tuple or a dataclass of numbers: only these are compiled")
 
 
 def shape_of(held: Values) -> Any:

@@ -28,6 +28,7 @@ class Compilation:
     """
 
     def __init__(self, system: HybridSystem, code: Code) -> None:
+        structure.check_law(system.law)
         self.system, self.mechanism = system, mechanism_of(system.robot)
         self.robot = structure.robot_numbers(system, self.mechanism)
         self._code = code
