@@ -82,8 +82,9 @@ class Design(Shown):
         parameters: chosen parameters, by name.
         bounds: value and bound of each bounded measure, by the name of the bound.
         margins: margin of each event from happening otherwise, in its guard's unit, by name.
-        active: active bounds, by name: change of the minimum for one more unit of the bound.
-        assumptions: effect of each number that was not chosen, by name.
+        active: active bounds, by name: change of the minimum for one more unit of the bound; empty if these, and kinks,
+            do not balance the gradient.
+        assumptions: effect of each number that was not chosen, by name; empty likewise.
         largest: modulus of the largest multiplier.
         path: the measure, and the total relative violation of bounds, after each iteration.
         stationarity: the part of the gradient that bounds do not balance, relative to the measure at the beginning,
@@ -205,7 +206,7 @@ def design(
     }
     known = [(each, problem.measure(orbit, each.measure)) for each in problem.bounds]
     bounds = {each.label: (found.value, each.value) for each, found in known if found is not None}
-    goal, held = problem.measure(orbit, problem.minimize), bool(np.isfinite(end.stationarity))  # what holds it is known
+    goal = problem.measure(orbit, problem.minimize)
     assert goal is not None
     if problem.largest_multiplier is not None:
         bounds["largest multiplier at most"] = largest(orbit), problem.largest_multiplier
@@ -218,8 +219,8 @@ def design(
         chosen,
         bounds,
         {name: margin.value for name, margin in orbit.margins.items()},
-        _prices(problem, orbit, end, scale),
-        _assumptions(problem, orbit, end, scale, names) if names and held else {},
+        _prices(problem, orbit, end, scale) if end.balanced else {},
+        _assumptions(problem, orbit, end, scale, names) if names and end.balanced else {},
         largest(orbit),
         tuple((value * scale, missed) for value, missed in end.path),
         end.stationarity,

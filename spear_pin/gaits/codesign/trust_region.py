@@ -56,6 +56,11 @@ class Minimum(Generic[T]):
         """Whether a minimum was found: no constraint is missed, and no step improves it."""
         return self.reason == CONVERGED
 
+    @property
+    def balanced(self) -> bool:
+        """Whether constraints, bounds and kinks hold the point, so that their multipliers are prices of a minimum."""
+        return self.converged or self.stationarity <= STILL * max(abs(self.local.f), 1.0)
+
 
 def find_minimum(
     value: Callable[[Array, Local[T]], Local[T] | None],
