@@ -7,14 +7,13 @@ four phases would stop.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_guards import OVERLOAD, SHORTEST_SPAN, knee_back, overload
+from spear_pin.gaits.bounding_guards import SHORTEST_SPAN, knee_back, overload
 from spear_pin.gaits.bounding_law import (
     LEGS,
     STATES,
@@ -113,7 +112,7 @@ def _domains(robot: Robot, law: BoundingLaw, springs: Springs) -> Iterator[Domai
     legs, phases = legs_of(robot), phases_of(robot)
     stances = {phase.bearing: phase for phase in phases if phase.bearing}
     flights = {phase.lifted: phase for phase in phases if phase.lifted}
-    overloaded = overload(OVERLOAD * 10.0 ** round(math.log10(scale_of(robot).torque)))  # compiled for each value
+    overloaded = overload(scale_of(robot).torque, share=False)
     springing = {leg.name: springing_of(robot, springs, leg) for leg in legs}
     fallen = fall([f"{leg.name}_{part}" for leg in legs for part in ("hip", "knee")])
 

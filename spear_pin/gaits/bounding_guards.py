@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from spear_pin.gaits.legs import Leg
@@ -27,14 +28,16 @@ def knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
     return Guard(name, flexes, flexed), Guard(f"{leg.name}_lift_off", returns, reset)
 
 
-def overload(most: float = OVERLOAD, unit: float = 1.0) -> Guard:
-    """Returns the guard that ends a run at torques beyond `most` in N·m: the decoupling matrix is nearly singular.
+def overload(scale: float, *, share: bool) -> Guard:
+    """Returns the guard that ends a run at torques beyond `OVERLOAD`: the decoupling matrix is nearly singular.
 
     Args:
-        most: the torque, in N·m.
-        unit: torque in which the guard is expressed, in N·m. The Taylor engine is only as exact as its greatest
-            guard needs: in a small unit its steps are longer, and less exact.
+        scale: torques of the robot over Q-SPEAR's. Only their power of ten counts: code is compiled for each limit.
+        share: whether the guard is a share of the limit's square, else it is in N²·m². The Taylor engine is only as
+            exact as its greatest guard needs: as a share, its steps are longer, and less exact.
     """
+    most = OVERLOAD * 10.0 ** round(math.log10(scale))
+    unit = most if share else 1.0
 
     def value(t: Any, q: Any, v: Any, held: Any, p: Any, dyn: Dynamics, ops: Operations) -> Any:
         return (most**2 - sum(torque * torque for torque in dyn.u)) / unit**2

@@ -17,7 +17,7 @@ import numpy as np
 
 from spear_pin.arrays import Array
 from spear_pin.errors import BadValue
-from spear_pin.gaits.bounding_guards import OVERLOAD, knee_back, overload
+from spear_pin.gaits.bounding_guards import knee_back, overload
 from spear_pin.gaits.bounding_law import PAIR
 from spear_pin.gaits.legs import Leg
 from spear_pin.gaits.spatial.latches import bears, find_landing_legs, flies, swings, waits
@@ -263,8 +263,7 @@ class Automaton:
 
     @cached_property
     def _overload(self) -> Guard:
-        most = OVERLOAD * scale_in_space(self.robot).torque
-        return overload(most, unit=most)
+        return overload(scale_in_space(self.robot).torque, share=True)
 
     def _own(self, leg: Leg) -> Group:
         return next(group for group in self.groups if leg in group)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from functools import cached_property
 from typing import Any
 
@@ -35,6 +35,7 @@ class Compilation:
         # domains are kept with their compiled form, so that Python does not reuse their ids
         self._domains: dict[Any, Ready] = {}
         self._singles: dict[Any, Single] = {}
+        self._entries = Counter[Any]()
         self._impacts: dict[str, CompiledImpact] = {}
         self._reader = Reader()
         for function in () if system.ground.plane else (system.ground.above, system.ground.axes):
@@ -61,6 +62,12 @@ class Compilation:
             one = structure.Structure(self.system, domain, held, self.mechanism)
             self._domains[key] = Ready(domain, taylor.compile_domain(one, self._code))
         return self._domains[key]
+
+    def count_entry(self, domain: Domain, held: Held) -> int:
+        """Counts how often a domain is entered for held values of their shape; returns the number."""
+        key = id(domain), structure.shape_of(held)
+        self._entries[key] += 1
+        return self._entries[key]
 
     def single(self, domain: Domain, held: Held) -> Single:
         """Returns a domain compiled for one lane and for the held values."""

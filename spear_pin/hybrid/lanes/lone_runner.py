@@ -114,13 +114,16 @@ class LoneRunner:
         lane: index of the lane.
         keep: whether arcs keep their motion.
         longest: longest step, in s; it does not bound arcs that keep their motion.
+        rare: how often a domain in space is left to the reference engine before it is compiled.
 
     Attributes:
         why: why the last cycle that was refused was refused.
     """
 
-    def __init__(self, numbers: Numbers, lane: int, *, keep: bool = False, longest: float = math.inf) -> None:
-        self._numbers, self._lane, self._keep, self._longest = numbers, lane, keep, longest
+    def __init__(
+        self, numbers: Numbers, lane: int, *, keep: bool = False, longest: float = math.inf, rare: int = 0
+    ) -> None:
+        self._numbers, self._lane, self._keep, self._longest, self._rare = numbers, lane, keep, longest, rare
         self._compiled, self._system, self._nv = numbers.compilation, numbers.system, numbers.nv
         self._in_space = self._system.robot.dimension == 3
         self._law, self._constants = numbers.law_of(lane), numbers.constants(lane)
@@ -363,7 +366,7 @@ class LoneRunner:
         return best
 
     def _enter_in_space(self, now: _Now) -> tuple[Single, Entry] | None:
-        """Returns the domain in which toes in the air are open, and sliding toes slide, if it fits, else None.
+        """Returns the domain in which toes in the air are open, and sliding toes slide, if it fits and is not rare.
 
         Each of the many others would have to be compiled.
         """
@@ -373,6 +376,8 @@ class LoneRunner:
             return None
         ready = now.singles.get(id(domain))
         if ready is None:
+            if self._compiled.count_entry(domain, now.held) <= self._rare:
+                return None
             ready = now.singles[id(domain)] = self._compiled.single(domain, now.held)
         entry = ready.enter(now.t, now.y, now.parameters)
         return None if entry is None or entry.fitness < math.inf or entry.event == UNCLEAR else (ready, entry)

@@ -47,6 +47,7 @@ from spear_pin.hybrid.run import run
 
 FEW = 16  # most lanes of the plane for which it is faster if each meets its events by itself
 PATIENCE = 3  # cycles that a lane's lone runner may refuse before it is no longer tried
+RARE = 8  # entries of a domain in space by the reference engine: compiling takes as long as some dozens of them
 CROWD = 10  # events in an instant after which the reference engine takes over, as it may be a Zeno point
 
 
@@ -93,7 +94,7 @@ class Lanes:
         longest = self._longest
         self._in_space = system.robot.dimension == 3  # where impacts may overlap, which each lane has for itself
         alone = n if n <= FEW or self._in_space else 0
-        self._lone = [LoneRunner(self.numbers, lane, longest=longest) for lane in range(alone)]
+        self._lone = [LoneRunner(self.numbers, lane, longest=longest, rare=RARE) for lane in range(alone)]
         self.orders: list[Order] = [()] * n  # order of events in the last whole cycle
         self._happened: list[list[Happening]] = [[] for _ in self._lone]  # events of the present cycle
         self._alone: list[tuple[str, Group, Came | None]] = []
@@ -181,6 +182,8 @@ class Lanes:
                 self.durations[name][lane] = seconds
         if self.cycles[lane] == self.wanted:
             self.finish(group.lanes, "complete", "")
+        elif self._in_space:
+            self.give_up(group)  # most impacts there are only known to lone lanes
         else:
             self.refused[lane] += 1
             self.put(phase, Group(group.lanes, np.zeros(1), y[:, None].copy(), spread_held(held, 1)), came)
