@@ -78,10 +78,15 @@ def pytest_runtest_makereport(item):
 
 @pytest.fixture(scope="module", autouse=True)
 def soon_compiled(request):
-    """Tests compile much and run little of it, so it is not optimised; in modules marked `optimised` it is."""
+    """Tests compile much and run little of it, so it is not optimised; in modules marked `optimised` it is.
+
+    What few lanes meet is compiled, too, so that they test it.
+    """
     from spear_pin.hybrid.engines import taylor
+    from spear_pin.hybrid.lanes import runner
 
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(runner, "RARE", 0)
         if request.node.get_closest_marker("optimised") is None:
             patch.setattr(taylor, "LEVEL", 0)
         yield

@@ -12,7 +12,7 @@ from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.engines.taylor import Code
 from spear_pin.hybrid.engines.taylor_single import UNCLEAR
 from spear_pin.hybrid.fields import flatten
-from spear_pin.hybrid.lanes import lone_runner
+from spear_pin.hybrid.lanes import lone_runner, runner
 from spear_pin.hybrid.lanes.groups import Group, spread_held
 from spear_pin.hybrid.lanes.modes import find_sinking
 from spear_pin.hybrid.lanes.numbers import Numbers
@@ -84,6 +84,29 @@ def test_a_toe_that_bounces_and_falls_at_once(monkeypatch, alone):
     system = with_parameters(gait.system, {"friction": 1.1144459030615723})
     found = simulate_many(system, q[None], v[None], unroll=False)
     assert found.reason[0] == run(system, (q, v), 1, Options()).reason == "painleve"
+
+
+@compiles
+@pytest.mark.slow
+def test_what_is_rare_is_left_to_the_reference_engine(monkeypatch):
+    """A domain is compiled when it has been entered so often."""
+
+    def noted(*given, **options):
+        seen.append(given[1])
+        return follow(*given, **options)
+
+    follow, seen, counts, states = lone_runner.follow, [], [], []
+    monkeypatch.setattr(lone_runner, "follow", noted)
+    monkeypatch.setattr(runner, "RARE", 2)
+    gait = Gait.load("trot")
+    for _ in range(4):
+        seen.clear()
+        found = simulate_many(gait.system, *(part[None] for part in gait.state))
+        counts.append(len(seen))
+        states.append(np.concatenate([found.q[0], found.v[0]]))
+        assert found.reason[0] == "complete" and not found.repeated[0]
+    assert counts[0] > 5 and counts[-1] == 0
+    np.testing.assert_allclose(states, states[-1:] * 4, rtol=0, atol=1e-10)
 
 
 @compiles
