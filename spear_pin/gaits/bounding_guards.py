@@ -29,10 +29,11 @@ def knee_back(leg: Leg, reset: Reset) -> tuple[Guard, Guard]:
 
 
 def overload(scale: float, *, share: bool) -> Guard:
-    """Returns the guard that ends a run at torques beyond `OVERLOAD`: the decoupling matrix is nearly singular.
+    """Returns the guard that ends a run at torques far too large: the decoupling matrix is nearly singular.
 
     Args:
-        scale: torques of the robot over Q-SPEAR's. Only their power of ten counts: code is compiled for each limit.
+        scale: torques of the robot over Q-SPEAR's. The limit is `OVERLOAD` times the nearest power of ten, since code
+            is compiled for each limit.
         share: whether the guard is a share of the limit's square, else it is in N²·m². The Taylor engine is only as
             exact as its greatest guard needs: as a share, its steps are longer, and less exact.
     """

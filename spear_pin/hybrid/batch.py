@@ -86,7 +86,8 @@ def simulate_many(
 ) -> Batch:
     """Runs whole cycles from many states, on the section or in the air before the first touchdown.
 
-    In space a domain is compiled when it has been entered some times; until then the reference engine follows it.
+    In space a domain is compiled when it has been entered some times; until then the reference engine follows it. Only
+    the flight in which lanes begin is compiled at once.
 
     Args:
         system: robot, law and ground.

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from spear_pin import Contact, Gait, HoppingLaw, Spring, hopping
+from spear_pin import Contact, Gait, HoppingLaw, Spring, find_gait, hopping
 from spear_pin.errors import BadValue, MissingExtra, UnknownName
 from spear_pin.hybrid.batch import simulate_many
 from spear_pin.hybrid.dry_friction import with_dry_friction
@@ -167,8 +167,13 @@ class TestBadInput:
     @pytest.mark.parametrize("value", [[1.0, 2.0], {"a": 1.0}, (1.0, [2.0])], ids=str)
     def test_a_law_that_keeps_lists(self, robot, value):
         system = hopping(robot, Listing(hip_touchdown=0.5, stance_torque=8.0, gains=value))
-        with pytest.raises(BadValue, match="Listing.gains is .* a tuple or a dataclass of numbers"):
+        with pytest.raises(BadValue, match="Listing.gains is .* or a tuple or a dataclass of these"):
             simulate_many(system, *(part[None] for part in system.guess()))
+
+    def test_a_law_that_keeps_a_list_is_searched_by_differences(self, robot, hop):
+        system = hopping(robot, Listing(hip_touchdown=0.5, stance_torque=8.0, gains=[1.0]))
+        found = find_gait(system, ["stance_torque"], {"flight_time": 0.2}, guess=hop.state)
+        assert found.system.law.gains == [1.0] and np.abs(found.multipliers).max() < 1.0
 
     def test_without_the_extra(self, hop, monkeypatch):
         monkeypatch.setitem(sys.modules, "heyoka", None)

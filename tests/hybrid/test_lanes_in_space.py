@@ -1,5 +1,6 @@
 """Lanes in space end as the reference engine says, whether they are compiled or left to it."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -107,6 +108,28 @@ def test_what_is_rare_is_left_to_the_reference_engine(monkeypatch):
         assert found.reason[0] == "complete" and not found.repeated[0]
     assert counts[0] > 5 and counts[-1] == 0
     np.testing.assert_allclose(states, states[-1:] * 4, rtol=0, atol=1e-10)
+
+
+@compiles
+@pytest.mark.slow
+def test_lanes_left_to_the_reference_engine_end_as_compiled_ones(monkeypatch):
+    """Also one that is lost; so does what is told of their cycles."""
+    gait = Gait.load("trot")
+    local, rng = chart(gait.system, gait.state), np.random.default_rng(3)
+    states = [local.state(size * rng.normal(size=local.dimension)) for size in (0.0, 0.01, 0.02, 0.3)]
+    q, v = (np.array(part) for part in zip(*states, strict=True))
+    ends = []
+    for rare in (8, 0):
+        monkeypatch.setattr(runner, "RARE", rare)
+        ends.append(simulate_many(replace(gait.system), q, v, 2, observe=True))
+    one, other = ends
+    assert one.reason.tolist() == other.reason.tolist() and len({*one.reason}) > 1
+    assert one.cycles.tolist() == other.cycles.tolist() and one.repeated.tolist() == other.repeated.tolist()
+    for name, seconds in one.durations.items():
+        np.testing.assert_allclose(seconds, other.durations[name], rtol=0, atol=1e-9)
+    whole = one.reason == "complete"
+    np.testing.assert_allclose(one.q[whole], other.q[whole], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(one.v[whole], other.v[whole], rtol=0, atol=1e-9)
 
 
 @compiles

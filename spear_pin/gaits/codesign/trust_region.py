@@ -7,6 +7,7 @@ trials that were no better tell what is across the kink.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
@@ -59,7 +60,8 @@ class Minimum(Generic[T]):
     @property
     def balanced(self) -> bool:
         """Whether constraints, bounds and kinks hold the point, so that their multipliers are prices of a minimum."""
-        return self.converged or self.stationarity <= STILL * max(abs(self.local.f), 1.0)
+        small = self.stationarity <= STILL * max(abs(self.local.f), 1.0)
+        return small or (self.converged and math.isfinite(self.stationarity))
 
 
 def find_minimum(

@@ -137,21 +137,21 @@ class Flow:
         return self._sliding.left
 
     def arrive(self, t: float, y: Array) -> None:
-        """Records that the motion has reached a state, rather than only tried it."""
+        """Records that the motion has reached a state, rather than only tried it; the results may be of one beyond."""
         self.own.fault = None
         if not self.sets_out:
             return
-        slope, (speeds, gains) = self(t, y), self._along_ways()
-        if not self._ways:
-            return  # no value at this state
+        slope = self(t, y)
+        if not np.isfinite(slope).all():
+            return
+        speeds, gains = self._along_ways()
         self._sliding.arrive(speeds, gains, self._ways)
-        if self.sets_out:
-            self(t + GLANCE, y + GLANCE * slope)
+        if self.sets_out and np.isfinite(self(t + GLANCE, y + GLANCE * slope)).all():
             self._sliding.look_ahead(speeds, gains, self._along_ways()[1])
 
     def _along_ways(self) -> tuple[dict[str, float], dict[str, float]]:
         """Returns the speeds of sliding toes along their directions, in m/s, and their accelerations, in m/s²."""
-        pairs = [(toe, self._ways[toe]) for toe, _ in self._slips if toe in self._ways]
+        pairs = [(toe, self._ways[toe]) for toe, _ in self._slips]
         speeds = {toe: along(way, self.toe_velocity(toe)[:-1]) for toe, way in pairs}
         return speeds, {toe: along(way, self.toe_acceleration(toe)[:-1]) for toe, way in pairs}
 

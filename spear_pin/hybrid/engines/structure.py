@@ -173,16 +173,16 @@ def _shape_of_ground(ground: Ground) -> Any:
 
 
 def check_law(law: Any) -> None:
-    """Checks that the fields of a law can be compiled: as run-time parameters, or as words and switches.
+    """Checks that the fields of a law can be compiled: numbers as run-time parameters, words and switches as they are.
 
     Raises:
         BadValue: a field has another value, such as a list.
     """
     for name in field_names(law) or ():
         value = getattr(law, name)
-        if not all(isinstance(each, Real) for each in flatten((value,))):
+        if not all(isinstance(each, (Real, np.bool_)) for each in flatten((value,))):
             where = f"{type(law).__name__}.{name}"
-            raise BadValue(where, value, "a number, or a tuple or a dataclass of numbers: only these are compiled")
+            raise BadValue(where, value, "a number, a word, a switch, or a tuple or a dataclass of these")
 
 
 def shape_of(held: Values) -> Any:

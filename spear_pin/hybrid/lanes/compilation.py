@@ -35,7 +35,7 @@ class Compilation:
         # domains are kept with their compiled form, so that Python does not reuse their ids
         self._domains: dict[Any, Ready] = {}
         self._singles: dict[Any, Single] = {}
-        self._entries = Counter[Any]()
+        self._entries = Counter[Any]()  # by ids, too: the system keeps its domains
         self._impacts: dict[str, CompiledImpact] = {}
         self._reader = Reader()
         for function in () if system.ground.plane else (system.ground.above, system.ground.axes):

@@ -184,7 +184,7 @@ class _Whole:
         """Applies an event to the derivatives, and records the duration of a phase that it ends."""
         arc, tau = stretch.arc, stretch.tau
         now.dy, now.tau, now.behind, now.after = stretch.dstate, tau, False, None
-        if arc.smooth:  # the time since the event before it stays fixed
+        if arc.smooth:  # the derivatives stay at the time at which they were
             now.dy, now.behind = stretch.last, True
         if arc.event is None or arc.event.reset is None:
             return  # the same motion continues

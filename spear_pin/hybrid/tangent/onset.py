@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import Polynomial
 
 from spear_pin.arrays import Array
 from spear_pin.hybrid.arc import Arc
@@ -24,7 +23,8 @@ SLOW = 2.0 * SETTING_OUT  # m/s: a faster toe has turned
 def find_setting_out(system: HybridSystem, arc: Arc, y: Array) -> list[str]:
     """Returns the toes in space that slide slowly as an arc begins, and faster at the first of states y in it."""
     slips = [toe for toe, mode in zip(system.robot.toes, arc.domain.contacts, strict=True) if mode == SLIP]
-    return [toe for toe in slips if _speed(system, arc.y, toe) <= min(SLOW, _speed(system, y[:, 0], toe))]
+    slow = [toe for toe in slips if _speed(system, arc.y, toe) <= SLOW]
+    return [toe for toe in slow if _speed(system, arc.y, toe) < _speed(system, y[:, 0], toe)]
 
 
 def turn_velocities(
@@ -44,12 +44,12 @@ def turn_velocities(
         a: accelerations there, (nv, n).
         slopes: their derivatives with respect to the velocity, (nv, n, nv).
     """
-    found, slow = y.copy(), list[_Slow]()
+    found, slow, still_slow = y.copy(), list[_Slow](), toes
     for i, state in enumerate(y.T):
-        toes = [toe for toe in toes if _speed(system, state, toe) <= SLOW]
-        if not toes:
+        still_slow = [toe for toe in still_slow if _speed(system, state, toe) <= SLOW]  # one that was faster has turned
+        if not still_slow:
             break
-        slow.append(_Slow.find(system, arc, toes, state, a[:, i], slopes[:, i]))
+        slow.append(_Slow.find(system, arc, still_slow, state, a[:, i], slopes[:, i]))
     for i, each in enumerate(slow):
         rates = [_rate(t, [other.angles[toe] for other in slow if toe in other.angles]) for toe in each.angles]
         found[len(y) // 2 :, i] -= each.turning @ np.linalg.solve(each.by, each.across - each.squares * rates)
@@ -96,9 +96,9 @@ class _Slow:
 
 def _rate(t: Array, angles: Sequence[float]) -> float:
     """Returns the rate at which a direction turns, in rad/s: of a line through its first angles."""
-    if len(angles) == 1:
-        return 0.0
-    return float(Polynomial.fit(t[: len(angles)], np.unwrap(angles), 1).convert().coef[1])
+    since = t[: len(angles)] - t[: len(angles)].mean()
+    spread = float(since @ since)
+    return float(since @ np.unwrap(angles)) / spread if spread > 0.0 else 0.0
 
 
 def _speed(system: HybridSystem, state: Array, toe: str) -> float:

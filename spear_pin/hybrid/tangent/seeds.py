@@ -65,6 +65,7 @@ def seeds(system: HybridSystem, names: Sequence[str]) -> Seeds:
 
 def _everything(system: HybridSystem) -> Array:
     """Returns all numbers of a system, including zeros, in the order of `numbers`."""
+    structure.check_law(system.law)
     robot = structure.all_robot_numbers(system, mechanism_of(system.robot))
     return np.array(flatten((system.law, *structure.all_others(system).values(), *robot)), dtype=float)
 

@@ -17,6 +17,7 @@ from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import FINEST
 from spear_pin.hybrid.tangent import record
+from spear_pin.hybrid.tangent.onset import _rate
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.hybrid.tangent.section import tell_feet_apart
 from tests.solve import gaits  # noqa: F401  registers the recipes
@@ -174,3 +175,8 @@ class TestOnsetOfSlip:
         gait, expected = self.turn()
         exact = Orbit(gait.system, gait.state, ("friction",)).columns[:, -1]
         assert np.abs(expected - exact).max() <= 3e-7 * np.abs(exact).max()
+
+    def test_arcs_of_an_instant_turn_nothing(self):
+        """A toe does not get faster in them."""
+        assert [_rate(np.zeros(8), [0.3] * 8), _rate(np.arange(8.0), [0.3] * 8), _rate(np.zeros(1), [0.3])] == [0.0] * 3
+        assert _rate(np.array([1.0, 2.0, 4.0]), [3.1, 3.1 + 0.02, 3.1 + 0.06 - math.tau]) == pytest.approx(0.02)
