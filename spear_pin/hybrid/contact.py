@@ -20,7 +20,7 @@ SLIPS, RESTS = (SLIP_FORWARD, SLIP_BACKWARD, SLIP), (STICK, PINNED)
 WAYS = {2: (SLIP_FORWARD, SLIP_BACKWARD), 3: (SLIP,)}
 """Modes of a toe that slides, in the plane and in space, where it does along a direction of its own."""
 SLOW = 3e-6  # m/s: a toe in space that slides more slowly, and decelerates, is stopped
-SETTING_OUT = 1e-4  # m/s: up to this speed a toe that began to slide keeps the direction to which its velocity turns
+SETTING_OUT = 4e-5  # m/s: up to this speed a toe that began to slide keeps the direction to which its velocity turns
 
 
 @typed

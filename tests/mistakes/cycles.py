@@ -84,7 +84,7 @@ MUTATIONS = [
     *mistakes_in(
         "hybrid/contact",
         ["hybrid/tangent/test_in_space"],
-        {"a toe sets out for too long": ("SETTING_OUT = 1e-4", "SETTING_OUT = 1e-3")},
+        {"a toe sets out for too long": ("SETTING_OUT = 4e-5", "SETTING_OUT = 1e-3")},
     ),
     *mistakes_in(
         "gaits/targets",
