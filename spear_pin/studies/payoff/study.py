@@ -142,7 +142,7 @@ def study_knees(
         "stiffnesses": None if stiffnesses is None else list(stiffnesses),
         "drives": {part: asdict(drive) for part, drive in drives.items()},
         "bus": bus,
-        "settings": str(robot.settings) if robot.settings.path else None,
+        "settings": str(robot.settings),
         **gaits.asked(robot),
     }
     store = Store(path, asked)

@@ -1,5 +1,7 @@
 """Minima that are known in closed form, with multipliers, in regions where there are no values."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy
@@ -55,6 +57,16 @@ def test_multiplier_of_a_circle():
     assert end.converged and end.local.x == pytest.approx(np.array([2.0, 1.0]) / 5**0.5, abs=1e-6)
     assert end.multipliers == pytest.approx([(5**0.5 - 1.0) / 2.0], abs=1e-5)
     assert not end.at_bounds.any() and end.stationarity < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("stationarity", "reason", "balanced"),
+    [(1e-4, STUCK, True), (1.0, STUCK, False), (1.0, CONVERGED, True), (np.inf, CONVERGED, False)],
+)
+def test_multipliers_are_prices_where_they_balance_the_gradient(stationarity, reason, balanced):
+    """An infinite rest says that no multipliers were found."""
+    end = found(problem(lambda x: float(x @ x), lambda x: 2.0 * x)[0], (0.0, 0.0))
+    assert replace(end, stationarity=stationarity, reason=reason).balanced == balanced
 
 
 def test_a_curved_border_is_followed_by_long_steps():

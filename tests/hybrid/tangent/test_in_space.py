@@ -12,12 +12,18 @@ from spear_pin.errors import BadValue
 from spear_pin.gaits.measures.of_samples import Sampled
 from spear_pin.gaits.round_hopping import RoundHoppingLaw, round_hopping
 from spear_pin.gaits.sensitivity.orbit import Orbit
+from spear_pin.hybrid.arc import Arc
 from spear_pin.hybrid.batch import simulate_many
+from spear_pin.hybrid.contact import SLIP
+from spear_pin.hybrid.engines.pinocchio import Flow
+from spear_pin.hybrid.engines.sliding import LONGEST
+from spear_pin.hybrid.flow_names import flow_names
 from spear_pin.hybrid.parameters import number, with_numbers
 from spear_pin.hybrid.periodic import chart, return_map
 from spear_pin.hybrid.result import FINEST
 from spear_pin.hybrid.tangent import record
-from spear_pin.hybrid.tangent.onset import _rate
+from spear_pin.hybrid.tangent.onset import _rate, find_setting_out
+from spear_pin.hybrid.tangent.record import Recorder
 from spear_pin.hybrid.tangent.resets import NotDifferentiable
 from spear_pin.hybrid.tangent.section import tell_feet_apart
 from tests.solve import gaits  # noqa: F401  registers the recipes
@@ -168,6 +174,14 @@ class TestOnsetOfSlip:
             slopes.append((ends[0] - ends[1]) / (2.0 * h))
         return gait, (4.0 * slopes[1] - slopes[0]) / 3.0
 
+    @classmethod
+    @cache
+    def slip(cls) -> Arc:
+        """The arc in which it slides."""
+        gait = cls.turn()[0]
+        arcs = Recorder(gait.system).lap(np.concatenate(gait.state)).arcs
+        return next(arc for arc in arcs if SLIP in arc.domain.contacts)
+
     @pytest.mark.parametrize("cycles", [math.inf, 0], ids=["reference", "compiled"])
     def test_derivatives_by_friction(self, cycles, monkeypatch):
         """The reference engine has one arc where the compiled one has two."""
@@ -175,6 +189,32 @@ class TestOnsetOfSlip:
         gait, expected = self.turn()
         exact = Orbit(gait.system, gait.state, ("friction",)).columns[:, -1]
         assert np.abs(expected - exact).max() <= 3e-7 * np.abs(exact).max()
+
+    def test_both_engines_give_the_same_derivatives_of_measures(self, monkeypatch):
+        """Integrals count how the compiled engine's two arcs meet."""
+        found = []
+        for cycles in (math.inf, 0):
+            monkeypatch.setattr(record, "CYCLES", cycles)
+            found.append(Gait.load("turn_9").sensitivity(["friction"]).derivatives)
+        for name in ("period", "effort", "work", "absolute_work"):
+            assert found[1][name] == pytest.approx(found[0][name], rel=1e-7), name
+
+    @pytest.mark.parametrize(("end", "toes"), [("y", 0), ("after", 1)])
+    def test_a_toe_sets_out_if_it_gets_faster(self, end, toes):
+        gait, arc = self.turn()[0], self.slip()
+        assert len(find_setting_out(gait.system, arc, getattr(arc, end)[:, None])) == toes
+
+    @pytest.mark.parametrize("place", [0, -1])
+    def test_a_state_without_a_value_changes_no_step(self, place):
+        gait, arc = self.turn()[0], self.slip()
+        flow, y = Flow(gait.system, arc.domain, arc.held), np.pad(arc.y, (0, len(flow_names(gait.system))))
+        flow(arc.t, y)
+        flow.arrive(arc.t, y)
+        before = flow.longest
+        assert flow.sets_out and before < LONGEST
+        y[place] = np.nan
+        flow.arrive(arc.t, y)
+        assert flow.sets_out and flow.longest == before
 
     def test_arcs_of_an_instant_turn_nothing(self):
         """A toe does not get faster in them."""

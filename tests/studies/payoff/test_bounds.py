@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from spear_pin import load
-from spear_pin.errors import BadValue, NoGait, SpearError
+from spear_pin import Spring, load
+from spear_pin.errors import BadFile, BadValue, NoGait, SpearError
 from spear_pin.studies.payoff import Grid, Point, answer
 from spear_pin.studies.payoff import bounds as front
 from spear_pin.studies.payoff.bounding import FINER
@@ -19,10 +19,10 @@ SPEEDS, STIFFNESSES = (1.8, 2.0, 2.2), (20.0, 40.0, 60.0)
 
 @pytest.fixture
 def study(monkeypatch, tmp_path):
-    def run(stub, path=tmp_path / "store.jsonl", begins=Stubbed.begins, cold=(), valleys=(), **options):
+    def run(stub, path=tmp_path / "store.jsonl", begins=Stubbed.begins, cold=(), valleys=(), robot=None, **options):
         monkeypatch.setattr("spear_pin.studies.payoff.bounding.BOUNDS", Stubbed(stub, begins, cold, valleys))
         values = {"speeds": SPEEDS, "stiffnesses": STIFFNESSES, "drives": DRIVES} | options
-        return front(load("q_spear"), path, **values)
+        return front(robot or load("q_spear"), path, **values)
 
     return run
 
@@ -53,6 +53,13 @@ class TestBounds:
             starts = {start for asked, start, meshes in stub.asked if asked == point and meshes != FINER}
             assert len(starts) == 2 and starts - {None} <= set(found.grid.neighbours(point))
         assert 0.0 < found.seconds < 60.0
+
+    def test_a_study_of_a_robot_whose_file_says_something_else_is_another(self, study):
+        study(Stub())
+        robot = load("q_spear")
+        other = robot.with_model(robot.model, settings=replace(robot.settings, springs={"anterior_knee": Spring(40.0)}))
+        with pytest.raises(BadFile, match="another study, which differs in settings"):
+            study(Stub(), robot=other)
 
     def test_the_best_are_refined_and_their_stiffness_left_free(self, study):
         stub = Stub()
