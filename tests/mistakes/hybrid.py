@@ -41,10 +41,7 @@ MUTATIONS = [
                 "return math.inf if toe in self._begun",
                 "return SLOW if toe in self._begun",
             ),
-            "a toe that sets out takes long steps": (
-                "self.left = min(self.left, 2.0",
-                "self.left = max(self.left, 2.0",
-            ),
+            "a toe that sets out takes long steps": ("= min(self.left,", "= max(self.left,"),
         },
     ),
     *mistakes_in(
